@@ -19,7 +19,7 @@ import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-# google-java-format reads Java with the compiler's own parser.
+# google-java-format uses the internal parser of the Java compiler, in these packages.
 COMPILER_PACKAGES = ["api", "code", "file", "parser", "tree", "util"]
 
 
@@ -66,7 +66,7 @@ def google_java_format(root, *arguments):
             class_path,
             "com.google.googlejavaformat.java.Main",
             "--aosp",
-            "--skip-reflowing-long-strings",  # fails on escapes of surrogate pairs
+            "--skip-reflowing-long-strings",  # because it fails on escapes of surrogate pairs
             *arguments,
             f"@{files}",
         ]

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Copies what javadoc printed, without the warnings that this project does not heed.
+"""Prints the output of javadoc without the warnings that this project ignores.
 
     gradle javadoc 2>&1 | javadoc_findings.py ROOT
 
-A sentence says what a method returns and throws and what its parameters are; a tag for each of them
-is not required. Exits with 1 if another warning remains: a comment is missing or broken.
+Ignored are warnings about missing tags for results, exceptions and parameters, because a sentence
+may describe these. Exits with 1 if another warning remains: a comment is missing or broken.
 """
 
 import re
@@ -15,12 +15,12 @@ UNHEEDED = re.compile(
     r"no (@param|@return|@throws) |no @return$|no main description$|use of default constructor"
 )
 COUNT = re.compile(r"^[\d,]+ warnings?$")
-# Lines after a warning: the source line and the mark below it.
+# Number of lines that belong to a warning: the source line, and the line that marks the position.
 LINES_BELOW = 2
 
 
 def findings(lines):
-    """Yields the lines to show, each with a flag for warnings."""
+    """Yields the lines to show, each with a flag that is true for a warning."""
     skip = 0
     for line in lines:
         warning = WARNING.match(line)

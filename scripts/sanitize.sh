@@ -5,8 +5,9 @@
 #
 #     scripts/sanitize.sh
 #
-# There are two builds: address with undefined behaviour, and thread. Their output is in
-# build/reports/sanitize/. A finding of a sanitizer fails the test in which it occurred.
+# There are two builds: one with the address and the undefined-behaviour sanitizer, and one with the
+# thread sanitizer. Their output is in build/reports/sanitize/. A finding of a sanitizer fails the
+# test in which it occurred.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 reports=$root/build/reports/sanitize
@@ -17,7 +18,7 @@ say() { printf '%s\n' "reve: $*" >&2; }
 # build NAME SANITIZERS: builds the engine and the laws in build/sanitize-NAME.
 build() {
   local out=$root/build/sanitize-$1 flags="-fsanitize=$2 -fno-sanitize-recover=all -fno-omit-frame-pointer"
-  # -O1: sanitizers find the same faults, and compilation is faster.
+  # -O1, because sanitizers find the same faults as without optimisation, and compilation is faster.
   local debug=(-DCMAKE_BUILD_TYPE=Debug "-DCMAKE_C_FLAGS_DEBUG=-O1 -g1" "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1")
   cmake -S "$root/vesper-native" -B "$out/engine" -G Ninja "${debug[@]}" -DVESPER_SANITIZE="$2" &&
   cmake --build "$out/engine" -- -j"$jobs" &&
@@ -27,9 +28,10 @@ build() {
 }
 
 # run_tests NAME SANITIZERS ROOM: runs the tests of build/sanitize-NAME/ROOM and writes a JUnit
-# report. Skips tests on an OpenCL device: its driver is a compiler with threads, built without
-# sanitizers. Skips the law with a deliberate race if the sanitizer would end it before the test kit
-# does. Projects that a test builds outside the tree (new-law) take the sanitizer from CXXFLAGS.
+# report. Skips tests on an OpenCL device, because its driver contains a compiler with threads that
+# is built without sanitizers. Skips the law with a deliberate race if the sanitizer would end the
+# process before the test kit detects the race. Projects that a test builds outside the tree
+# (new-law) take the sanitizer from CXXFLAGS.
 run_tests() {
   local except='opencl|OpenCl|OnADevice|NBodyWorld'
   [ "$1" != thread ] || except+='|FailsItsCheck/threads'
@@ -53,9 +55,10 @@ check() { # NAME SANITIZERS
 
 rm -rf "$reports"
 mkdir -p "$reports"
-# Mesa, which draws for the renderer, has its own threads and is built without the sanitizer. The
-# sanitizer therefore sees Mesa's copies but not its locks. The same holds for copies and frees in
-# TBB. Code that runs on TBB's threads is checked, see vesper-native/src/thread_sanitizer.hpp.
+# Mesa, which draws for the renderer, has its own threads and is built without the sanitizer. So the
+# thread sanitizer sees Mesa's accesses to memory but not its locks, and reports races that do not
+# exist. The same holds for TBB. Code that runs on TBB's threads is checked, see
+# vesper-native/src/thread_sanitizer.hpp.
 printf '%s\n' race:libOSMesa.so called_from_lib:libtbb.so > "$reports/thread.supp"
 export TSAN_OPTIONS="suppressions=$reports/thread.supp"
 check address address,undefined

@@ -15,14 +15,15 @@
 namespace vesper {
 
 /** Sums over all pairs of bodies. The result has the same bits for any number of threads and,
- *  with portable roots, on every processor: the number of shares into which the rows are divided
- *  depends on the number of bodies only. Each share has separate sums, which are added in order. */
+ *  with portable roots, on every processor: the bodies (rows) are divided into shares, one task
+ *  each, and their number depends on the number of bodies only. Each share has separate sums, which
+ *  are added in order. */
 template <class Real>
 class AllPairs {
  public:
   explicit AllPairs(InstructionSet set = BestInstructionSet()) : set_(set) {}
 
-  /** Allocates space for this number of bodies; a share has sums for its own rows and all later
+  /** Allocates space for this number of bodies; a share keeps sums for its own rows and all later
    *  ones. */
   void Resize(uint64_t bodies) {
     packets_.resize((bodies + kSize - 1) / kSize);
@@ -31,8 +32,8 @@ class AllPairs {
     shares_.clear();
     uint64_t sums = 0;
     for (uint64_t s = 0; s < shares; ++s) {
-      // Row p is paired with count - p packets, so equal shares end where the square of the
-      // remaining fraction decreases evenly.
+      // Row p is paired with count - p packets, so the work of the rows from p on is as (count -
+      // p)^2. Shares of equal work end where this square decreases evenly.
       const double left = std::sqrt(1.0 - static_cast<double>(s) / static_cast<double>(shares));
       const uint64_t first = count - static_cast<uint64_t>(left * static_cast<double>(count));
       shares_.push_back({first, sums});
@@ -45,8 +46,8 @@ class AllPairs {
    *
    *      constant w_i sum over j of w_j (x_j - x_i) / (|x_j - x_i|^2 + softening^2)^(3/2)
    *
-   *  with its weight w and position x [m], softening [m]. One row per body, as many as in
-   *  Resize; `step` has ParallelFor as vesper::Step. */
+   *  with its weight w and position x [m], softening [m]. One row per body; the number of bodies is
+   *  that of Resize. `step` has a function ParallelFor like that of vesper::Step. */
   template <class Step>
   void Attract(const Step& step, ReciprocalRoot root, double constant, double softening,
                std::span<const Real> weight, std::span<const Vec3<Real>> position,
@@ -70,8 +71,8 @@ class AllPairs {
     });
   }
 
-  /** Returns the sum over the pairs of w_i w_j / sqrt(|x_j - x_i|^2 + softening^2). Pairs at one
-   *  place add nothing. */
+  /** Returns the sum over the pairs of w_i w_j / sqrt(|x_j - x_i|^2 + softening^2). Two bodies at
+   *  one place without softening add nothing. */
   double SumOfPotentials(double softening, std::span<const Real> weight,
                          std::span<const Vec3<Real>> position) const {
     constexpr uint64_t kWide = BodyPacket<double>::kSize;
@@ -100,8 +101,8 @@ class AllPairs {
   static constexpr Real kLeast = kSingle ? Real(0x1p-78) : Real(0x1p-600);
 
   struct Share {
-    uint64_t first;  // first row, in packets; the last is before that of the next share
-    uint64_t sums;   // offset of its sums
+    uint64_t first;  // first row, in packets; the share ends before the next one's first row
+    uint64_t sums;   // offset of the share's sums in sums_
   };
   struct Scales {
     double length, weight;  // powers of two
@@ -117,7 +118,7 @@ class AllPairs {
     return std::ldexp(1.0, exponent - own);
   }
 
-  /** Fills the packets; unused lanes of the last one have no weight and a distant place. */
+  /** Fills the packets; unused lanes of the last packet get weight 0 and a distant position. */
   Scales Pack(std::span<const Real> weight, std::span<const Vec3<Real>> position,
               double softening) {
     const uint64_t bodies = weight.size();
@@ -171,10 +172,10 @@ class AllPairs {
   }
 
   InstructionSet set_;
-  // Each call rewrites all of these.
+  // Each call overwrites all of these.
   std::vector<BodyPacket<Real>> packets_;
   std::vector<Share> shares_;
-  std::vector<SumPacket<Real>> sums_;  // in the order of shares
+  std::vector<SumPacket<Real>> sums_;  // the sums of the first share, then of the second, ...
 };
 
 }  // namespace vesper

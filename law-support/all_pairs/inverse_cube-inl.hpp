@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The power -3/2, for each Highway target that includes this file.
+// The power r^-3 = (r^2)^(-3/2), for each Highway target that includes this file.
 #if defined(VESPER_ALL_PAIRS_INVERSE_CUBE) == defined(HWY_TARGET_TOGGLE)
 #ifdef VESPER_ALL_PAIRS_INVERSE_CUBE
 #undef VESPER_ALL_PAIRS_INVERSE_CUBE
@@ -39,7 +39,7 @@ struct PortableRoot {
     return hn::Mul(hn::Mul(guess, square), p);
   }
 
-  /// The same in two steps; after the first the error is below 1.5e-6.
+  /// Does the same for f64, in two steps; after the first step the error is below 1.5e-6.
   template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
     requires std::same_as<hwy::HWY_NAMESPACE::TFromD<D>, double>
   static HWY_INLINE V InverseCube(D d, V r2) {
@@ -64,7 +64,8 @@ struct PortableRoot {
 /// Computes r^-3 from r^2 > 0 with the processor's approximation of r^-1 and a correction: the
 /// first terms of (1 - e)^(-3/2), where e is the error of the approximation's square.
 struct ApproximateRoot {
-  /// From 14 bits, two terms reduce the error to 3e-8; from 12 bits or fewer, three terms to 1e-7.
+  /// If the processor's approximation has 14 bits, two terms reduce the error to 3e-8; if 12 bits
+  /// or fewer, three terms reduce it to 1e-7.
   template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
     requires std::same_as<hwy::HWY_NAMESPACE::TFromD<D>, float>
   static HWY_INLINE V InverseCube(D d, V r2) {

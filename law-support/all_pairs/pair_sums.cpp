@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Highway includes this file once for each instruction set. This file also selects the version to
-// run, because a law is a single file that can contain only the headers of Highway.
+// run: Highway's own selection is in its shared library, which a law must not need.
 #include "all_pairs/pair_sums.hpp"
 
 #include <algorithm>
@@ -32,9 +32,9 @@ struct GroupSums {
   V x[kGroup], y[kGroup], z[kGroup];
 };
 
-/// Adds the rows [row, row + kGroup) of a packet with the lanes from `lane` on of another packet,
-/// or of the same one. In the same packet each pair occurs in both orders, and only the rows get
-/// sums.
+/// Adds the forces between the bodies [row, row + kGroup) of one packet and a vector of bodies,
+/// from `lane` on, of a later packet or of the same one. Within one packet each pair occurs in both
+/// orders, so only the rows get sums (`both` is false).
 template <class Root, bool both, class Real, class D, class V = hn::Vec<D>>
 HWY_INLINE void SumBlock(D d, const BodyPacket<Real>& rows, uint64_t row,
                          const BodyPacket<Real>& columns, uint64_t lane, V softening2,
@@ -79,8 +79,8 @@ HWY_INLINE hn::TFromD<D> FoldLanes(D d, V v) {
     return hn::GetLane(v);
   } else {
     const hn::Half<D> half;
-    // UpperHalf is found by argument-dependent lookup: for vectors with one lane, Highway has no
-    // such function.
+    // Unqualified, so that it is found by argument-dependent lookup: Highway has no UpperHalf for
+    // vectors with one lane.
     return FoldLanes(half, hn::Add(hn::LowerHalf(half, v), UpperHalf(half, v)));
   }
 }
@@ -98,8 +98,8 @@ HWY_INLINE Real SumOfPacket(const Real* lanes) {
   return FoldLanes(d, sum[0]);
 }
 
-/// Adds the rows [row, row + kGroup) of packet p with the packets [begin, end). If p is among them,
-/// it is the first.
+/// Adds the forces between the bodies [row, row + kGroup) of packet p and those of the packets
+/// [begin, end). If p is in this range, it is the first of it.
 template <class Root, class Real>
 HWY_INLINE void SumGroup(const BodyPacket<Real>* bodies, uint64_t p, uint64_t row, uint64_t begin,
                          uint64_t end, Real softening, SumPacket<Real>* sums) {
@@ -160,7 +160,7 @@ void SumPairs(ReciprocalRoot root, const BodyPacket<Real>* bodies, uint64_t rows
   }
 }
 
-/// Adds one body of packet p with all bodies after it.
+/// Returns the sum over the pairs of one body of packet p with each body after it.
 HWY_INLINE double SumPotentialsOf(const BodyPacket<double>* bodies, uint64_t p, uint64_t row,
                                   uint64_t count, double softening2) {
   constexpr uint64_t kSize = BodyPacket<double>::kSize;
@@ -175,7 +175,7 @@ HWY_INLINE double SumPotentialsOf(const BodyPacket<double>* bodies, uint64_t p, 
       const auto dz = hn::Sub(hn::Load(d, bodies[q].z + lane), hn::Set(d, own.z[row]));
       const auto r2 = Fused(d, dx, dx, Fused(d, dy, dy, Fused(d, dz, dz, hn::Set(d, softening2))));
       const auto potential = hn::Div(hn::Load(d, bodies[q].weight + lane), hn::Sqrt(r2));
-      // In its own packet the body is paired only with the bodies after it.
+      // In its own packet, a body is paired only with the bodies behind it.
       const auto first = hn::Set(d, q == p ? static_cast<double>(row + 1) : 0.0);
       const auto none =
           hn::Or(hn::Lt(hn::Iota(d, static_cast<double>(lane)), first), hn::Eq(r2, hn::Zero(d)));
@@ -203,7 +203,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace vesper {
 
-// Calls the function compiled for the instruction set.
+// Calls the function that was compiled for this instruction set.
 #if HWY_ARCH_X86_64
 #define VESPER_DISPATCH(set, function)                 \
   ((set) == InstructionSet::kAvx512 ? N_AVX3::function \

@@ -25,7 +25,7 @@ struct alignas(64) SumPacket {
 /// Method to compute 1/r of a pair.
 enum class ReciprocalRoot {
   kPortable,     ///< by arithmetic that gives the same bits on every processor
-  kApproximate,  ///< from the processor's approximation, corrected: as accurate and faster, but
+  kApproximate,  ///< from the processor's approximation, corrected: as accurate and faster, but the
                  ///< bits depend on the processor
 };
 

@@ -44,8 +44,8 @@ struct Api {
 
 class Device;
 
-/** Memory on the device; grows, never shrinks. Not copyable, not movable; destroyed before its
- *  device. */
+/** Memory on the device; it grows when needed, and never shrinks. Not copyable, not movable;
+ *  destroyed before its device. */
 class Buffer {
  public:
   explicit Buffer(Device& device) : device_(device) {}
@@ -66,7 +66,7 @@ class Buffer {
   size_t capacity_ = 0;
 };
 
-/** A compiled kernel, callable like a function. */
+/** A compiled kernel; calling the object enqueues it. */
 class Kernel {
  public:
   Kernel(Device& device, cl_kernel kernel) : device_(device), kernel_(kernel) {}
@@ -106,7 +106,7 @@ class Device {
  public:
   /** Opens the device whose number (over all platforms, from 0) is in the environment variable
    *  VESPER_OPENCL_DEVICE. Without the variable, opens the first GPU, or else the first device.
-   *  The choice depends on the machine, so it is not a parameter of a law. */
+   *  The variable is not a parameter of a law, because device numbers differ between machines. */
   Device();
   ~Device();
   Device(const Device&) = delete;

@@ -45,7 +45,7 @@ struct OpenClGravitation {
     suite_->position.Take(position);
   }
   void Advance(const Step&) {
-    suite_->device.Finish();  // enqueue at most one step ahead of the device
+    suite_->device.Finish();  // so that the host is at most one step ahead of the device
     suite_->force.Overwrite(force);
     const uint32_t width = suite_->Width<Real>();
     (*forces_)((position.size() + width - 1) / width, suite_->position.buffer(),
@@ -68,7 +68,7 @@ struct OpenClGravitation {
 
  private:
   cl_uint Count() const { return static_cast<cl_uint>(position.size()); }
-  /** Returns the constant; 0 in a world without its one row. */
+  /** Returns the gravitational constant; 0 if the kind `world` has no row. */
   Real Constant() const { return constant.size() == 0 ? 0 : constant[0]; }
   Real Softening() const { return softening.size() == 0 ? 0 : softening[0]; }
 

@@ -35,7 +35,7 @@ struct OpenClMotion {
   }
   void Advance(const Step& step) {
     if (step.stage == 0) return;
-    suite_->device.Finish();  // enqueue at most one step ahead of the device
+    suite_->device.Finish();  // so that the host is at most one step ahead of the device
     (*move_)(position.size(), suite_->mass.buffer(), suite_->force.buffer(),
              suite_->velocity.buffer(), suite_->position.buffer(),
              static_cast<cl_uint>(position.size()), static_cast<Real>(step.dt));

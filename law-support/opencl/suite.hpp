@@ -10,7 +10,8 @@
 namespace vesper::opencl {
 
 /** A column on the device, (rows x components) as on the host, with the version of the host's
- *  array from which it was copied. Writes by the suite's own laws do not change that version. */
+ *  array from which it was copied. The suite's own laws write to the device only, so they do not
+ *  change that version. */
 class DeviceColumn {
  public:
   explicit DeviceColumn(Device& device) : buffer_(device) {}
@@ -22,8 +23,8 @@ class DeviceColumn {
     buffer_.Upload(column.data(), column.size() * sizeof *column.data());
     version_ = column.version();
   }
-  /** Makes room for a kernel that writes all rows; from then on the copy is valid and the array
-   *  stale. */
+  /** Makes room for a kernel that writes all rows. From now on the data on the device is valid and
+   *  the host's array is out of date. */
   template <class Column>
   void Overwrite(const Column& column) {
     buffer_.Reserve(column.size() * sizeof *column.data());
@@ -50,7 +51,7 @@ class Suite {
   std::unique_ptr<Kernel> Compile(const char* kernel, bool fast = false) {
     return Compile(kernel, sizeof(Real), fast);
   }
-  /** Returns the number of bodies per work item of gravitation. */
+  /** Returns how many bodies a work item of the gravitation kernel handles. */
   template <class Real>
   uint32_t Width() const {
     return Width(sizeof(Real));

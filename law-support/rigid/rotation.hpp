@@ -55,14 +55,14 @@ struct Quaternion {
 };
 
 /** Returns the rotation by twice the vector `half` [rad]. The tangent of the half angle is
- *  computed by its Pade approximant of order [3/2], accurate to 1e-7 up to 0.5 rad, because the
- *  bits of libm functions differ between machines. */
+ *  computed by its Pade approximant of order [3/2], accurate to 1e-7 up to 0.5 rad, instead of a
+ *  libm function, whose bits differ between machines. */
 inline Quaternion RotationBy(const Vector& half) {
   const double square = Dot(half, half);
   return Quaternion{half * (15 - square), 15 - 6 * square}.Normalised();
 }
 
-/** Rotates about one of the body's axes by its momentum about that axis times
+/** Rotates q about one of the body's own axes; the angle is the momentum about this axis times
  *  `angle_per_momentum`. */
 inline Quaternion TurnAboutOwnAxis(const Quaternion& q, const Vector& momentum, int axis,
                                    double angle_per_momentum) {
@@ -74,9 +74,10 @@ inline Quaternion TurnAboutOwnAxis(const Quaternion& q, const Vector& momentum, 
   return q * RotationBy(turn);
 }
 
-/** Returns the rotation of a free body after `dt` as a product of exact rotations: about the
- * angular momentum, as a sphere of the middle moment rotates, and about the two other axes by the
- *  differences. With two equal moments one of these is zero, and the product is exact. */
+/** Returns the rotation of a free body after `dt` as a product of exact rotations: one about the
+ * angular momentum, as if all moments were the middle one, and one about each axis of the lowest
+ * and the highest moment, for the difference from the middle one. If two moments are equal, one
+ * difference is zero, and the product is exact. */
 inline Quaternion Drift(Quaternion q, const Vector& momentum, const std::array<double, 3>& moments,
                         double dt) {
   std::array<int, 3> axis = {0, 1, 2};

@@ -45,7 +45,7 @@ constexpr std::array<std::array<uint32_t, 2>, 30> Edges() {
   for (const auto& face : kFaces) {
     for (size_t i = 0; i < 3; ++i) {
       const uint32_t a = face[i], b = face[(i + 1) % 3];
-      if (a < b) edges[count++] = {a, b};  // otherwise the adjacent face adds the edge
+      if (a < b) edges[count++] = {a, b};  // otherwise the neighbouring face adds this edge
     }
   }
   return edges;

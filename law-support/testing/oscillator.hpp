@@ -23,7 +23,7 @@ struct Oscillator {
 
   double Strain() const { return double{scene.position[3]}; }
   double Energy() const { return scene.KineticEnergy() + 0.5 * 100 * Strain() * Strain(); }
-  /// Returns the strain [m] of the undamped motion.
+  /// Returns the spring's strain [m] at a time, for the motion without damping.
   static double ExactStrain(double time) { return 0.5 * std::cos(5 * time); }
 
   Scene<Real> scene;
@@ -38,7 +38,7 @@ struct Oscillator {
   }
 };
 
-/// Returns the maximum rounding error of the strain [m] after so many steps. Each step rounds a
+/// Returns the maximum rounding error of the strain [m] after `steps` steps. Each step rounds a
 /// position of 0.5 m, a velocity of 2.5 m/s (from a strain of 0.5 m), and a length of 2.5 m, whose
 /// force acts for dt^2 only; dt is at most 0.1 s.
 template <class Real>
@@ -59,7 +59,7 @@ std::vector<uint32_t> StepsAboveRounding(std::vector<uint32_t> in_f32,
   return std::is_same_v<Real, float> ? in_f32 : in_f64;
 }
 
-/// Returns the error of the strain after one second in so many steps.
+/// Returns the error of the strain after one second that is divided into `steps` steps.
 template <class Real>
 double ErrorAfterOneSecond(const std::string& integrator, uint32_t steps) {
   Oscillator<Real> oscillator(integrator);
@@ -72,7 +72,7 @@ struct Convergence {
   double rounding;  // maximum effect of rounding on the order
 };
 
-/// Measures the order from so many steps per second to twice as many.
+/// Measures the order by comparing the errors of this many steps per second and of twice as many.
 template <class Real>
 Convergence MeasureConvergence(const std::string& integrator, uint32_t steps) {
   const double coarse = ErrorAfterOneSecond<Real>(integrator, steps);

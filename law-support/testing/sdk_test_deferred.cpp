@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two laws that share a copy of the velocities, like laws on a device.
+// Two laws that share a copy of the velocities, as laws that compute on a GPU do.
 #include <vector>
 
 #include "vesper/law.hpp"

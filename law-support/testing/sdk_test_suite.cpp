@@ -24,8 +24,8 @@ struct Pusher {
   Parameter push{"push", "Force.", units::newton, 2, -100, 100};
   Parameter charge_push{
       "chargePush", "Force per coulomb.", {{1, 1, -3, -1, 0, 0, 0}, 0, 1, "N/C"}, 0.5, 0, 1};
-  /** Place of the exception: 0 none, 1 Bind, 2 Advance, 3 ParallelFor, 4 Advance, not a
-   *  std::exception, 5 Join. */
+  /** Function that throws: 0 none, 1 Bind, 2 Advance, 3 ParallelFor, 4 Advance (not a
+   *  std::exception), 5 Join. */
   Parameter throw_in{"throwIn", "Where to throw.", units::one, 0, 0, 5};
 
   OptionalRead<Real> charge{"charge", "body", units::coulomb};

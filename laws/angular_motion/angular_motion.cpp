@@ -9,11 +9,11 @@ namespace {
 using namespace vesper;
 using namespace vesper::rigid;
 
-// Bodies per chunk of a thread: about half a megabyte of columns.
+// Bodies per chunk of a thread; a chunk's columns fill about half a megabyte.
 constexpr uint64_t kGrain = 4096;
 
 /** Euler's equations of a rigid body: the torque changes the angular velocity, then the body
- *  rotates freely for a step. */
+ *  rotates for a step without torque. */
 template <class Real>
 struct AngularMotion {
   static constexpr auto kName = "angular_motion", kVersion = "1.0.0";
@@ -43,7 +43,7 @@ struct AngularMotion {
     });
   }
 
-  /** Rotates a body with three equal moments, a special case of Turn. */
+  /** Rotates a body with three equal moments of inertia, a simpler case of Turn. */
   void TurnBall(uint64_t i, double moment, double dt) const {
     const Vector spin = Wide(angular_velocity[i]) + Wide(torque[i]) * (dt / moment);
     angular_velocity[i] = Narrow<Real>(spin);
@@ -53,7 +53,7 @@ struct AngularMotion {
 
   void Turn(uint64_t i, const std::array<double, 3>& moments, double dt) const {
     Quaternion q = Quaternion::Load(orientation[i]).Normalised();
-    // Angular momentum in the world frame, which free motion conserves.
+    // Angular momentum in the world frame, which is constant without torque.
     const Vector spin = q.Inverse().Rotate(Wide(angular_velocity[i]));
     const Vector momentum =
         q.Rotate({spin.x * moments[0], spin.y * moments[1], spin.z * moments[2]}) +

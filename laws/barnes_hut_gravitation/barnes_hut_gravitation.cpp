@@ -34,7 +34,7 @@ class BarnesHutGravitation {
   }
 
   void Advance(const Step& step) {
-    if (gravitational_constant_.size() == 0) return;  // a world without its one row
+    if (gravitational_constant_.size() == 0) return;  // the kind `world` has no row
     const auto parallel = [&](uint64_t count, uint64_t grain, auto&& body) {
       step.ParallelFor(count, grain, body);
     };
@@ -52,8 +52,8 @@ class BarnesHutGravitation {
     });
   }
 
-  /** Returns the sum of -G m m' / sqrt(r^2 + softening^2) over the pairs; for cells, only their
-   *  mass is used. */
+  /** Returns the sum of -G m m' / sqrt(r^2 + softening^2) over the pairs. A cell counts as a point
+   *  with its mass. */
   double PotentialEnergy() {
     if (gravitational_constant_.size() == 0) return 0;
     const double g = double{gravitational_constant_[0]};
@@ -76,10 +76,11 @@ class BarnesHutGravitation {
  private:
   // Maximum number of bodies in a leaf cell.
   static constexpr uint32_t kLeaf = 16;
-  // Length of the interaction lists; full lists are evaluated.
+  // Capacity of the interaction lists; a list is evaluated when it is full.
   static constexpr uint32_t kList = 512;
 
-  /** Returns true if the sum over all pairs is faster than the tree; the limits are measured. */
+  /** Returns true if the sum over all pairs is faster than the tree; measurements gave the limits.
+   *  */
   bool FewBodies() const {
     constexpr double kFew = std::is_same_v<Real, float> ? 2900 : 1600;
     return static_cast<double>(position_.size()) * theta_.value() <= kFew;
@@ -113,7 +114,8 @@ class BarnesHutGravitation {
   }
   Real Theta2() const { return Real(theta_) * Real(theta_); }
 
-  /** Computes the forces on bodies [first, last) of the sorted order, at most kGroup. */
+  /** Computes the forces on the bodies [first, last) of the order along the Hilbert curve, at most
+   *  kGroup. */
   void Pull(uint64_t first, uint64_t last) const {
     Targets<Real> targets;
     Box<Real> box;
@@ -181,8 +183,8 @@ class BarnesHutGravitation {
     add_bodies();
   }
 
-  /** Returns the sum of m_j / sqrt(d^2 + softening^2) at the k-th body of the sorted order,
-   *  without the body itself, in the units of the tree. */
+  /** Returns the sum of m_j / sqrt(d^2 + softening^2) over all bodies except k, at the k-th body of
+   *  the order along the Hilbert curve, in the units of the tree. */
   double Potential(uint64_t k) const {
     const Vec3<Real> at = tree_.sources()[k].position;
     const double softening2 = Softening2();
@@ -224,7 +226,7 @@ class BarnesHutGravitation {
 
   const Interactions<Real> simd_ = AvailableInteractions<Real>().front();
   const Interactions<float> simd_single_ = AvailableInteractions<float>().front();
-  // Each call of Advance and PotentialEnergy rebuilds these.
+  // Advance and PotentialEnergy rebuild these in each call.
   AllPairs<Real> pairs_;
   Octree<Real> tree_;
 };

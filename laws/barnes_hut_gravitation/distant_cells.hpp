@@ -13,20 +13,19 @@
 
 namespace vesper::barnes_hut {
 
-/// Sum over cells for a group in double. It computes in single precision about the group's centre,
-/// which is twice as fast. The rounding, at most 1e-6 of a cell's attraction, is far below the
-/// truncation error of the cell's expansion.
+/// Sum over distant cells for a group of bodies in double. The sum is computed in single precision
+/// relative to the group's centre, which is twice as fast. The rounding error, at most 1e-6 of a
+/// cell's attraction, is far below the truncation error of the cell's expansion.
 class DistantCells {
  public:
-  /// Creates the sum for a group that fills `box` and must outlive this object; results are added
-  /// to its sums. softening2 [tree's length^2].
+  /// Creates the sum for the group `targets` that fills `box`. The group must outlive this object,
+  /// which adds results to the group's sums. softening2 [tree's length^2].
   DistantCells(const Interactions<float>& simd, Targets<double>& targets, const Box<double>& box,
                double softening2)
       : simd_(simd),
         targets_(targets),
         centre_((box.low + box.high) * 0.5),
-        // At shorter distances, differences of rounded positions are too inexact or leave the range
-        // of float.
+        // At shorter distances, differences of positions in float are too inexact or underflow.
         nearest2_(std::max(box.FarthestSquare(centre_) / 16, 0x1p-40)),
         softening2_(std::max(static_cast<float>(softening2), kLeastSoftening2<float>)) {
     for (uint32_t lane = 0; lane < kGroup; ++lane) {
@@ -37,7 +36,8 @@ class DistantCells {
     std::iota(list_.begin(), list_.end(), 0);
   }
 
-  /// Returns true if a cell at this squared distance from the box is far enough.
+  /// Returns true if a cell at this squared distance from the box is far enough for single
+  /// precision.
   bool Takes(double distance2) const { return distance2 >= nearest2_; }
 
   void Add(const Multipole<double>& cell) {
@@ -55,8 +55,8 @@ class DistantCells {
     if (count_ == kList) Flush();
   }
 
-  /// Adds the attraction of the last cells to the sums of the group in double, so that rounding
-  /// errors do not accumulate.
+  /// Adds the attraction of the cells since the last flush to the sums of the group, in double, so
+  /// that rounding errors do not accumulate.
   void Flush() {
     std::fill_n(single_.ax, kGroup, 0.0f);
     std::fill_n(single_.ay, kGroup, 0.0f);

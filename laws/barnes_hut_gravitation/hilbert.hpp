@@ -8,17 +8,17 @@
 
 namespace vesper::barnes_hut {
 
-/// Bits of a coordinate per axis.
+/// Bits of a coordinate per axis: the grid has 2^kHilbertLevels cells per side.
 inline constexpr int kHilbertLevels = 21;
 
-/// The curve within one cube: the position of each octant on it, and the orientation of the curve
-/// in that octant.
+/// The curve within one cube: the position of each octant on the curve, and the orientation of the
+/// curve in that octant.
 struct HilbertStep {
   uint8_t place, state;
 };
 
-/// A table for the 24 orientations of the curve in a cube and each octant. C. Hamilton and A.
-/// Rau-Chaplin, Compact Hilbert indices, Inf. Process. Lett. 105 (2008), for three dimensions.
+/// One step for each of the 24 orientations of the curve in a cube and each octant. C. Hamilton and
+/// A. Rau-Chaplin, Compact Hilbert indices, Inf. Process. Lett. 105 (2008), for three dimensions.
 inline constexpr auto kHilbertSteps = [] {
   const auto rotate = [](uint32_t bits, uint32_t by) {
     return (bits << by | bits >> (3 - by)) & 7u;
@@ -42,7 +42,7 @@ inline constexpr auto kHilbertSteps = [] {
   return steps;
 }();
 
-/// Returns a number in which every third bit is a bit of x.
+/// Returns x with two zero bits inserted before each bit, so every third bit is a bit of x.
 constexpr uint64_t Spread(uint64_t x) {
   x = (x | x << 32) & 0x001f00000000ffff;
   x = (x | x << 16) & 0x001f0000ff0000ff;
@@ -53,7 +53,8 @@ constexpr uint64_t Spread(uint64_t x) {
 }
 
 /// Returns the position of the cell (x, y, z) on the curve through a grid of 2^21 cells per side.
-/// Every three bits, from the highest on, select an octant; consecutive cells touch.
+/// Each group of three bits, from the highest on, selects an octant; consecutive cells share a
+/// face.
 inline uint64_t HilbertPlace(uint64_t x, uint64_t y, uint64_t z) {
   const uint64_t octants = Spread(x) << 2 | Spread(y) << 1 | Spread(z);
   uint64_t place = 0;

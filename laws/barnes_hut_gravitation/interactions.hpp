@@ -14,8 +14,8 @@ inline constexpr uint32_t kGroup = 64;
 
 /// All values below are in the units of the tree, see Scales.
 
-/// Minimum of softening squared: bodies at one place then attract with 0, not with 0 times
-/// infinity.
+/// Minimum of softening squared: two bodies at one place then attract with the force 0, not with 0
+/// times infinity.
 template <class Real>
 inline constexpr Real kLeastSoftening2 = sizeof(Real) == 4 ? Real(0x1p-82) : Real(0x1p-600);
 
@@ -26,16 +26,16 @@ struct Source {
   Real mass;
 };
 
-/// A cell as a source of force: its mass, and the distribution of the mass about its centre.
+/// A cell as a source of force: its mass, and the second moments of the mass about its centre.
 template <class Real>
 struct Multipole {
   Vec3<Real> centre;  // centre of mass
   Real mass;
-  Real xx, xy, xz, yy, yz, zz;  // 3 sum m_i x_i x_j / mass, x relative to the centre
+  Real xx, xy, xz, yy, yz, zz;  // 3 sum m_i x_i x_j / mass of the cell; x relative to the centre
   Real trace;                   // xx + yy + zz
 };
 
-/// Sources [first, first + count), adjacent in the sorted order.
+/// Sources [first, first + count), adjacent in the order along the Hilbert curve.
 struct Run {
   uint32_t first, count;
 };
@@ -47,8 +47,8 @@ struct Targets {
   alignas(64) Real ax[kGroup], ay[kGroup], az[kGroup];  // sums of m d / r^3
 };
 
-/// The inner loops for one instruction set. Each target has its own lane and sums in the order of
-/// the lists. Every set uses the same operations, so all give the same bits.
+/// The inner loops for one instruction set. Each target body has its own lane, which adds sources
+/// in the order of the lists. Every set uses the same operations, so all give the same bits.
 template <class Real>
 struct Interactions {
   const char* instruction_set;
@@ -56,7 +56,7 @@ struct Interactions {
   /// softening2 must be at least kLeastSoftening2.
   void (*add_bodies)(Targets<Real>&, const Source<Real>* sources, const Run* runs, uint32_t count,
                      Real softening2);
-  /// Adds the attraction of cells, to second order in their size.
+  /// Adds the attraction of cells, to second order in the cells' size.
   void (*add_cells)(Targets<Real>&, const Multipole<Real>* cells, const uint32_t* list,
                     uint32_t count, Real softening2);
 };

@@ -60,8 +60,8 @@ template <class Real>
 struct Cell {
   Vec3<Real> centre;      // centre of mass
   Real reach2;            // squared radius of a ball that contains all of its bodies
-  uint32_t first, count;  // its bodies in the sorted order
-  uint32_t next;          // index of the cell after its descendants
+  uint32_t first, count;  // range of its bodies in the order along the Hilbert curve
+  uint32_t next;          // index of the next cell that is not a descendant
 };
 
 /// The cells of the tree in traversal order, parents before children, in scaled units. Memory grows
@@ -69,9 +69,9 @@ struct Cell {
 template <class Real>
 class Octree {
  public:
-  /// Sorts the bodies along the Hilbert curve, and splits them into cells until each contains at
-  /// most `leaf_size` bodies, or bodies at one point. The result does not depend on `parallel` (see
-  /// RadixSort).
+  /// Sorts the bodies along the Hilbert curve, and splits them into cells until each leaf contains
+  /// at most `leaf_size` bodies, or only bodies at one point. The result does not depend on
+  /// `parallel` (see RadixSort).
   template <class Parallel>
   void Build(const Parallel& parallel, std::span<const Vec3<Real>> position,
              std::span<const Real> mass, uint32_t leaf_size);
@@ -79,14 +79,14 @@ class Octree {
   const Scales& scales() const { return scales_; }
   const std::vector<Cell<Real>>& cells() const { return cells_; }
   const std::vector<Multipole<Real>>& multipoles() const { return multipoles_; }
-  /// Returns the bodies in the sorted order.
+  /// Returns the bodies in the order along the Hilbert curve.
   const std::vector<Source<Real>>& sources() const { return sources_; }
-  /// Returns the row of the k-th body of the sorted order.
+  /// Returns the row of the k-th body of the order along the Hilbert curve.
   uint32_t Row(uint64_t k) const { return items_[k].row; }
 
-  /// Traverses cells until they are small as seen from everywhere in the box: reach <= theta *
-  /// distance. Calls far(cell index, distance^2) for those, and near(run of bodies) for leaves that
-  /// are too close or contain one body.
+  /// Descends the tree until each cell is small as seen from everywhere in the box: reach <= theta
+  /// * distance. Calls far(cell index, distance^2) for these cells, and near(run of bodies) for
+  /// leaves that are too close or contain one body.
   template <class Far, class Near>
   void Walk(const Box<Real>& from, Real theta2, const Far& far, const Near& near) const {
     for (uint32_t c = 0; c < cells_.size();) {
@@ -223,8 +223,9 @@ Box<Real> Octree<Real>::Bounds(const Parallel& parallel, std::span<const Vec3<Re
   return all;
 }
 
-/// Appends the cell of items [first, last) and its descendants. Items with equal keys get new keys
-/// within their own bounding box, so a distant outlier costs a sort but no accuracy.
+/// Appends the cell of items [first, last) and its descendants. Items with equal keys are sorted
+/// again with keys from their own bounding box. So a distant outlier, which makes the first keys
+/// coarse, costs time but no accuracy.
 template <class Real>
 template <class Parallel>
 void Octree<Real>::Cut(const Parallel& parallel, std::span<const Vec3<Real>> position,
@@ -281,7 +282,7 @@ void Octree<Real>::Weigh(const Parallel& parallel) {
   }
 }
 
-/// Adds a mass at distance d from the common centre.
+/// Adds a mass at distance d from the common centre of mass.
 template <class Real>
 void AddSpread(Multipole<Real>& whole, Vec3<Real> d, Real weight) {
   whole.xx += weight * d.x * d.x;
@@ -302,7 +303,7 @@ void Octree<Real>::WeighLeaf(uint32_t c) {
     whole.mass += body.mass;
     box.Include(body.position);
   }
-  // Relative to a body, so that rounding depends on the size of the cell, not on its position.
+  // Positions relative to a body: rounding then depends on the cell's size, not on its position.
   const Vec3<Real> origin = bodies[0].position;
   const Real each = whole.mass > 0 ? 1 / whole.mass : 0;
   for (const Source<Real>& body : bodies) {

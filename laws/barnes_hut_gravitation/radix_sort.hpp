@@ -20,8 +20,8 @@ struct Keyed {
 /// Radix sort, least significant digit first, 8 bits at a time. Its memory is reused.
 class RadixSort {
  public:
-  /// Sorts items. `parallel(count, grain, body)` calls body(begin, end) for ranges of `grain` that
-  /// cover [0, count). Rows with equal keys keep their order.
+  /// Sorts items. `parallel(count, grain, body)` calls body(begin, end) for ranges of `grain` items
+  /// that cover [0, count). Rows with equal keys keep their order.
   template <class Parallel>
   void operator()(const Parallel& parallel, std::span<Keyed> items) {
     if (spare_.size() < items.size()) spare_.resize(items.size());
@@ -54,7 +54,8 @@ class RadixSort {
     });
   }
 
-  /// Converts counts to offsets. Returns false if all items have the same digit.
+  /// Converts the counts of each digit to offsets in the result. Returns false if all items have
+  /// the same digit.
   bool MakeOffsets(uint64_t items) {
     uint32_t place = 0;
     bool moves = true;

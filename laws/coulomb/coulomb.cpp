@@ -5,7 +5,7 @@ namespace {
 
 using namespace vesper;
 
-/** Coulomb's law between all pairs of charges, with the softening of gravitation. */
+/** Coulomb's law between all pairs of charges, with Plummer softening as in gravitation. */
 template <class Real>
 struct Coulomb {
   static constexpr auto kName = "coulomb", kVersion = "1.0.0";
@@ -29,7 +29,7 @@ struct Coulomb {
   void Bind() { pairs_.Resize(charge.size()); }
 
   void Advance(const Step& step) {
-    if (coulomb_constant.size() == 0) return;  // a world without its one row
+    if (coulomb_constant.size() == 0) return;  // the kind `world` has no row
     const auto root = fast.value() > 0 ? ReciprocalRoot::kApproximate : ReciprocalRoot::kPortable;
     pairs_.Attract(step, root, -double{coulomb_constant[0]}, Softening(), charge, position, force);
   }

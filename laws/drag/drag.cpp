@@ -5,10 +5,10 @@ namespace {
 
 using namespace vesper;
 
-// Bodies per chunk of a thread: about half a megabyte of columns.
+// Bodies per chunk of a thread; a chunk's columns fill about half a megabyte.
 constexpr uint64_t kGrain = 16384;
 
-/** Drag of a medium at rest: F = -(c1 + c2 |v|) v. */
+/** Drag in a medium at rest, linear and quadratic in the speed: F = -(c1 + c2 |v|) v. */
 template <class Real>
 struct Drag {
   static constexpr auto kName = "drag", kVersion = "1.0.0";

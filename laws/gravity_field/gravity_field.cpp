@@ -5,7 +5,7 @@ namespace {
 
 using namespace vesper;
 
-// Bodies per chunk of a thread: about half a megabyte of columns.
+// Bodies per chunk of a thread; a chunk's columns fill about half a megabyte.
 constexpr uint64_t kGrain = 16384;
 
 /** A uniform gravitational field: F = m g. */
@@ -24,14 +24,14 @@ struct GravityField {
   auto Properties() { return std::tie(gravity, mass, position, force); }
 
   void Advance(const Step& step) {
-    if (gravity.size() == 0) return;  // a world without its one row has no field
+    if (gravity.size() == 0) return;  // the kind `world` has no row: no field
     const Vec3<Real> g = gravity[0];
     step.ParallelFor(mass.size(), kGrain, [&](uint64_t begin, uint64_t end) {
       for (uint64_t i = begin; i < end; ++i) force[i] += mass[i] * g;
     });
   }
 
-  /** Returns minus the sum of m g.x, which is zero for a body at the origin. */
+  /** Returns minus the sum of m g.x: the potential energy is zero at the origin. */
   double PotentialEnergy() const {
     if (gravity.size() == 0) return 0;
     double energy = 0;

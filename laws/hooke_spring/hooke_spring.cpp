@@ -15,19 +15,20 @@ namespace {
 using namespace vesper;
 using namespace vesper::hooke_spring;
 
-// Rows that a thread compares per chunk.
+// Rows per chunk of a thread while copies are compared with columns.
 constexpr uint64_t kGrain = 16384;
-// Maximum number of concurrent threads, and thus of workspaces for the largest tile.
+// Maximum number of concurrent threads; each needs a workspace for the largest tile.
 constexpr uint64_t kMostPlaces = 64;
-// Number of calls without an edit after which a copy of ordered columns pays off.
+// Calls without an edit of the springs after which copying columns pays off, although they are in
+// order.
 constexpr uint64_t kSettled = 16;
 constexpr uint64_t kUnknown = UINT64_MAX;
 
 /** Springs with viscous damping along their axis. The bodies are divided into tiles. For each
  *  tile, all springs attached to one of its bodies are computed, and their forces on these
  *  bodies are summed in a fixed order; other tiles compute the forces on their own bodies. If
- *  the order of the springs jumps between bodies, copies of their columns in tile order are
- *  used. Ordered columns are also copied, after a while without edits. */
+ *  consecutive springs belong to distant bodies, the law reads copies of the springs' columns in
+ *  tile order. It also copies columns in good order, after kSettled calls without edits. */
 template <class Real>
 struct HookeSpring {
   static constexpr auto kName = "hooke_spring", kVersion = "1.0.0";
@@ -68,7 +69,7 @@ struct HookeSpring {
     });
   }
 
-  /** Returns half the sum of the squared strains times their Hooke constants. */
+  /** Returns the sum over the springs of half the Hooke constant times the squared strain. */
   double PotentialEnergy() const {
     double energy = 0;
     for (uint64_t spring = 0; spring < endpoints.size(); ++spring) {
@@ -80,12 +81,12 @@ struct HookeSpring {
   }
 
  private:
-  /** The contents of a column when it was copied, by rows and by slots; empty if there is no
-   *  copy. */
+  /** A copy of a column: in the order of its rows, and in the order of the tiles' slots; empty if
+   *  the column is not copied. */
   struct Copied {
     const Real* column = nullptr;
     uint64_t version = 0;
-    bool stale = false;  // the copy may be out of date
+    bool stale = false;  // the column may have changed since
     std::vector<Real> rows;
     LargeArray<Real> slots;
   };
@@ -99,7 +100,7 @@ struct HookeSpring {
 
   void Reserve() {
     copies_ = {};
-    for (Copied& copy : copies_) {  // so that Advance allocates no memory
+    for (Copied& copy : copies_) {  // reserves memory now, because Advance must not allocate
       copy.rows.reserve(endpoints.size());
       copy.slots.reserve(tiles_.rows().size());
     }
@@ -113,7 +114,7 @@ struct HookeSpring {
     taken_ = std::make_unique<std::atomic_flag[]>(places);
   }
 
-  /** Marks the copy as possibly out of date if the version of the column has changed. */
+  /** Marks the copy as stale if the version of the column has changed. */
   template <class Column>
   void Follow(const Column& column, int place) {
     Copied& copy = copies_[place];
@@ -124,8 +125,8 @@ struct HookeSpring {
     copy.version = column.version();
   }
 
-  /** Copies the column again if it was edited. To detect this, it reads the rows in order, which
-   *  costs little compared with reads in another order. */
+  /** Copies the column again if a value in it has changed. The comparison reads the rows in order,
+   *  which costs little compared with reads in another order. */
   void Update(Copied& copy, const Step& step) {
     const uint64_t count = copy.column != nullptr ? endpoints.size() : 0;
     if (copy.rows.size() != count || Differ(copy, step)) {
@@ -151,7 +152,7 @@ struct HookeSpring {
 
   /** Adds the forces of a tile's springs to the tile's own bodies. */
   void PullAt(const Tile& tile, uint64_t place) {
-    if (tile.part_count == 0) return;  // its bodies have no reserved memory either
+    if (tile.part_count == 0) return;  // no memory is reserved for a tile without springs
     Motion<Real>* motions = motions_.get() + place * tiles_.most_bodies();
     Forces<Real>* forces = forces_.get() + place * tiles_.most_slots() / kBatch;
     compiled_.take(position.data(), velocity.data(), position.size(), nullptr, tile.first_body,
@@ -196,9 +197,11 @@ struct HookeSpring {
   std::array<Copied, 3> copies_;               // length, hooke, damping
   bool from_copies_ = false;                   // springs read the copies
   uint64_t calls_since_edit_ = 0;              // calls since the last edit of one of these columns
-  std::unique_ptr<Motion<Real>[]> motions_;    // (places x most_bodies of tiles_)
+  std::unique_ptr<Motion<Real>[]> motions_;    // (places x most_bodies of tiles_): a workspace for
+                                               // each of the concurrent threads
   std::unique_ptr<Forces<Real>[]> forces_;     // (places x most_slots / kBatch)
-  std::unique_ptr<std::atomic_flag[]> taken_;  // (places); null: no memory is reserved
+  std::unique_ptr<std::atomic_flag[]> taken_;  // (places) whether a thread uses the workspace;
+                                               // null: no memory is reserved
 };
 
 }  // namespace

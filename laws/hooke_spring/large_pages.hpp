@@ -29,7 +29,7 @@ struct LargePages {
     void* memory = std::aligned_alloc(alignment, size);
     if (memory == nullptr) throw std::bad_alloc();
     if (alignment == kPage)
-      madvise(memory, size, MADV_HUGEPAGE);  // if the request is refused,
+      madvise(memory, size, MADV_HUGEPAGE);  // if the kernel refuses,
                                              // small pages are used
     return static_cast<T*>(memory);
   }

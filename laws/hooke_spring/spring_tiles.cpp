@@ -13,14 +13,14 @@ namespace {
 constexpr uint32_t kNowhere = UINT32_MAX;
 constexpr uint64_t kUnknown = UINT64_MAX;
 // Bodies per tile: enough springs to justify a task, but few enough to stay in the second-level
-// cache. Tiles are larger if many springs would connect two tiles.
+// cache. Tiles are larger (kFewestIfFar) if many springs would connect two tiles.
 constexpr uint64_t kFewestBodies = 1024, kFewestIfFar = 2048, kMostBodies = 8192;
-// Maximum average distance between the ends of a spring [bodies] at which few springs connect
-// tiles.
+// Average distance between the two ends of a spring [bodies] up to which few springs connect tiles.
 constexpr uint64_t kNear = 128;
-// Number of tiles to aim at: enough for the processors of a desktop.
+// Number of tiles to aim at: enough for all processors of a desktop computer.
 constexpr uint64_t kTiles = 8;
-// Average distance between consecutive springs [bodies] above which reordering pays off.
+// Average distance between the bodies of consecutive springs [bodies] above which reordering pays
+// off.
 constexpr uint64_t kFar = 64;
 
 bool VisitsInOrder(std::span<const Ends> endpoints) {
@@ -38,7 +38,8 @@ bool HoldsNear(std::span<const Ends> endpoints) {
   return reach <= kNear * endpoints.size();
 }
 
-/// Returns rows sorted by their lower end; rows with the same lower end stay in order.
+/// Returns the springs' rows, sorted by the lower body of each spring; rows with equal lower bodies
+/// stay in order.
 std::vector<uint32_t> SortByLowerEnd(std::span<const Ends> endpoints, uint64_t bodies) {
   std::vector<uint32_t> next(bodies + 1, 0);
   for (const auto& [a, b] : endpoints) ++next[std::min(a, b) + 1];
@@ -107,7 +108,8 @@ void SpringTiles::Cut(std::span<const Ends> endpoints, uint64_t bodies) {
   first_rows_.resize(slots / kBatch);
 }
 
-/// Assigns the springs to tiles, and fills up the last batch of each tile.
+/// Assigns the springs to tiles, and fills up the last batch of each tile with slots that have no
+/// effect.
 void SpringTiles::Deal(std::span<const Ends> endpoints, std::span<const uint32_t> order) {
   std::vector<uint64_t> used(tiles_.size(), 0);
   const auto put = [&](uint64_t tile, uint32_t row) {
@@ -154,7 +156,7 @@ bool SpringTiles::IsFull(const Tile& tile, const Part& part) const {
          tile.body_count + part.other_count + 2 * kBatch > kMost;
 }
 
-/// Adds a batch to a part, and converts its ends to places.
+/// Adds a batch to a part, and converts the rows of its bodies to indices within the part.
 void SpringTiles::Localize(std::span<const Ends> endpoints, const Tile& tile, Part& part) {
   const auto place = [&](uint32_t body) {
     if (body - tile.first_body < tile.body_count) return body - tile.first_body;

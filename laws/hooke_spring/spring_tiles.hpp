@@ -14,15 +14,16 @@ namespace vesper::hooke_spring {
 /// Rows of the two bodies that a spring connects.
 using Ends = std::array<uint32_t, 2>;
 
-/// Springs that are computed together; the slots of a tile are a multiple of it.
+/// Springs that are computed together; the number of slots of a tile is a multiple of it.
 inline constexpr uint32_t kBatch = 16;
 /// Value in `first_rows` for a batch whose springs are not adjacent in the columns.
 inline constexpr uint32_t kScattered = UINT32_MAX;
-/// Maximum number of slots and of known bodies of a part; indices and counts have 16 bits.
+/// Maximum number of slots of a part, and of bodies that it refers to; indices and counts have 16
+/// bits.
 inline constexpr uint32_t kMost = 65536 - kBatch;
 
-/** Consecutive bodies, and all springs attached to one of them. Springs are identified by slots:
- *  a spring between two tiles has a slot in each. */
+/** Consecutive bodies, and all springs attached to one of them. A slot is the place of a spring in
+ *  a tile: a spring between two tiles has a slot in each. */
 struct Tile {
   uint32_t first_body, body_count;
   uint64_t first_slot, slot_count;
@@ -32,43 +33,48 @@ struct Tile {
 /// Springs of a tile that are processed together: all of them, unless there are very many.
 struct Part {
   uint64_t first_slot, slot_count;
-  uint64_t first_other, other_count;  // bodies of other tiles at the other ends of its springs
+  uint64_t first_other, other_count;  // range in others(): bodies of other tiles at the other ends
+                                      // of its springs
   uint64_t first_pull, first_count;   // indices into pulls and pull_counts
 };
 
-/** The tiles of a network. Each tile can process its bodies without reading other tiles. */
+/** The tiles of a network of springs. Each tile can compute the forces on its bodies without
+ *  results of other tiles. */
 class SpringTiles {
  public:
-  /** Builds the tiles. Springs are in row order if this visits the bodies approximately in
-   *  order, otherwise sorted by their lower end. In both cases the order of the springs of each
-   *  body depends on `endpoints` only. Does nothing and returns false if nothing changed.
-   *  Allocates. Throws std::length_error for more than 2^29 springs. */
+  /** Builds the tiles. Slots are in the order of the springs' rows if this visits the bodies
+   *  approximately in order; otherwise they are sorted by the lower body of each spring. In both
+   *  cases the order of the springs of each body depends on `endpoints` only. Does nothing and
+   *  returns false if the input equals that of the last build. Allocates. Throws std::length_error
+   *  for more than 2^29 springs. */
   bool Build(std::span<const Ends> endpoints, uint64_t bodies);
 
   const std::vector<Tile>& tiles() const { return tiles_; }
   const std::vector<Part>& parts() const { return parts_; }
-  /// Returns the maximum number of bodies that a part knows, own and others, and the maximum number
-  /// of slots of a part.
+  /// Returns the maximum number of bodies that a part refers to, in its tile and in others, and the
+  /// maximum number of slots of a part.
   uint64_t most_bodies() const { return most_bodies_; }
   uint64_t most_slots() const { return most_slots_; }
-  /// Returns false if the springs are sorted; consecutive slots then have distant rows.
+  /// Returns false if the slots are sorted by bodies; the rows of consecutive slots are then far
+  /// apart.
   bool in_row_order() const { return in_row_order_; }
 
-  /// (others), rows of bodies
+  /// (others), rows of the bodies in other tiles
   const std::vector<uint32_t>& others() const { return others_; }
-  /** (slots), the place of the spring's first and second end among the bodies that the part
-   *  knows: first those of the tile, then the others. Slots that only fill a batch have the same
-   *  end twice. */
+  /** (slots), the place of the spring's first and second end among the bodies that the part refers
+   *  to: first those of the tile, then the others. Slots that only fill a batch have the same end
+   *  twice. */
   const LargeArray<uint16_t>& first_ends() const { return first_ends_; }
   const LargeArray<uint16_t>& second_ends() const { return second_ends_; }
   /// (slots), rows of springs; an arbitrary row in slots that only fill a batch
   const LargeArray<uint32_t>& rows() const { return rows_; }
   /// (slots / kBatch), the row of a batch's first spring if the others follow it, else kScattered
   const LargeArray<uint32_t>& first_rows() const { return first_rows_; }
-  /** For each part and each body of the tile: the places of the slots with this body as first
-   *  end, then of those with it as second end. */
+  /** For each part and each body of the tile: the indices of the slots with this body as first end,
+   *  then of those with it as second end. */
   const LargeArray<uint16_t>& pulls() const { return pulls_; }
-  /// For each part (bodies of the tile x 2): the numbers of these slots.
+  /// For each part (bodies of the tile x 2): how many slots have the body as first and as second
+  /// end.
   const LargeArray<uint16_t>& pull_counts() const { return pull_counts_; }
 
  private:
@@ -93,7 +99,8 @@ class SpringTiles {
   LargeArray<uint16_t> first_ends_, second_ends_;
   LargeArray<uint32_t> rows_, first_rows_;
   LargeArray<uint16_t> pulls_, pull_counts_;
-  std::vector<uint32_t> place_;  // (bodies), places of the others of a part; kNowhere between parts
+  std::vector<uint32_t> place_;  // (bodies), index of another tile's body in the part that is being
+                                 // built; kNowhere between parts
 };
 
 }  // namespace vesper::hooke_spring

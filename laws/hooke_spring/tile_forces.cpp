@@ -16,8 +16,7 @@ namespace vesper::hooke_spring::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Prefetch distance [bytes]. Sequential reads are longer than a page, where the hardware prefetch
-// stops.
+// Prefetch distance [bytes]. Needed because the hardware's prefetch stops at the end of each page.
 constexpr uint64_t kAhead = 1024;
 
 /// Prefetches `count` values beyond the current position.
@@ -39,7 +38,7 @@ using Lanes = hn::CappedTag<Real, 1>;
 template <class Real>
 using V = hn::Vec<Lanes<Real>>;
 
-/// Components of one spring per lane.
+/// The three components of a vector, for one spring per lane.
 template <class Real>
 struct Axes {
   V<Real> x, y, z;
@@ -53,12 +52,12 @@ struct Stretch {
 
 #if HWY_MAX_BYTES >= 32
 
-/// The four numbers of a body.
+/// The three components of a body's position or velocity, and an unused fourth number.
 template <class Real>
 using Four = hn::CappedTag<Real, 4>;
 
-/// Transposes rows of three numbers and a fourth value to columns, within each half of the vectors
-/// in float.
+/// Transposes four rows of three numbers and an unused fourth one to columns; in float, within each
+/// half of the vectors.
 HWY_INLINE Axes<float> Transpose(V<float> a, V<float> b, V<float> c, V<float> d) {
   const Lanes<float> l;
   const auto ac = hn::InterleaveLower(l, a, c), bd = hn::InterleaveLower(l, b, d);
@@ -86,7 +85,7 @@ HWY_INLINE V<Real> Difference(const Real* values, uint16_t first, uint16_t secon
 template <bool damped>
 HWY_INLINE Stretch<float> Take(const uint16_t* a, const uint16_t* b, const Motion<float>* motions) {
   const Lanes<float> l;
-  const float* p = motions->position;  // the upper half contains the velocity
+  const float* p = motions->position;  // the upper half of the vector receives the velocity
   const auto low = Transpose(Difference(p, a[0], b[0]), Difference(p, a[1], b[1]),
                              Difference(p, a[2], b[2]), Difference(p, a[3], b[3]));
   const auto high = Transpose(Difference(p, a[4], b[4]), Difference(p, a[5], b[5]),
@@ -142,7 +141,7 @@ HWY_INLINE void Give(const Axes<double>& force, double (*forces)[4]) {
   hn::Store(hn::ConcatUpperUpper(l, z02, xy2), l, forces[3]);
 }
 
-/// Loads a row before the last one; also reads the value after its three numbers.
+/// Loads the three numbers of a row that is not the last one, and also the number behind them.
 template <class Real>
 HWY_INLINE void TakeMotion(const Vec3<Real>& position, const Vec3<Real>& velocity,
                            Motion<Real>& motion) {
@@ -177,7 +176,7 @@ void TakeMotions(const Vec3<Real>* position, const Vec3<Real>* velocity, uint64_
   }
 }
 
-/// Calls visit(pull) for the pulls from `at` to `end`, several per iteration, which is faster.
+/// Calls visit(pull) for the pulls from `at` to `end`, several per iteration for speed.
 template <class Visit>
 HWY_INLINE const uint16_t* ForEachPull(const uint16_t* at, const uint16_t* end, Visit&& visit) {
   constexpr int kRound = 4;
@@ -255,7 +254,8 @@ void SumUp(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pu
 
 #endif
 
-/// Loads the ends of the springs from a slot on; beyond the last slots, those of the last ones.
+/// Loads the bodies at the ends of the springs from a slot on; beyond the last slots, repeats the
+/// last ones.
 template <bool damped, class Real>
 HWY_INLINE Stretch<Real> TakeFrom(const TileSprings<Real>& springs, uint64_t slot,
                                   const Motion<Real>* motions) {
@@ -292,7 +292,7 @@ struct Values {
   const Real *length, *hooke, *damping;  // [m], [N/m], [N s/m]
 };
 
-/// Gathers values that are not adjacent.
+/// Gathers values from rows that are not adjacent.
 template <class Real>
 Values<Real> Collect(const TileSprings<Real>& springs, const uint32_t* rows,
                      Real (&copies)[3][kBatch]) {
@@ -303,8 +303,8 @@ Values<Real> Collect(const TileSprings<Real>& springs, const uint32_t* rows,
   return {copies[0], copies[1], copies[2]};
 }
 
-/// Returns the properties of the batch from `slot` on, in the columns or gathered in `copies`;
-/// prefetches the next ones.
+/// Returns pointers to the properties of the batch from `slot` on, in the columns or gathered into
+/// `copies`; prefetches those of the next batch.
 template <bool damped, class Real>
 HWY_INLINE Values<Real> ValuesOf(const TileSprings<Real>& springs, uint64_t slot,
                                  Real (&copies)[3][kBatch]) {
@@ -321,8 +321,9 @@ HWY_INLINE Values<Real> ValuesOf(const TileSprings<Real>& springs, uint64_t slot
   return {springs.length + row, springs.hooke + row, damped ? springs.damping + row : nullptr};
 }
 
-/** Computes the forces of springs on their first ends [N], for the springs from `first` on of
- *  their batch. A spring with coincident ends has no direction and exerts no force. */
+/** Computes the forces of springs on their first ends [N], for one vector of springs, from index
+ *  `first` of their batch on. A spring with coincident ends has no direction and exerts no force.
+ *  */
 template <bool damped, class Real>
 HWY_INLINE Axes<Real> Pull(const Measured<Real>& measured, const Values<Real>& values,
                            uint32_t first) {
@@ -341,8 +342,8 @@ HWY_INLINE Axes<Real> Pull(const Measured<Real>& measured, const Values<Real>& v
 }
 
 /** Processes springs in three dependent stages: load the ends, measure, and compute the force.
- *  To hide latencies, three groups of springs, of one spring per lane, are in the pipeline:
- *  while one is in the last stage, the next is measured and the third is loaded. */
+ *  To hide latencies, three vectors of springs are in flight: while the forces of one are computed,
+ *  the next one is measured and the third is loaded. */
 template <bool damped, class Real>
 void PullAll(TileSprings<Real> springs, const Motion<Real>* motions, Forces<Real>* forces) {
   constexpr uint32_t kLanes = hn::MaxLanes(Lanes<Real>());
@@ -382,7 +383,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace vesper::hooke_spring {
 
-// Highway's own dispatch is in a shared library, which a law must not need.
+// Selects the function by itself: Highway's own dispatch is in a shared library, which a law must
+// not need.
 template <class Real>
 std::vector<TileForces<Real>> AvailableTileForces() {
   std::vector<TileForces<Real>> available;

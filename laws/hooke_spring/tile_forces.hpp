@@ -23,14 +23,14 @@ struct alignas(64) Forces {
   Real value[kBatch][4];
 };
 
-/// The springs of one part of the work. The number of slots is rounded up to whole batches of
-/// kBatch, at least one batch. SpringTiles describes how the ends of springs are stored.
+/// The springs of one part of a tile. The number of slots is rounded up to whole batches of kBatch,
+/// at least one batch. SpringTiles describes how the ends of springs are stored.
 template <class Real>
 struct TileSprings {
   uint64_t count;
   const uint16_t *first_ends, *second_ends;
-  /// (count), rows of the springs in the columns, and (count / kBatch), first_rows; null if spring
-  /// i has row i.
+  /// (count), rows of the springs in the columns, and (count / kBatch), SpringTiles::first_rows;
+  /// both are null if spring i has row i.
   const uint32_t *rows, *first_rows;
   const Real* length;   // [m]
   const Real* hooke;    // [N/m]
@@ -47,8 +47,8 @@ struct TileForces {
                const uint32_t* rows, uint64_t first, uint64_t count, Motion<Real>* motions);
   /// Computes the force of each spring on its first end; the force on the second end is opposite.
   void (*pull)(const TileSprings<Real>& springs, const Motion<Real>* motions, Forces<Real>* forces);
-  /** Adds to each of `count` bodies the forces that `pulls` lists for it; pull_counts (count x
-   *  2): see SpringTiles. */
+  /** Adds to each of `count` bodies the forces of the slots that `pulls` lists for it; pull_counts
+   *  (count x 2) as in SpringTiles. */
   void (*sum)(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pull_counts,
               uint64_t count, Vec3<Real>* sums);
 };

@@ -5,7 +5,7 @@ namespace {
 
 using namespace vesper;
 
-// Bodies per chunk of a thread: about half a megabyte of columns.
+// Bodies per chunk of a thread; a chunk's columns fill about half a megabyte.
 constexpr uint64_t kGrain = 16384;
 
 /** Force on charges in a uniform electric and a uniform magnetic field: F = q (E + v x B). */
@@ -32,8 +32,8 @@ struct LorentzField {
     });
   }
 
-  /** Returns minus the sum of q E.x, which is zero for a charge at the origin. The magnetic
-   *  field does no work. */
+  /** Returns minus the sum of q E.x: the potential energy is zero at the origin. The magnetic field
+   *  does no work. */
   double PotentialEnergy() const {
     const Vec3<Real> e = OfTheWorld(electric);
     double energy = 0;
@@ -43,7 +43,7 @@ struct LorentzField {
     return energy;
   }
 
-  /** Returns the field; zero in a world without this property or without its one row. */
+  /** Returns the field; zero if the world lacks the property, or the kind `world` has no row. */
   static Vec3<Real> OfTheWorld(const OptionalRead<Vec3<Real>>& field) {
     return field.size() == 0 ? Vec3<Real>{} : field[0];
   }

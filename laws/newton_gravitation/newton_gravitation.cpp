@@ -30,7 +30,7 @@ struct NewtonGravitation {
   void Bind() { pairs_.Resize(mass.size()); }
 
   void Advance(const Step& step) {
-    if (gravitational_constant.size() == 0) return;  // a world without its one row
+    if (gravitational_constant.size() == 0) return;  // the kind `world` has no row
     const auto root = fast.value() > 0 ? ReciprocalRoot::kApproximate : ReciprocalRoot::kPortable;
     pairs_.Attract(step, root, double{gravitational_constant[0]}, Softening(), mass, position,
                    force);

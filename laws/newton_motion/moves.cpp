@@ -16,7 +16,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_MAX_BYTES >= 32
 
-/// Maps each component of one body per lane to the index of its body.
+/// Maps each lane of a vector of components to the index of the body that the component belongs to.
 template <class Real, size_t lanes>
 struct Owners {
   alignas(64) hwy::MakeSigned<Real> body[3 * lanes];
@@ -25,7 +25,7 @@ struct Owners {
   }
 };
 
-/// Moves one body per lane, from `row` on.
+/// Moves one body per lane, starting with row `row`.
 template <class D, class Real = hn::TFromD<D>>
 HWY_INLINE void MoveLanes(D d, const Bodies<Real>& bodies, uint64_t row, Real dt) {
   constexpr size_t kLanes = hn::MaxLanes(D());
@@ -75,7 +75,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace vesper::newton_motion {
 
-// Highway's own dispatch is in a shared library, which a law must not need.
+// Selects the function by itself: Highway's own dispatch is in a shared library, which a law must
+// not need.
 template <class Real>
 std::vector<Moves<Real>> AvailableMoves() {
   std::vector<Moves<Real>> available;

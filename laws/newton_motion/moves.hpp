@@ -22,7 +22,7 @@ struct Bodies {
 template <class Real>
 struct Moves {
   const char* instruction_set;
-  /// Moves the bodies in the rows from `begin` up to `end`; bodies of mass 0 keep their bits.
+  /// Moves the bodies in the rows from `begin` up to `end`; bodies of mass 0 do not change at all.
   void (*move)(const Bodies<Real>& bodies, uint64_t begin, uint64_t end, Real dt);
 };
 

@@ -15,7 +15,7 @@ using newton_motion::Moves;
 // thread. kVectors: chunks are a multiple of it, so that only the last one has an incomplete
 // vector.
 constexpr uint64_t kFew = 2048, kGrain = 2048, kVectors = 64;
-// Number of chunks to aim at, for the processors of a desktop.
+// Number of chunks to aim at: enough for all processors of a desktop computer.
 constexpr uint64_t kChunks = 8;
 
 uint64_t Grain(uint64_t bodies) {

@@ -9,23 +9,23 @@
 
 namespace vesper::rigid {
 
-// Rotation after which the inertia of a body in the world is computed again [rad].
+// Angle [rad] by which a body rotates before its inertia in the world frame is computed again.
 inline constexpr double kTurned = 0.02;
 
-/** A body besides its motion. */
+/** The data of a body besides its motion. */
 struct Body {
   Quaternion rotation;
   std::array<double, 3> moments;  // [kg m^2]
-  double speed;                   // of its fastest point, about [m/s]
+  double speed;                   // estimate of the speed of its fastest point [m/s]
   bool translates, rotates;
-  bool gyrates;   // its moments differ, so that its spin changes without a torque
-  bool broken;    // has values that are not finite
-  Vector turned;  // since its inertia in the world was computed [rad]
-  bool renewed;   // its inertia in the world was computed in this substep
-  bool jointed;   // its inertia in the world is computed in every substep
+  bool gyrates;   // its moments of inertia differ, so its angular velocity changes without a torque
+  bool broken;    // it has values that are not finite
+  Vector turned;  // rotation since its inertia in the world frame was computed [rad]
+  bool renewed;   // its inertia in the world frame was computed in this substep
+  bool jointed;   // it has a joint, so its inertia in the world frame is computed in every substep
 };
 
-/** Returns the inverse of the inertia of a body in the world frame. */
+/** Returns the inverse inertia tensor of a body in the world frame. */
 template <class Real>
 Symmetric<Real> InverseInertia(const Body& body) {
   const auto inverse = [&](int i) { return body.moments[i] > 0 ? 1 / body.moments[i] : 0; };
@@ -44,7 +44,7 @@ Symmetric<Real> InverseInertia(const Body& body) {
 /** Rotates a body for a time h [s]. */
 template <class Real>
 void Turn(Body& body, Motion<Real>& motion, double h) {
-  // Below this angle [rad], a rotation does not change the spin of a body without a torque.
+  // Rotation [rad] below which the change of a gyrating body's angular velocity is neglected.
   constexpr double kStill = 1e-6;
   const Vector spin = Wide(motion.spin), angle = spin * h;
   if (!body.gyrates || Dot(angle, angle) < kStill * kStill) {

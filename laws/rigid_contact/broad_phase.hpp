@@ -10,7 +10,7 @@
 
 namespace vesper::rigid {
 
-/** A box along the axes of the world. */
+/** An axis-parallel box in the world. */
 struct Bounds {
   Vector low, high;
   bool movable = false;
@@ -27,7 +27,8 @@ struct Pair {
   friend bool operator<(const Pair& x, const Pair& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; }
 };
 
-/** Finder of overlapping boxes, of which at least one is movable, in the order of their indices. */
+/** Finds the pairs of overlapping boxes of which at least one is movable, in the order of their
+ *  indices. */
 class BroadPhase {
  public:
   const std::vector<Pair>& Find(const std::vector<Bounds>& boxes) {
@@ -62,7 +63,7 @@ class BroadPhase {
 
   static double Along(const Vector& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-  /** Returns the axis along which the boxes are spread most, measured by their number per length.
+  /** Returns the axis along which the centres of the movable boxes have the largest variance.
    */
   static int WidestAxis(const std::vector<Bounds>& boxes) {
     Vector sum, squares;

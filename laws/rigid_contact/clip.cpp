@@ -6,13 +6,15 @@
 namespace vesper::rigid {
 namespace {
 
-// Cosine of the greatest angle between the normal and a face that touches as a face.
+// Cosine of the greatest angle between the contact normal and the normal of a face that touches as
+// a face.
 constexpr double kFlat = 0.985;
 
-// Sine of the greatest angle between edges that touch along their length.
+// Sine of the greatest angle between two edges that count as parallel, and touch along their
+// length.
 constexpr double kParallel = 0.02;
 
-/** A polygon that is clipped. */
+/** A polygon during clipping. */
 struct Polygon {
   static constexpr int kMost = 2 * Face::kMost;
   std::array<Vector, kMost> corners;
@@ -23,7 +25,8 @@ struct Polygon {
   }
 };
 
-/** Returns the part of a polygon on the side of a plane to which `out` does not point. */
+/** Returns the part of a polygon on the inner side of the plane through `at` with the outward
+ *  normal `out`. */
 Polygon ClipAt(const Polygon& polygon, const Vector& at, const Vector& out) {
   Polygon kept;
   for (int i = 0; i < polygon.count; ++i) {
@@ -42,7 +45,8 @@ double Area(const Vector& a, const Vector& b, const Vector& c, const Vector& nor
   return Dot(Cross(b - a, c - a), normal);
 }
 
-/** Chooses four points: the deepest, and those that span the largest area with it. */
+/** Reduces the contact to four points: the deepest one, and those that span the largest area with
+ *  it. */
 template <class Points>
 void Choose(const Points& found, int count, const Vector& normal, Manifold& manifold) {
   if (count <= Manifold::kMost) {
@@ -68,7 +72,7 @@ void Choose(const Points& found, int count, const Vector& normal, Manifold& mani
   if (Area(a, b, found[right].at, normal) < 0) manifold.Add(found[right]);
 }
 
-/** Returns the normal of a face, of length 1, or 0 if it has none. */
+/** Returns the unit normal of a face; 0 if its corners lie on a line. */
 Vector NormalOf(const Face& face) {
   if (face.count < 3) return {};
   const Vector normal = Cross(face.corners[1] - face.corners[0], face.corners[2] - face.corners[0]);
@@ -76,7 +80,8 @@ Vector NormalOf(const Face& face) {
   return length > 0 ? normal * (1 / length) : Vector{};
 }
 
-/** Adds the ends of the part where two nearly parallel edges are beside each other. */
+/** Adds two contact points: the ends of the part where two nearly parallel edges lie beside each
+ *  other. */
 void AddEdges(const Meeting& meeting, const Face& a, const Face& b, Manifold& manifold) {
   const Vector along = a.corners[1] - a.corners[0], other = b.corners[1] - b.corners[0];
   const double square = Dot(along, along), other_square = Dot(other, other);
@@ -128,8 +133,8 @@ void ClipFaces(const Meeting& meeting, Manifold& manifold) {
     if (a.count == 2 && b.count == 2) AddEdges(meeting, a, b, manifold);
     return;
   }
-  // Corners of the incident face carry the radius of their shape. A small preference keeps the
-  // reference from alternating between two parallel faces.
+  // The incident face is clipped at the sides of the other one, the reference. A small preference
+  // for the first face keeps the reference from alternating between two parallel faces.
   if (flat_a >= flat_b - 1e-3) {
     AddClipped({a, normal_a, b, meeting.b.radius, meeting.a.radius, meeting.margin}, manifold);
   } else {

@@ -10,12 +10,14 @@ namespace {
 
 constexpr int kMostIterations = 32;
 
-/** A corner of the difference of two shapes, and the points that it comes from. */
+/** A corner of the Minkowski difference of two shapes, and the two points whose difference it is.
+ *  */
 struct Corner {
   Vector w, a, b;
 };
 
-/** At most four corners and the weights of the point of their hull that is closest to the origin.
+/** Up to four corners of the Minkowski difference, and the weights of these in the point of their
+ *  hull that is closest to the origin.
  */
 struct Simplex {
   std::array<Corner, 4> corners;
@@ -84,8 +86,8 @@ void ReduceTriangle(Simplex& s) {
   s.Set({a, b, c}, {1 - v - w, v, w});
 }
 
-/** Reduces a tetrahedron to its part that is closest to the origin. Returns false if it contains
- *  the origin. */
+/** Reduces a tetrahedron to the face, edge or corner that is closest to the origin. Returns false
+ *  if it contains the origin. */
 bool ReduceTetrahedron(Simplex& s) {
   static constexpr int kFaces[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};
   const Simplex whole = s;

@@ -10,11 +10,11 @@ namespace {
 using Code = ShapeCode;
 
 // Corners and edges are rounded by this fraction of the thickness while the direction of a contact
-// is sought, which makes it well defined for shapes that overlap by less.
+// is sought, so that the direction is well defined for shapes that overlap by less.
 constexpr double kRounding = 0.05;
 
-/** Returns the separation of two shapes along a direction [m]; shapes are symmetric about their
- *  centres. */
+/** Returns the separation of two shapes along a direction [m]. Uses that all shapes are symmetric
+ *  about their centres. */
 double SeparationAlong(const Shape& a, const Shape& b, const Vector& direction) {
   return Dot(b.position - a.position, direction) - a.Reach(direction) - b.Reach(direction);
 }
@@ -50,7 +50,7 @@ Manifold CollideBoxBall(const Shape& box, const Shape& ball, double margin) {
     return manifold;
   }
   int axis = 0;
-  double depth = HUGE_VAL;  // of the centre below the nearest side
+  double depth = HUGE_VAL;  // depth of the ball's centre below the nearest side
   for (int i = 0; i < 3; ++i) {
     const double below = Component(box.half, i) - std::abs(Component(own, i));
     if (below < depth) {
@@ -64,7 +64,7 @@ Manifold CollideBoxBall(const Shape& box, const Shape& ball, double margin) {
   return manifold;
 }
 
-/** Collides an immovable plane with what is in front of it. */
+/** Collides an immovable plane with a shape in front of it. */
 Manifold CollidePlane(const Shape& plane, const Shape& other, double margin) {
   Manifold manifold;
   manifold.normal = plane.axes.y;
@@ -75,14 +75,16 @@ Manifold CollidePlane(const Shape& plane, const Shape& other, double margin) {
   return manifold;
 }
 
-/** The direction of least overlap among the axes of two boxes and their products. */
+/** The direction of least overlap among the axes of two boxes and the cross products of these axes.
+ *  */
 struct BestAxis {
   Vector normal;
   double separation = -HUGE_VAL;
-  int edge_a = -1, edge_b = -1;  // axes of the two edges, if these touch
+  int edge_a = -1, edge_b = -1;  // axes of the touching edges; -1 if a face touches
 };
 
-/** Returns the best axis of two boxes; stops if one separates them by more than the margin. */
+/** Returns the axis of least overlap of two boxes; stops early if an axis separates them by more
+ *  than the margin. */
 BestAxis SeparateBoxes(const Shape& a, const Shape& b, double margin) {
   const Vector way = b.position - a.position;
   BestAxis best{{}, -HUGE_VAL, -1, -1};
@@ -92,7 +94,8 @@ BestAxis SeparateBoxes(const Shape& a, const Shape& b, double margin) {
       const Vector& axis = box.axes[i];
       const double along = Dot(way, axis);
       const double separation = std::abs(along) - Component(box.half, i) - other.Reach(axis);
-      // A small preference keeps the face from alternating between two parallel ones.
+      // A small preference for the first face keeps the result from alternating between two
+      // parallel ones.
       if (separation > best.separation + preference) {
         best = {along < 0 ? -axis : axis, separation, -1, -1};
       }
@@ -103,7 +106,7 @@ BestAxis SeparateBoxes(const Shape& a, const Shape& b, double margin) {
   if (best.separation > margin) return best;
   faces(b, a);
   if (best.separation > margin) return best;
-  // Edges have to be clearly better than faces, which have more points.
+  // An edge direction must be clearly better than a face, which gives more contact points.
   double least = best.separation < 0 ? best.separation * 0.95 + slack : best.separation + slack;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
@@ -123,7 +126,7 @@ BestAxis SeparateBoxes(const Shape& a, const Shape& b, double margin) {
   return best;
 }
 
-/** Adds the point at which two edges of boxes cross. */
+/** Adds the contact point at which an edge of one box crosses an edge of the other. */
 void AddCrossing(const Meeting& m, const BestAxis& axis, Manifold& manifold) {
   const auto edge = [](const Shape& box, const Vector& towards, int along) {
     const Vector corner = box.Support(towards);
@@ -151,8 +154,8 @@ Manifold CollideBoxes(const Shape& a, const Shape& b, double margin) {
   return manifold;
 }
 
-/** Returns the direction of least overlap among the axes of two shapes, their products and the
- *  line between the centres, for shapes whose cores overlap. */
+/** Returns the direction of least overlap of two shapes whose cores overlap, among their axes, the
+ *  cross products of the axes, and the line between the centres. */
 Vector LeastOverlap(const Shape& a, const Shape& b) {
   Vector best{0, 1, 0};
   double most = -HUGE_VAL;
@@ -226,7 +229,7 @@ Manifold CollideInOrder(const Shape& a, const Shape& b, double margin) {
   return CollideConvex(a, b, margin);
 }
 
-/** Returns the place of a shape in a pair: planes, boxes, others, balls. */
+/** Returns the rank by which the two shapes of a pair are ordered: planes, boxes, others, balls. */
 int Rank(const Shape& shape) {
   switch (shape.code) {
     case Code::kPlane:

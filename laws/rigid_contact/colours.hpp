@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An order of contacts in which neighbours do not move the same bodies.
+// Graph colouring of contacts: contacts of one colour move different bodies.
 #pragma once
 
 #include <bit>
@@ -12,11 +12,12 @@
 namespace vesper::rigid {
 
 /** The order in which a step solves its contacts: one colour after the other. Contacts of one
- *  colour move different bodies, so they can be solved at the same time, and the result does not
- *  depend on the number of threads. */
+ *  colour move different bodies, so threads can solve them at the same time, and the result does
+ *  not depend on the number of threads. */
 class Colours {
  public:
-  // The last colour holds what fits into no other; its contacts are solved one after the other.
+  // The last colour holds the contacts that fit into no other colour; one thread solves them in
+  // order.
   static constexpr uint32_t kMost = 64;
 
   template <class Contacts>
@@ -44,11 +45,11 @@ class Colours {
 
   /** Returns the contacts in the order of their colours. */
   std::span<const uint32_t> order() const { return order_; }
-  /** Returns the index in order() at which a colour begins; for kMost, the end. */
+  /** Returns the index in order() at which a colour begins; for kMost, the number of contacts. */
   uint32_t first(uint32_t colour) const { return first_[colour]; }
 
  private:
-  std::vector<uint64_t> used_;    // (bodies) colours that move the body, as bits
+  std::vector<uint64_t> used_;    // (bodies) colours of the body's contacts, as bits
   std::vector<uint32_t> colour_;  // (contacts)
   std::vector<uint32_t> first_;   // (kMost + 1)
   std::vector<uint32_t> order_;   // (contacts)

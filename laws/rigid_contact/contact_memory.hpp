@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Impulses of the last step, in scratch columns of the engine.
+// Contact impulses of the last step, in scratch columns of the engine.
 #pragma once
 
 #include <algorithm>
@@ -10,17 +10,20 @@
 
 namespace vesper::rigid {
 
-/** The contacts that a body stores: those with larger bodies and with immovable shapes. */
+/** Maximum number of contacts that a body stores: its contacts with larger bodies and with
+ *  immovable shapes. */
 constexpr uint32_t kSlots = 8;
 
-/** Scratch of a body: the shape of the other body of each contact, plus 1; 0: no contact. */
+/** Scratch column of a body: for each contact, the index of the other shape plus 1; 0 if there is
+ *  no contact. */
 using SlotPartners = std::array<uint32_t, kSlots>;
-/** Scratch of a body: a vector for each point of each contact; 0 if there is no such point. */
+/** Scratch column of a body: a vector for each point of each contact; 0 if there is no such point.
+ *  */
 template <class Real>
 using SlotVectors = std::array<Real, kSlots * Manifold::kMost * 3>;
 
-/** The contacts of a body in the last step: the places of their points from its centre [m], and the
- *  impulses on the other body [N s], in world axes. */
+/** The contacts of a body in the last step: the positions of their points relative to its centre
+ *  [m], and the impulses on the other body [N s], in world axes. */
 template <class Real>
 struct ContactMemory {
   SlotPartners& partners;
@@ -28,9 +31,9 @@ struct ContactMemory {
   SlotVectors<Real>& impulses;
   bool is_first;  // the body is the first one of the contact
 
-  /** Gives the points of a contact the impulses and the order of the nearest points of the last
-   *  step, not farther than `reach` [m]. With another order, the same points would get slightly
-   *  different impulses, which keeps resting bodies moving. */
+  /** Matches each point of a contact with the nearest point of the last step within `reach` [m],
+   *  and takes over its impulses and the order of the points. In another order the impulses would
+   *  differ slightly in each step, and resting bodies would not come to rest. */
   void Recall(Contact<Real>& contact, uint32_t partner, Real reach) const {
     const auto found = std::find(partners.begin(), partners.end(), partner + 1);
     if (found == partners.end()) return;

@@ -40,17 +40,17 @@ inline double AngleOf(double y, double x) {
   return y < 0 ? -angle : angle;
 }
 
-/** Where a body is. */
+/** Position and rotation of a body. */
 struct Pose {
   Vector at;
   Quaternion rotation;
 };
 
-/** Up to three directions in which two bodies must not move, or turn, relative to each other. The
- *  impulses are totals of the step. */
+/** Up to three directions in which two bodies must not translate, or rotate, relative to each
+ *  other. The impulses are sums over the step. */
 class Block {
  public:
-  /** Sets orthogonal directions; all earlier impulses are kept along them. */
+  /** Sets orthogonal directions; the impulses of the step so far are projected on them. */
   void Set(const std::array<Vector, 3>& directions, int count) {
     const Vector kept = Impulse();
     directions_ = directions;
@@ -69,8 +69,8 @@ class Block {
     return sum;
   }
 
-  /** Prepares the inverse of the matrix of responses; `response(d)` is the relative velocity that
-   *  an impulse along d causes. */
+  /** Inverts the matrix of responses: `response(d)` is the relative velocity that a unit impulse
+   *  along d causes. */
   template <class Response>
   void Prepare(Response&& response) {
     double k[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -110,14 +110,15 @@ class Block {
   int count_ = 0;
 };
 
-/** What the columns of a joint say. */
+/** The properties of a joint, from its columns. */
 struct JointSettings {
   JointType type = JointType::kNone;
-  Vector anchor_a, anchor_b;                 // in the frames of the bodies [m]
-  Vector axis;                               // in the frame of the first body, of length 1
-  Quaternion rest;                           // of the second body in the frame of the first
-  double angle_low = 0, angle_high = 0;      // no limits if they are equal [rad]
-  double travel_low = 0, travel_high = 0;    // no limits if they are equal, but for a distance [m]
+  Vector anchor_a, anchor_b;                 // in the frames of the two bodies [m]
+  Vector axis;                               // unit vector in the frame of the first body
+  Quaternion rest;                           // of the second body in the first one's frame, when
+                                             // joined
+  double angle_low = 0, angle_high = 0;      // [rad]; equal: no limits
+  double travel_low = 0, travel_high = 0;    // [m]; equal: no limits, except for a distance joint
   double motor_speed = 0, motor_torque = 0;  // [rad/s], [N m]
   double drive_speed = 0, drive_force = 0;   // [m/s], [N]
 };
@@ -126,7 +127,7 @@ struct JointSettings {
 template <class Real>
 class Joint {
  public:
-  uint32_t a = kImmovable, b = kImmovable;  // kImmovable for what does not move
+  uint32_t a = kImmovable, b = kImmovable;  // rows of the bodies; kImmovable if immovable
   uint32_t row_a = 0, row_b = 0;
   JointSettings settings;
 
@@ -136,7 +137,7 @@ class Joint {
     const Vector to_a = pose_a.rotation.Rotate(settings.anchor_a);
     arm_b_ = pose_b.rotation.Rotate(settings.anchor_b);
     apart_ = pose_b.at + arm_b_ - pose_a.at - to_a;
-    // The point of the first body that is at the anchor of the second one.
+    // The joint acts on the first body at the point where the anchor of the second body is.
     arm_a_ = pose_b.at + arm_b_ - pose_a.at;
     axis_ = pose_a.rotation.Rotate(settings.axis);
     SetDirections();
@@ -168,30 +169,30 @@ class Joint {
     about_mass_ = Inverse(Dot(turning(axis_), axis_));
   }
 
-  /** Sets the impulses to begin with, those of the last step [N s], [N m s]. */
+  /** Sets the impulses of the last step as a first guess for this step [N s], [N m s]. */
   void StartWith(const Vector& impulse, const Vector& turn) {
     start_ = impulse;
     start_turn_ = turn;
   }
-  /** Takes the part of these impulses that the joint can exert. Called after Refresh. */
+  /** Projects this guess on the directions in which the joint can act. Call after Refresh. */
   void Start() {
     linear_.Start(start_);
     angular_.Start(start_turn_);
   }
-  /** Applies the impulses to begin with. */
+  /** Applies the first guess to the two bodies. */
   void ApplyStart(Motion<Real>& motion_a, Motion<Real>& motion_b) const {
     Apply(linear_.Impulse(), angular_.Impulse(), motion_a, motion_b);
   }
-  /** Returns the row of a body that moves. */
+  /** Returns the row of a movable body of the joint: the second one, if the first is immovable. */
   uint32_t MovableRow() const { return a == kImmovable ? row_b : row_a; }
 
-  /** Returns the power of the impulses that it began with, times the step [J]. */
+  /** Returns the dot product of the first guess of the impulses and the relative velocities [J]. */
   double Work(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
     return Dot(linear_.Impulse(), Relative(motion_a, motion_b)) +
            Dot(angular_.Impulse(), Turning(motion_a, motion_b));
   }
 
-  /** Reduces the impulses that it began with to a part of them. */
+  /** Scales the first guess by a factor below 1, also in the motions. */
   void Reduce(double part, Motion<Real>& motion_a, Motion<Real>& motion_b) {
     const Vector impulse = linear_.Impulse(), turn = angular_.Impulse();
     Apply(impulse * (part - 1), turn * (part - 1), motion_a, motion_b);
@@ -199,7 +200,8 @@ class Joint {
     angular_.Start(turn * part);
   }
 
-  /** Changes the impulses so that the bodies keep the joint. `push` also undoes its errors. */
+  /** Changes the impulses so that the velocities fit the joint. With `push`, also corrects position
+   *  errors. */
   void Solve(Motion<Real>& motion_a, Motion<Real>& motion_b, const SolverStep<Real>& step,
              bool push) {
     const double h = double{step.substep};
@@ -229,18 +231,18 @@ class Joint {
     }
   }
 
-  /** Returns the impulse of the step on the second body, at its anchor [N s]. */
+  /** Returns the joint's impulse of this step on the second body, at its anchor [N s]. */
   Vector Impulse() const { return linear_.Impulse() + Along() * (drive_ + low_push_ + high_push_); }
-  /** Returns the angular impulse of the step on the second body [N m s]. */
+  /** Returns the joint's angular impulse of this step on the second body [N m s]. */
   Vector Turn() const { return angular_.Impulse() + axis_ * (motor_ + low_turn_ + high_turn_); }
   double angle() const { return angle_; }
   double travel() const { return travel_; }
 
  private:
-  // Part of an error that a substep undoes.
+  // Fraction of a position error that a substep corrects.
   static constexpr double kUndone = 0.5;
 
-  /** Returns a vector that is shortened to a length. */
+  /** Returns the vector, shortened to length `most` if it is longer. */
   static Vector AtMost(const Vector& v, Real most) {
     const double square = Dot(v, v), limit = double{most};
     return square > limit * limit ? v * (limit / std::sqrt(square)) : v;
@@ -255,7 +257,7 @@ class Joint {
            (settings.type == JointType::kSlider && settings.travel_low < settings.travel_high);
   }
 
-  /** Returns the direction of travel. */
+  /** Returns the direction in which the joint's travel is measured. */
   Vector Along() const {
     if (settings.type != JointType::kDistance) return axis_;
     const double length = Length(apart_);
@@ -311,7 +313,8 @@ class Joint {
     apply(motion_b, arm_b_, 1);
   }
 
-  /** Motors change the relative velocity towards their speed, up to their torque or force. */
+  /** Changes the relative velocity towards the motor's and drive's speeds, up to their torque and
+   *  force. */
   void Drive(Motion<Real>& motion_a, Motion<Real>& motion_b, double dt) {
     if (settings.type == JointType::kHinge && settings.motor_torque > 0) {
       const double off = settings.motor_speed - Dot(Turning(motion_a, motion_b), axis_);
@@ -329,7 +332,8 @@ class Joint {
     }
   }
 
-  /** Changes the impulses of two limits so that the value does not pass them. Returns the changes.
+  /** Changes the impulses of the lower and the upper limit so that `value` stays between them.
+   *  Returns the two changes.
    */
   static std::pair<double, double> Limited(double value, double low, double high, double rate,
                                            double mass, double h, bool push, double& low_impulse,

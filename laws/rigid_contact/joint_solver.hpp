@@ -11,14 +11,14 @@
 
 namespace vesper::rigid {
 
-/** Sets of bodies that joints connect. */
+/** Sets of bodies that are connected by joints (union-find). */
 class Assemblies {
  public:
   void Reset(uint64_t bodies) {
     parent_.resize(bodies);
     for (uint32_t i = 0; i < bodies; ++i) parent_[i] = i;
   }
-  /** Returns the body that stands for the set of a body. */
+  /** Returns the body that represents the set of this body. */
   uint32_t Find(uint32_t body) {
     while (parent_[body] != body) body = parent_[body] = parent_[parent_[body]];
     return body;
@@ -50,7 +50,7 @@ class JointSolver {
     rows_.push_back(row);
     pairs_.push_back({std::min(joint.row_a, joint.row_b), std::max(joint.row_a, joint.row_b)});
   }
-  /** Prepares AreJoined, after the last Add. */
+  /** Prepares AreJoined; call after the last Add. */
   void Sort() { std::sort(pairs_.begin(), pairs_.end()); }
 
   /** Returns whether a joint connects two bodies, the smaller row first. */
@@ -58,11 +58,11 @@ class JointSolver {
     return std::binary_search(pairs_.begin(), pairs_.end(), pair);
   }
   size_t count() const { return joints_.size(); }
-  /** Returns the row of a joint in its columns. */
+  /** Returns the row of the index-th joint of this step in the columns of joints. */
   uint64_t row(size_t joint) const { return rows_[joint]; }
   const Joint<Real>& operator[](size_t joint) const { return joints_[joint]; }
 
-  /** Computes directions and errors; `pose(row)` is where a body is. */
+  /** Computes directions and errors of all joints; `pose(row)` returns the pose of a body. */
   template <class PoseOf>
   void Refresh(const Motions& motions, PoseOf&& pose) {
     for (Joint<Real>& joint : joints_) {
@@ -71,9 +71,10 @@ class JointSolver {
     }
   }
 
-  /** Begins with the impulses of the last step, or with the part of them with which the joined
-   * bodies have the least kinetic energy. Exact impulses have this property; after an impact, those
-   * of the last step would add energy that a few sweeps do not take away. */
+  /** Applies the impulses of the last step as a first guess, scaled so that each set of joined
+   * bodies has the least kinetic energy, but at most fully. The exact impulses minimise this
+   * energy; after an impact, those of the last step could add energy that the few sweeps of the
+   * solver do not remove. */
   void WarmStart(Motions& motions) {
     before_.resize(joints_.size());
     work_.assign(motions.size(), {});
@@ -98,7 +99,7 @@ class JointSolver {
   }
 
   /** Solves the joints several times, forwards and backwards: a sweep in one direction only may
-   * excite a chain that begins with the impulses of the last step. */
+   * excite oscillations of a chain that starts with the impulses of the last step. */
   void Solve(Motions& motions, const SolverStep<Real>& step, bool push) {
     const size_t count = joints_.size();
     for (size_t k = 0; k < 2 * kSweeps * count; ++k) {
@@ -109,7 +110,7 @@ class JointSolver {
   }
 
  private:
-  // Sweeps over the joints, forwards and backwards, in each half of a substep.
+  // Number of forward and backward sweeps over the joints in each half of a substep.
   static constexpr size_t kSweeps = 4;
 
   static Motion<Real> Get(const Motions& motions, uint32_t body) {
@@ -128,8 +129,9 @@ class JointSolver {
   std::vector<Joint<Real>> joints_;
   std::vector<uint64_t> rows_;                   // (joints)
   std::vector<Pair> pairs_;                      // (joints) in ascending order
-  std::vector<double> before_;                   // (joints) [J]
-  std::vector<std::pair<double, double>> work_;  // (bodies) [J], of assemblies
+  std::vector<double> before_;                   // (joints) Joint::Work before the guess [J]
+  std::vector<std::pair<double, double>> work_;  // (bodies) of a set: sum of Joint::Work, its
+                                                 // change by the guess [J]
   Assemblies assemblies_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where two convex shapes touch, or nearly do.
+// Contact points of two convex shapes that touch, or nearly do.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace vesper::rigid {
 
 /** A point where two shapes touch. */
 struct ContactPoint {
-  Vector at;              // in the middle between the surfaces [m]
+  Vector at;              // in the middle between the two surfaces [m]
   double separation = 0;  // along the normal [m]; negative: the shapes overlap
 };
 
@@ -26,18 +26,19 @@ struct Manifold {
   void Add(const ContactPoint& point) { points[count++] = point; }
 };
 
-/** Returns the points at which two shapes touch or have a distance of at most `margin` [m]. Planes
- *  touch only what is in front of them. Finite for all finite shapes. */
+/** Returns the points at which two shapes touch or have a distance of at most `margin` [m]. A plane
+ *  touches only shapes whose centre is in front of it. The result is finite for all finite shapes.
+ *  */
 Manifold Collide(const Shape& a, const Shape& b, double margin);
 
 /** The closest points of two cores. */
 struct ClosestPoints {
   Vector a, b;
-  double distance = 0;  // 0: the cores overlap, and the points mean nothing
+  double distance = 0;  // 0: the cores overlap, and `points` have no meaning
 };
 
-/** Returns the closest points of two cores, which are made smaller by `rounding` on all sides
- *  (Gilbert, Johnson and Keerthi 1988). */
+/** Returns the closest points of two cores, each shrunk by its `rounding` on all sides (Gilbert,
+ *  Johnson and Keerthi 1988). */
 ClosestPoints FindClosest(const Shape& a, double rounding_a, const Shape& b, double rounding_b);
 
 }  // namespace vesper::rigid

@@ -22,17 +22,18 @@ using namespace vesper::rigid;
 
 // Rows, pairs and contacts per chunk of a thread.
 constexpr uint64_t kBodyGrain = 256, kPairGrain = 64, kContactGrain = 128;
-// Contacts of a colour from which on several threads are worth waking.
+// Number of contacts of a colour above which several threads are faster than one.
 constexpr uint32_t kManyContacts = 512;
-// Separation at which shapes are already contacts, as part of their thickness.
+// Separation up to which two shapes form a contact, as a fraction of their thickness.
 constexpr double kSlop = 0.02;
-// Contacts yield like springs of this many oscillations per step, damped by this multiple of the
+// Contacts yield like damped springs: kOscillations oscillations per step, at kDamping times the
 // critical damping.
 constexpr double kOscillations = 0.5, kDamping = 10;
-// Distance within which a point of contact is one of the last step, as part of the thickness.
+// Distance up to which a contact point is identified with one of the last step, as a fraction of
+// the thickness.
 constexpr double kNear = 0.2;
 
-/** Motion of rigid bodies that touch: their shapes do not overlap, rub and bounce. */
+/** Motion of rigid bodies that touch: their shapes resist overlap, rub and bounce. */
 template <class Real>
 struct RigidContact {
   using Vector3 = Vec3<Real>;
@@ -127,7 +128,8 @@ struct RigidContact {
   }
 
  private:
-  /** Returns the constants of a step; see the Limits of the README for the springs. */
+  /** Returns the constants of a step; the section Limits of README.md explains the contact springs.
+   *  */
   SolverStep<Real> SolverFor(Real dt, uint32_t count) const {
     constexpr double kTurn = 2 * 3.14159265358979323846;
     const double substep = double{dt} / count, angle = kTurn * kOscillations / count;
@@ -147,7 +149,7 @@ struct RigidContact {
   uint64_t rows() const { return mass.size(); }
   bool Movable(uint32_t body) const { return bodies_[body].translates || bodies_[body].rotates; }
 
-  // --- from the columns
+  // --- reading the columns
 
   void Gather(const Step& step) {
     const uint64_t scenery = scenery_shape.present() ? scenery_shape.size() : 0;
@@ -177,7 +179,7 @@ struct RigidContact {
     const double weight = mass[i];
     const bool carried = carrier.present() && carrier[i] >= 0;
     const int32_t code = weight > 0 && shape[i] == int32_t(ShapeCode::kPlane)
-                             ? int32_t(ShapeCode::kBox)  // a thin plate
+                             ? int32_t(ShapeCode::kBox)  // a plane of the columns is a thin box
                              : shape[i];
     shapes_[i] = carried ? Shape{} : Shape::Of(code, size[i], at, body.rotation);
     Vector moments = inertia.present() ? Wide(inertia[i]) : Vector{};
@@ -232,7 +234,8 @@ struct RigidContact {
     return std::isfinite(sum) && norm > 0;
   }
 
-  /** Computes the box around a shape and the way that it may go in this step. */
+  /** Computes the bounding box of a shape, enlarged by the distance `way` that it may move in this
+   *  step. */
   void Bound(uint64_t row, bool movable, double way) {
     const Shape& one = shapes_[row];
     Bounds& bounds = bounds_[row];
@@ -313,7 +316,8 @@ struct RigidContact {
     return settings;
   }
 
-  /** Joins the bodies as they are now: stores the anchor and the rotation of the second one. */
+  /** Stores the present anchor and rotation of the second body as those at which the joint is at
+   *  rest. */
   void Join(uint64_t i, JointType type, const Pose& a, const Pose& b) {
     const Quaternion of_a = a.rotation.Normalised(), of_b = b.rotation.Normalised();
     if (type != JointType::kDistance && other_anchor[i] == Vector3{}) {
@@ -386,7 +390,8 @@ struct RigidContact {
     const double thickness = std::min(shapes_[a].Thickness(), shapes_[b].Thickness());
     const double speed = SpeedOf(a) + SpeedOf(b);
     const bool plane = shapes_[a].code == ShapeCode::kPlane || shapes_[b].code == ShapeCode::kPlane;
-    // Beyond half the thickness, a distant contact would hold up bodies that pass each other.
+    // Half the thickness is the limit: with a larger distance, bodies that only pass each other
+    // would get contacts.
     return kSlop * thickness + (plane ? speed * dt : std::min(speed * dt, 0.5 * thickness));
   }
   double SpeedOf(uint32_t shape_row) const {
@@ -413,7 +418,7 @@ struct RigidContact {
       point.arm_b = Narrow<Real>(from.at - shapes_[pair.b].position);
       point.separation = static_cast<Real>(from.separation);
     }
-    // The smaller body stores a contact, because few larger ones fit around it.
+    // The smaller body stores the contact, because few larger bodies fit around it.
     const bool a_stores =
         contact.b == kImmovable ||
         (contact.a != kImmovable && shapes_[pair.a].Bound() <= shapes_[pair.b].Bound());
@@ -523,7 +528,7 @@ struct RigidContact {
   }
   bool IsRenewed(uint32_t body) const { return body != kImmovable && bodies_[body].renewed; }
 
-  // --- to the columns
+  // --- writing the columns
 
   void Remember() {
     used_.assign(rows(), 0);
@@ -569,7 +574,7 @@ struct RigidContact {
   std::vector<Manifold> manifolds_;      // (pairs)
   std::vector<Touch> touches_;           // (contacts)
   std::vector<Contact<Real>> contacts_;  // (contacts)
-  std::vector<uint32_t> used_;           // (rows) slots
+  std::vector<uint32_t> used_;           // (rows) number of used slots
   JointSolver<Real> joints_;
   BroadPhase broad_phase_;
   Colours colours_;

@@ -55,7 +55,7 @@ struct RigidScene : Scene<Real> {
   /// Adds a box whose top is at y = 0.
   void AddGround() { AddScenery(Code::kBox, {1000, 2, 1000}, {0, -1, 0}); }
 
-  /// Joins two bodies at a place of the world; the axis is in the world, too.
+  /// Joins two bodies at `at`, a point of the world, about the axis `about` of the world.
   uint32_t Join(rigid::JointType type, uint32_t a, uint32_t b, Vector at,
                 Vector about = {0, 1, 0}) {
     joined.insert(joined.end(), {a, b});
@@ -133,7 +133,7 @@ struct RigidScene : Scene<Real> {
     return rigid::Shape::Of(shape[i], {size[3 * i], size[3 * i + 1], size[3 * i + 2]}, {}, {})
         .Moments(this->mass[i]);
   }
-  /// Returns the angular momentum of a body about its centre.
+  /// Returns the angular momentum of a body about its centre of mass.
   Vector OwnMomentum(uint32_t i) const {
     const rigid::Quaternion q = Rotation(i).Normalised();
     const Vector own = q.Inverse().Rotate(Spin(i)), m = Moments(i);
@@ -149,7 +149,7 @@ struct RigidScene : Scene<Real> {
     for (uint32_t i = 0; i < this->mass.size(); ++i) sum += Dot(OwnMomentum(i), Spin(i)) / 2;
     return sum;
   }
-  /// Returns the energy in the field of gravity.
+  /// Returns the potential energy in the field of gravity [J].
   double HeightEnergy() const {
     double sum = 0;
     for (uint32_t i = 0; i < this->mass.size(); ++i) {

@@ -37,7 +37,7 @@ struct Axes {
 
 inline double Component(const Vector& v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
 
-/** A face, an edge or a corner: corners in order around it. */
+/** A face, an edge or a corner of a shape, given by its corners in order around it. */
 struct Face {
   static constexpr int kMost = 8;
   std::array<Vector, kMost> corners;
@@ -49,17 +49,17 @@ struct Face {
 /** A convex shape in the world: all points within `radius` of its core. A sphere's core is its
  *  centre, a capsule's its axis; other shapes have radius 0. */
 struct Shape {
-  // Number of sides of the polygon that stands for the cap of a cylinder.
+  // Number of corners of the polygon that replaces the cap of a cylinder in contacts.
   static constexpr int kCapCorners = 8;
 
   ShapeCode code = ShapeCode::kNone;
-  Vector half;  // of the core, along its own axes; a cylinder's x and z are its radius
+  Vector half;  // half extents of the core along its own axes; a cylinder's x and z are its radius
   double radius = 0;
   Vector position;
   Axes axes;
 
-  /** Returns the shape of these columns; kNone if it does not collide. `size` is the extent along
-   *  the own axes. */
+  /** Returns the shape of these columns; code kNone if it does not collide. `size` is the extent
+   *  along the shape's own axes. */
   static Shape Of(int32_t code, const Vector& size, const Vector& position, const Quaternion& q) {
     Shape shape;
     shape.position = position;
@@ -87,7 +87,7 @@ struct Shape {
     return shape;
   }
 
-  /** Returns the half extent along a direction of the world [m], including the radius. */
+  /** Returns the half extent along a direction in the world [m], including the radius. */
   double Reach(const Vector& direction) const {
     const Vector own = axes.ToOwn(direction);
     const double along_y = std::abs(own.y) * half.y;
@@ -98,7 +98,7 @@ struct Shape {
            radius * std::sqrt(Dot(own, own));
   }
 
-  /** Returns the smallest extent [m], which limits how deep others can sink in. */
+  /** Returns the smallest extent [m], which limits how deep other shapes can sink in. */
   double Thickness() const {
     switch (code) {
       case ShapeCode::kSphere:
@@ -113,15 +113,14 @@ struct Shape {
     }
   }
 
-  /** Returns the distance of the farthest point from the centre [m]. */
+  /** Returns the distance from the centre to the farthest point [m]. */
   double Bound() const {
     const double square =
         code == ShapeCode::kCylinder ? half.x * half.x + half.y * half.y : Dot(half, half);
     return std::sqrt(square) + radius;
   }
 
-  /** Returns the point of the core, made smaller by `rounding` on every side, that is farthest in
-   *  a direction. */
+  /** Returns the farthest point in a direction of the core, shrunk by `rounding` on all sides. */
   Vector Support(const Vector& direction, double rounding = 0) const {
     if (code == ShapeCode::kSphere) return position;
     const Vector d = axes.ToOwn(direction);
@@ -159,7 +158,7 @@ struct Shape {
     }
   }
 
-  /** Returns the principal moments of a homogeneous solid of this shape [kg m^2]. */
+  /** Returns the principal moments of inertia of a homogeneous solid of this shape [kg m^2]. */
   Vector Moments(double mass) const {
     const auto square = [](double x) { return 4 * x * x; };
     switch (code) {
@@ -208,7 +207,8 @@ struct Shape {
     return face;
   }
 
-  /** Returns a cap as a polygon with a corner in the direction, or the line along a side. */
+  /** Returns the face of a cylinder in a direction: a cap as a polygon, or the line along its side.
+   *  */
   Face CylinderFace(const Vector& d) const {
     const double across = std::sqrt(d.x * d.x + d.z * d.z);
     const double x = across > 1e-9 ? d.x / across : 1, z = across > 1e-9 ? d.z / across : 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Impulses at contacts, by Gauss-Seidel iterations that follow the motion of the bodies.
+// Impulses at contacts, by Gauss-Seidel iterations in substeps that move the bodies.
 #pragma once
 
 #include <algorithm>
@@ -22,14 +22,15 @@ struct Symmetric {
   }
 };
 
-/** Index of everything that no impulse moves. */
+/** Index that stands for every immovable body. */
 constexpr uint32_t kImmovable = UINT32_MAX;
 
 /** Motion of a body during a step. */
 template <class Real>
 struct Motion {
   Vec3<Real> velocity, spin;        // [m/s], [rad/s]
-  Vec3<Real> moved, turned;         // since the start of the step [m], [rad]
+  Vec3<Real> moved, turned;         // translation and rotation since the start of the step [m],
+                                    // [rad]
   Real inverse_mass{};              // [1/kg]
   Symmetric<Real> inverse_inertia;  // in the world frame [1/(kg m^2)]
   Vec3<Real> push;                  // acceleration by the forces of other laws [m/s^2]
@@ -45,37 +46,40 @@ struct Motion {
 template <class Real>
 struct SolverStep {
   Real dt, substep;        // [s]
-  Real push_rate;          // part of an overlap that is undone per time [1/s]
-  Real hardness;           // part of a velocity that an overlapping point stops
-  Real yield;              // part of its impulse that an overlapping point loses
-  Real push_speed;         // greatest speed at which overlaps are undone [m/s]
-  Real restitution_speed;  // smallest speed at which bodies bounce [m/s]
+  Real push_rate;          // fraction of an overlap that is corrected per time [1/s]
+  Real hardness;           // fraction of the wanted change of velocity that one iteration applies
+                           // at an overlapping point
+  Real yield;              // fraction of its impulse that an overlapping point loses in one
+                           // iteration
+  Real push_speed;         // greatest speed at which overlaps are corrected [m/s]
+  Real restitution_speed;  // approach speed below which bodies do not bounce [m/s]
   uint32_t substeps;
 };
 
-/** A manifold between two bodies as constraints on their velocities. */
+/** The contact of two bodies (a manifold of points) as constraints on their velocities. */
 template <class Real>
 struct Contact {
   using Vector = Vec3<Real>;
 
   struct Point {
-    Vector arm_a, arm_b;  // from the centres [m]
+    Vector arm_a, arm_b;  // from the centres of the bodies to the point [m]
     Real separation;      // at the start of the step [m]
-    Real mass;            // that an impulse along the normal moves [kg]
-    Real across[3];       // inverse of the 2x2 matrix of impulses across the normal
-    Real across_mass;     // least mass that an impulse across the normal moves [kg]
+    Real mass;            // effective mass along the normal [kg]
+    Real across[3];       // inverse of the symmetric 2x2 matrix of responses perpendicular to the
+                          // normal
+    Real across_mass;     // smallest effective mass perpendicular to the normal [kg]
     Real press;           // impulse along the normal [N s]
-    Real rub[2];          // impulses across the normal
+    Real rub[2];          // friction impulses perpendicular to the normal [N s]
     Real approach;        // relative velocity along the normal before a substep [m/s]
-    Real elapsed;         // part of the step before the impact
-    int place;            // among the points of the last step
+    Real elapsed;         // time of the impact, as a fraction of the step
+    int place;            // index of the matching point of the last step
   };
 
-  uint32_t a, b;  // bodies; kImmovable for what does not move
+  uint32_t a, b;  // rows of the bodies; kImmovable if immovable
   Vector normal, across[2];
   Real friction, restitution;
-  Vector mean_arm_a, mean_arm_b;  // means over the points [m]
-  Real mean_mass;                 // that an impulse at the mean of the points moves [kg]
+  Vector mean_arm_a, mean_arm_b;  // means of the arms over the points [m]
+  Real mean_mass;                 // effective mass at the mean of the points [kg]
   std::array<Point, Manifold::kMost> points;
   int count;
 
@@ -88,9 +92,9 @@ struct Contact {
     return response > 0 ? 1 / response : 0;
   }
 
-  /** Prepares the masses of all points. */
+  /** Computes the effective masses at all points. */
   void Prepare(const Motion<Real>& body_a, const Motion<Real>& body_b) {
-    // Two directions across the normal (Duff et al. 2017).
+    // Two unit vectors perpendicular to the normal (Duff et al. 2017).
     const Real sign = normal.z < 0 ? Real(-1) : Real(1);
     const Real s = -1 / (sign + normal.z), t = normal.x * normal.y * s;
     across[0] = {1 + sign * normal.x * normal.x * s, sign * t, -sign * normal.x};
@@ -125,7 +129,7 @@ struct Contact {
     return normal * p.press + across[0] * p.rub[0] + across[1] * p.rub[1];
   }
 
-  /** Applies the impulses of the last step. */
+  /** Applies the impulses of the last step as a first guess. */
   void WarmStart(Motion<Real>& body_a, Motion<Real>& body_b) const {
     for (int i = 0; i < count; ++i) {
       const Vector impulse = Impulse(points[i]);
@@ -138,7 +142,8 @@ struct Contact {
     return body_b.VelocityAt(p.arm_b) - body_a.VelocityAt(p.arm_a);
   }
 
-  /** Returns the present separation of a point, to first order in the motion since the start. */
+  /** Returns the present separation of a point, to first order in the motion since the start of the
+   *  step. */
   Real Separation(const Motion<Real>& body_a, const Motion<Real>& body_b, const Point& p) const {
     return p.separation + Dot(body_b.moved + Cross(body_b.turned, p.arm_b) - body_a.moved -
                                   Cross(body_a.turned, p.arm_a),
@@ -157,8 +162,8 @@ struct Contact {
     }
   }
 
-  /** Changes the impulses so that the surfaces neither approach nor slip. `push` also undoes
-   *  overlaps. */
+  /** Changes the impulses so that the surfaces neither approach nor slip. With `push`, also
+   *  corrects overlaps. */
   void Solve(Motion<Real>& body_a, Motion<Real>& body_b, const SolverStep<Real>& step, bool push) {
     for (int i = 0; i < count; ++i) {
       Point& p = points[i];
@@ -168,7 +173,8 @@ struct Contact {
       Real to_x = p.rub[0] - (p.across[0] * x + p.across[1] * y);
       Real to_y = p.rub[1] - (p.across[1] * x + p.across[2] * y);
       if (to_x * to_x + to_y * to_y > limit * limit) {
-        // Slips: with one mass for both directions, the friction is opposite to the velocity.
+        // The contact slips. One effective mass for both directions makes the friction opposite to
+        // the velocity.
         to_x = p.rub[0] - p.across_mass * x;
         to_y = p.rub[1] - p.across_mass * y;
         const Real square = to_x * to_x + to_y * to_y;
@@ -198,9 +204,9 @@ struct Contact {
     }
   }
 
-  /** Gives points that have met the fraction of their speed at which they part. The velocities of a
-   *  step are those of its middle; forces between the middle and the impact act on the way out
-   *  instead of the way in. */
+  /** Makes points that have collided separate with `restitution` times their approach speed. The
+   *  velocities of a step belong to its middle; `late` corrects for the forces between the middle
+   *  and the moment of the impact. */
   void Restitute(Motion<Real>& body_a, Motion<Real>& body_b, const SolverStep<Real>& step) {
     const Real pull = Dot(body_b.push - body_a.push, normal) * step.dt;
     for (int i = 0; i < count; ++i) {
@@ -211,7 +217,7 @@ struct Contact {
       const Real wanted = std::max(Real(0), -restitution * p.approach + late);
       Press(body_a, body_b, p, std::max(p.press, p.press + p.mass * (wanted - apart)));
     }
-    // The surfaces part: later substeps and the next step must not begin with these impulses.
+    // The surfaces separate: later substeps and the next step must not start with these impulses.
     for (int i = 0; i < count; ++i) {
       Point& p = points[i];
       if (p.approach > -step.restitution_speed || p.press == 0) continue;
@@ -220,14 +226,16 @@ struct Contact {
   }
 
  private:
-  /** Returns the speed at which a point may approach, if positive, or has to part, if negative. */
+  /** Returns the speed at which the surfaces may approach at a point; negative: at least this fast
+   *  they must separate. */
   Real Allowed(Real gap, const SolverStep<Real>& step, bool push) const {
     if (gap > 0) return gap / step.substep;
     return push ? std::max(step.push_rate * gap, -step.push_speed) : Real(0);
   }
 
-  /** Changes the impulses of all points by the same amount, which stops their mean. Without this
-   *  step, points that are solved one after the other would tilt a body that is loaded evenly. */
+  /** Changes the impulses of all points by the same amount, which stops the mean velocity of the
+   *  points. Without this step, points that are solved one after the other would tilt a body that
+   *  is loaded evenly. */
   void PressTogether(Motion<Real>& body_a, Motion<Real>& body_b,
                      const std::array<Real, Manifold::kMost>& allowed) {
     Real least = points[0].press, mean = 0;

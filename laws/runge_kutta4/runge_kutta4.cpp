@@ -5,10 +5,10 @@ namespace {
 
 using namespace vesper;
 
-// Bodies per chunk of a thread: about a megabyte of columns.
+// Bodies per chunk of a thread; a chunk's columns fill about a megabyte.
 constexpr uint64_t kGrain = 4096;
 
-/** The classical fourth-order Runge-Kutta scheme for x' = v, v' = F(x, v) / m. */
+/** The classical fourth-order Runge-Kutta method for x' = v, v' = F(x, v) / m. */
 template <class Real>
 struct RungeKutta4 {
   static constexpr auto kName = "runge_kutta4", kVersion = "1.0.0";
@@ -49,8 +49,8 @@ struct RungeKutta4 {
     dx[i] = dv[i] = {};
   }
 
-  /** Adds the slope at the present stage, and moves to the point where the next stage is
-   *  evaluated. */
+  /** Adds the slope of the present stage, and moves the body to the state at which the next stage
+   *  is evaluated. */
   void Evaluate(uint64_t i, uint32_t stage, Real dt) const {
     const Vec3<Real> slope_x = velocity[i];
     const Vec3<Real> slope_v = force[i] * (1 / mass[i]);

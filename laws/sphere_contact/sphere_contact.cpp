@@ -12,7 +12,8 @@ using namespace vesper;
 
 constexpr uint64_t kGrain = 512;
 
-// Contacts stored per sphere: at most so many equal or larger spheres can touch it at a time.
+// Contacts stored per sphere: at most this many spheres that are equal or larger can touch it at a
+// time.
 constexpr uint32_t kSlots = 12;
 
 // Partner id of the floor; greater than all bodies.
@@ -43,8 +44,8 @@ struct SphereContact {
   OptionalRead<Vector> spin{"angularVelocity", "body", units::radian_per_second};
   Accumulate<Vector> force{"externalForce", "body", units::newton};
   OptionalAccumulate<Vector> torque{"torque", "body", units::newton_metre};
-  // For each contact in which a sphere is the smaller one: the other's row plus one, in ascending
-  // order and terminated by 0, and the slip of the surfaces during the contact.
+  // For each contact in which this sphere is the smaller one: the row of the other sphere plus one,
+  // in ascending order and terminated by 0, and the accumulated slip of the surfaces.
   Scratch<std::array<uint32_t, kSlots>> partner{"partner", "body", units::one};
   Scratch<std::array<Real, 3 * kSlots>> slip{"slip", "body", units::metre};
 
@@ -60,7 +61,8 @@ struct SphereContact {
     pairs_.Update(AllSpheres(), for_each);
     balls_.resize(mass.size());
     contacts_.resize(pairs_.pair_count());
-    // Later stages process the same contacts again: only the first stage adds to their slip.
+    // An integrator may evaluate the same contacts in several stages; only the first one adds to
+    // the slip.
     const Real dt = step.stage == 1 ? static_cast<Real>(step.dt) : 0;
     for_each(mass.size(), [&](uint64_t begin, uint64_t end) {
       for (uint64_t i = begin; i < end; ++i) balls_[i] = BallOf(i);
@@ -73,8 +75,8 @@ struct SphereContact {
     });
   }
 
-  /** Returns the energy of the springs along the normals; the springs of friction are not
-   *  included. */
+  /** Returns the energy of the springs along the normals; the tangential springs of friction are
+   *  not included. */
   double PotentialEnergy() {
     pairs_.Update(AllSpheres(), [](uint64_t count, auto&& body) { body(0, count); });
     double squares = 0;
@@ -96,15 +98,15 @@ struct SphereContact {
     Vector position, velocity, spin;
     Real radius, inverse_mass;
   };
-  /** A contact as computed for its larger sphere. */
+  /** The effect of a contact on its larger sphere. */
   struct Contact {
     Vector force;   // on the larger sphere [N]
-    Vector moment;  // normal x force, to be multiplied by the arm of either sphere [N]
+    Vector moment;  // normal x force, to be multiplied by the lever arm of either sphere [N]
     Real depth;     // [m]; 0 or less: no contact
   };
-  /** Geometry and relative motion of a ball and another ball or the floor. */
+  /** Geometry and relative motion of the contact between a ball and another ball or the floor. */
   struct Meeting {
-    Vector normal;    // from the ball to the other body
+    Vector normal;    // unit vector from the ball to the other body
     Vector velocity;  // velocity of the other's surface relative to the ball's, at the contact
                       // point
     Real depth;
@@ -160,8 +162,8 @@ struct SphereContact {
             mass[i] == 0 ? 0 : 1 / mass[i]};
   }
 
-  /** Computes the contacts of a ball with larger balls and with the floor; adds its forces, and
-   *  stores those on the partners. */
+  /** Computes the contacts of a ball with larger balls and with the floor; adds the forces on the
+   *  ball, and stores those on its partners. */
   void TouchLarger(uint64_t i, Real dt) {
     const Ball& ball = balls_[i];
     Memory memory(partner[i], slip[i]);
@@ -204,7 +206,8 @@ struct SphereContact {
     }
   }
 
-  /** Returns the distance from the centre to the middle of the overlap. */
+  /** Returns the lever arm: the distance from the ball's centre to the middle of the overlap [m].
+   *  */
   static Real Arm(const Ball& ball, Real depth) { return ball.radius - depth / 2; }
 
   static Meeting Meet(const Ball& ball, const Ball& other, const Vector& way, Real distance) {
@@ -216,8 +219,8 @@ struct SphereContact {
             ball.inverse_mass + other.inverse_mass};
   }
 
-  /** Returns the force on the other body: spring and dashpot along the normal, never attractive,
-   *  and a weaker tangential spring and dashpot that slip at the limit of friction. */
+  /** Returns the force on the other body: spring and dashpot along the normal, never attractive;
+   *  and a weaker spring and dashpot along the surface, which slip at the limit of friction. */
   Vector Press(const Meeting& meeting, uint32_t id, Real dt, Memory& memory) const {
     const Real k(stiffness);
     const Real critical = 2 * std::sqrt(k / meeting.inverse_mass);
@@ -241,7 +244,8 @@ struct SphereContact {
     return normal * press + rub;
   }
 
-  // Fraction of the normal stiffness: a solid ball then oscillates equally fast in both directions.
+  // Tangential stiffness as a fraction of the normal one: a solid ball then oscillates equally fast
+  // in both directions.
   static constexpr Real kTangential = Real{2} / 7;
 
   SpherePairs<Real> pairs_;

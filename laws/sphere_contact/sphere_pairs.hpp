@@ -26,12 +26,12 @@ struct Spheres {
 };
 
 /** The pairs of spheres that are closer than a margin. The list is valid until a sphere has
- *  moved by half of the margin. Every pair is listed once, with its smaller sphere, or the lower
- *  row of two equal ones. Therefore at most 12 partners touch a sphere, unless they overlap
- *  deeply.
+ *  moved by half of the margin. Every pair is in one list only: that of its smaller sphere or, if
+ *  they are equal, of the lower row. Therefore at most 12 partners touch a sphere, unless they
+ *  overlap deeply.
  *
- *  Lists are in ascending order of rows, so sums over the touching pairs of a list do not depend
- *  on the time when the list was built. */
+ *  Lists are in ascending order of rows, so sums over the touching pairs of a list do not depend on
+ *  when the list was built. */
 template <class Real>
 class SpherePairs {
  public:
@@ -41,7 +41,7 @@ class SpherePairs {
   template <class ForEach>
   void Update(const Spheres<Real>& spheres, const ForEach& for_each) {
     if (StillGood(spheres, for_each)) return;
-    built_.clear();  // a failure must not leave lists that look valid
+    built_.clear();  // if building fails, the old lists must not look valid
     MakeGrids(spheres);
     ListPartners(spheres, for_each);
     ListReverse(spheres.count);
@@ -52,7 +52,7 @@ class SpherePairs {
   std::span<const uint32_t> PartnersOf(uint64_t row) const {
     return {partners_.data() + first_[row], partners_.data() + first_[row + 1]};
   }
-  /** Returns the number of the first of those pairs; the others follow it. */
+  /** Returns the number of the first pair in PartnersOf(row); the others have the next numbers. */
   uint32_t FirstPair(uint64_t row) const { return first_[row]; }
   /** Returns the numbers of the pairs with `row` as the larger one. */
   std::span<const uint32_t> PairsAsLarger(uint64_t row) const {
@@ -61,13 +61,14 @@ class SpherePairs {
   uint64_t pair_count() const { return partners_.size(); }
 
  private:
-  // Margin relative to the median radius: large enough for many steps, small enough for short
-  // lists.
+  // Margin as a fraction of the median radius: large enough to serve many steps, small enough for
+  // short lists.
   static constexpr Real kMarginPerRadius = Real{0.25};
   static constexpr uint64_t kMaxPairs = uint64_t{1} << 28;
 
-  /** Spheres whose radii have the same power of two. The cells are large enough that all spheres
-   *  near one of these or a smaller one are in the cells around its own. */
+  /** Grid of the spheres whose radii have the same power of two. Its cells are so large that any
+   *  sphere of this or a smaller radius can touch only spheres in its own cell and the adjacent
+   *  ones. */
   struct Grid {
     int level;
     Real largest_radius;
@@ -145,8 +146,9 @@ class SpherePairs {
     return *grids_.insert(at, {level, radius, 0});
   }
 
-  /** Sorts entries by bucket, with a counting sort. Cells wrap around in a cube of buckets, at
-   *  least 4 per axis, so that a cell and its neighbours have different buckets. */
+  /** Sorts the spheres by bucket, with a counting sort. The bucket of a cell is its coordinates
+   *  modulo a number of buckets per axis, at least 4, so that a cell and its neighbours have
+   *  different buckets. */
   void FillBuckets(const Spheres<Real>& spheres) {
     uint64_t side = 4;
     while (side * side * side < spheres.count) side *= 2;
@@ -263,15 +265,15 @@ class SpherePairs {
 
   Real margin_ = 0;
   std::vector<Built> built_;             // (rows), the spheres when the lists were built
-  std::vector<uint32_t> first_;          // (rows + 1) into partners_
+  std::vector<uint32_t> first_;          // (rows + 1), start of each row's partners in partners_
   std::vector<uint32_t> partners_;       // (pairs)
-  std::vector<uint32_t> reverse_first_;  // (rows + 2) into reverse_
+  std::vector<uint32_t> reverse_first_;  // (rows + 2), start of each row's pairs in reverse_
   std::vector<uint32_t> reverse_;        // (pairs)
   // Used during a build only; reused to avoid allocations.
   std::vector<Grid> grids_;
   std::vector<Real> radii_;
-  std::vector<Entry> entries_;       // by bucket
-  std::vector<uint32_t> bucket_;     // (buckets + 2) into entries_
+  std::vector<Entry> entries_;       // in the order of their buckets
+  std::vector<uint32_t> bucket_;     // (buckets + 2), start of each bucket in entries_
   std::vector<uint64_t> bucket_of_;  // (rows)
   std::vector<uint64_t> counts_;     // (rows)
   int64_t mask_ = 0;

@@ -71,7 +71,8 @@ struct SphereScene : Scene<Real> {
     return largest;
   }
 
-  /// Returns the energy [J] of springs of this stiffness between all overlapping spheres.
+  /// Returns the energy [J] that contact springs of this stiffness store in all overlapping
+  /// spheres.
   double ElasticEnergy(double stiffness) const {
     double energy = 0;
     ForPairs(this->position, [&](size_t, size_t, const Vec3<double>&, double depth) {
@@ -80,7 +81,7 @@ struct SphereScene : Scene<Real> {
     return energy;
   }
 
-  /// Returns the largest overlap [m] of two spheres of which one is movable.
+  /// Returns the largest overlap [m] of two spheres, at least one of them movable.
   double LargestOverlap() const {
     double largest = 0;
     ForPairs(this->position, [&](size_t, size_t, const Vec3<double>&, double depth) {
@@ -89,8 +90,8 @@ struct SphereScene : Scene<Real> {
     return largest;
   }
 
-  /// Returns the forces [N] of springs between all spheres that overlap at these positions (bodies
-  /// x 3).
+  /// Returns the forces (bodies x 3) [N] of contact springs between all spheres that overlap at the
+  /// positions `at`.
   std::vector<double> ElasticForces(const std::vector<Real>& at, double stiffness) const {
     std::vector<double> forces(at.size());
     ForPairs(at, [&](size_t i, size_t j, const Vec3<double>& normal, double depth) {

@@ -9,7 +9,8 @@
 
 namespace vesper::surface_contact {
 
-/// Part of a triangle: its interior, the edge from corner i to the next, or corner i.
+/// Part of a triangle: its interior (kFace), the edge from corner i to the next (kEdge), or corner
+/// i (kCorner).
 enum Feature : uint8_t { kFace, kEdge0, kEdge1, kEdge2, kCorner0, kCorner1, kCorner2 };
 
 template <class Real>

@@ -33,7 +33,7 @@ struct Frame {
   double damping;  // [N s/m]
 };
 
-/// Consecutive rows of bodies.
+/// A range of consecutive rows of bodies.
 struct Rows {
   uint32_t first, count;
 };
@@ -60,7 +60,7 @@ struct ContactScene : Scene<Real> {
     AddSurface({a, a + 1, a + 2}, material);
   }
 
-  /// Sets gravity as on a slope that descends along +x.
+  /// Turns gravity by `angle`, so that the plane y = 0 becomes a slope that descends along +x.
   void Tilt(double angle, double g) {
     this->gravity = {static_cast<Real>(g * std::sin(angle)),
                      static_cast<Real>(-g * std::cos(angle)), 0};
@@ -89,7 +89,7 @@ struct ContactScene : Scene<Real> {
     return Add(corners, {0, kInsphere<Real>, 0}, {}, frame, material);
   }
 
-  /// Returns the distance of a point behind the nearest of the 20 planes of the icosahedron at the
+  /// Returns how deep a point is below the nearest of the 20 face planes of the icosahedron at the
   /// origin.
   double DepthInIcosahedron(Vec3<Real> p) const {
     const auto corners = Corners();
@@ -121,7 +121,8 @@ struct ContactScene : Scene<Real> {
   Vec3<Real> Centre(Rows of) const { return Mean(this->position, of); }
   Vec3<Real> CentreVelocity(Rows of) const { return Mean(this->velocity, of); }
 
-  /// Returns the energy [J] of motion, springs and weight, and of points behind y = 0.
+  /// Returns the energy [J] of motion, springs and weight, and of the contact springs of points
+  /// below y = 0.
   double MechanicalEnergy() const {
     double energy = this->KineticEnergy();
     for (uint64_t s = 0; s < this->length.size(); ++s) {

@@ -62,7 +62,7 @@ inline ConvexBody Turned(ConvexBody body, std::array<double, 4> q) {
   return body;
 }
 
-/// Random numbers for the tests, equal with every standard library.
+/// Random numbers for the tests: the same with every standard library.
 class Random {
  public:
   explicit Random(uint32_t seed) : engine_(seed) {}
@@ -100,7 +100,7 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// Adds a body with springs between all its corners; returns its rows.
+/// Adds a body with springs between all its corners; returns the rows of its bodies.
 template <class Real>
 Rows AddBody(ContactScene<Real>& scene, const ConvexBody& body, Vec3<double> centre,
              Vec3<double> speed, const Frame& frame, const Material& material) {
@@ -126,8 +126,8 @@ Rows AddBody(ContactScene<Real>& scene, const ConvexBody& body, Vec3<double> cen
 }
 
 /** Returns the penetration of two convex bodies [m], over all separating directions: the normals
- *  of all faces and the cross products of edges. Negative: a lower bound of their distance.
- *  `first` and `second` are the current corners. */
+ *  of all faces and the cross products of edges. Negative: the bodies are apart, at least by this
+ *  amount. `first` and `second` are the current corners. */
 inline double Overlap(const std::vector<Vec3<double>>& first, const ConvexBody& first_shape,
                       const std::vector<Vec3<double>>& second, const ConvexBody& second_shape) {
   std::vector<Vec3<double>> directions;

@@ -11,8 +11,8 @@
 
 namespace vesper::surface_contact {
 
-/// Two faces with a common convex edge. Behind it, an edge of another mesh may be deepest between
-/// its ends.
+/// Two faces with a common convex edge. An edge of another mesh that passes behind it may be
+/// deepest between its own ends.
 template <class Real>
 struct Ridge {
   Vec3<Real> start;
@@ -20,22 +20,21 @@ struct Ridge {
   std::array<Vec3<Real>, 2> normals;  // of the faces, outwards, length 1
 };
 
-/// The point of an edge that is deepest behind a mesh: equally deep behind a face ahead and a face
-/// behind.
+/// The point of an edge that is deepest behind a mesh: there it is equally deep below two faces,
+/// one in each direction along the edge.
 template <class Real>
 struct DeepestPoint {
-  Real depth = 0;                          // [m]; 0: no point of the edge is deeper than required
+  Real depth = 0;                          // [m]; 0: no point of the edge is deep enough
   Real place = 0;                          // position along the edge, from 0 to 1
-  std::array<Immersion<Real>, 2> faces{};  // the faces at this point
-  std::array<Real, 2> shares{};  // weights of the faces in `depth`; the weighted sum of their
+  std::array<Immersion<Real>, 2> faces{};  // the two faces at this point
+  std::array<Real, 2> shares{};  // weights of the two faces in `depth`; the weighted sum of their
                                  // normals is perpendicular to the edge
 };
 
-/** Search for the deepest point of an edge behind a mesh with these ridges and faces. Along the
- *  edge, the depth behind a convex part of a mesh is the minimum of its depths below the planes
- *  of the faces. The search is the cutting-plane method (J. E. Kelley, The Cutting-Plane Method
- *  for Solving Convex Programs, 1960), starting at the intersections of the planes of each
- *  ridge. */
+/** Search for the deepest point of an edge behind a mesh with these ridges and faces. Behind a
+ *  convex part of a mesh, the depth of a point is the minimum of its depths below the planes of the
+ *  faces. The search is the cutting-plane method (J. E. Kelley, The Cutting-Plane Method for
+ *  Solving Convex Programs, 1960), starting at the intersections of the planes of each ridge. */
 template <class Real>
 class DeepestPointSearch {
  public:
@@ -62,15 +61,16 @@ class DeepestPointSearch {
 
  private:
   static constexpr int kRounds = 12;
-  /// Relative tolerance of the depth; the search stops if planes cut off no more.
+  /// Relative tolerance of the depth: the search stops when a new plane reduces the depth by less.
   static constexpr Real kTolerance = Real(1e-4);
 
-  /// Depth below a plane along the edge: at its start, and the change up to the end [m].
+  /// Depth below a plane along an edge: at the edge's start, and the change up to its end [m].
   struct Slope {
     Real at_start, growth;
     Real At(Real place) const { return at_start + place * growth; }
   };
-  /// Slopes of a plane that the edge descends from and of one that it ascends to.
+  /// The planes that limit the depth on each side: one that the edge moves away from, and one that
+  /// it approaches.
   struct Slopes {
     Slope down, up;
     Real Meeting() const { return (up.at_start - down.at_start) / (down.growth - up.growth); }
@@ -120,7 +120,8 @@ class DeepestPointSearch {
     }
   }
 
-  /** Finds the nearest points of the mesh from which the edge descends, and to which it ascends. */
+  /** Finds the nearest point of the mesh on each side: one that the edge moves away from, and one
+   *  that it approaches. */
   void FindNearest(Vec3<Real> point, Vec3<Real> edge, Nearest<Real>& down,
                    Nearest<Real>& up) const {
     for (const Face<Real>& face : faces_) {

@@ -37,7 +37,7 @@ void MeshTopology::FindNeighbours(std::span<const Vertices> surfaces) {
                     [](const Side& e) { return std::tuple(e.low, e.high, e.surface, e.number); });
   neighbours_.assign(surfaces.size(), {kNone, kNone, kNone});
   owns_.assign(surfaces.size(), {});
-  std::vector<char> owned(surfaces.size(), 0);  // number of edges assigned to the surface
+  std::vector<char> owned(surfaces.size(), 0);  // how many edges each surface owns so far
   for (size_t i = 0, end; i < sides.size(); i = end) {
     const Side& a = sides[i];
     for (end = i + 1; end < sides.size() && sides[end].low == a.low && sides[end].high == a.high;) {
@@ -71,7 +71,7 @@ void MeshTopology::ListAround(std::span<const Vertices> surfaces) {
   }
 }
 
-// Traverses each mesh breadth first, so that the faces of a patch are close together.
+// Traverses each mesh breadth first, so that the faces of a patch are neighbours.
 void MeshTopology::CutIntoPatches(std::span<const Vertices> surfaces) {
   std::vector<char> seen(surfaces.size(), 0);
   for (uint32_t start = 0; start < surfaces.size(); ++start) {
@@ -104,8 +104,8 @@ void MeshTopology::CutIntoPatches(std::span<const Vertices> surfaces) {
   }
 }
 
-// Adds a patch of at most kPatchFaces faces, from `first_face` on; later faces belong to the same
-// mesh.
+// Adds a patch of at most kPatchFaces faces, starting at `first_face`. All faces from there on
+// belong to the same mesh.
 void MeshTopology::AddPatch(uint32_t mesh, uint32_t first_face,
                             std::span<const Vertices> surfaces) {
   const auto faces = std::span(faces_)

@@ -19,15 +19,17 @@ struct Patch {
   uint32_t mesh;                        // kNone: a body without surfaces
   uint32_t first_face, face_count;      // indices into MeshTopology::faces
   uint32_t first_corner, corner_count;  // indices into MeshTopology::corners
-  uint32_t own_count;                   // number of owned corners, which are the first ones; each
+  uint32_t own_count;                   // number of corners that the patch owns, the first ones;
+                                        // each
                                         // body has one owner
   uint32_t first_edge, edge_count;      // indices into MeshTopology::edges; each edge has one owner
 };
 
-/// Two corners of the surface that owns the edge.
+/// An edge, described by the surface that owns it.
 struct Edge {
-  std::array<uint32_t, 2> ends;  // indices into CornersOf(the patch of the surface)
+  std::array<uint32_t, 2> ends;  // indices into CornersOf(the surface's patch)
   uint32_t surface, number;      // the edge goes from corner `number` of the surface to the next
+                                 // one
 };
 
 struct Mesh {
@@ -35,8 +37,8 @@ struct Mesh {
   bool closed;  // the mesh has no border
 };
 
-/** The meshes formed by surfaces that share bodies. An edge is inner if exactly two surfaces
- *  share it, in opposite directions. A body with any other edge is on a border. */
+/** The meshes: sets of surfaces connected by shared bodies. An edge is inner if exactly two
+ *  surfaces share it, in opposite directions. A body at any other edge is on the mesh's border. */
 class MeshTopology {
  public:
   static constexpr uint32_t kPatchFaces = 32;
@@ -46,15 +48,15 @@ class MeshTopology {
 
   std::span<const Patch> patches() const { return patches_; }
   std::span<const Mesh> meshes() const { return meshes_; }
-  /// Returns rows of surfaces.
+  /// Returns the rows of the surfaces of a patch.
   std::span<const uint32_t> FacesOf(const Patch& patch) const {
     return std::span(faces_).subspan(patch.first_face, patch.face_count);
   }
-  /// Returns rows of bodies.
+  /// Returns the rows of the bodies at the corners of a patch.
   std::span<const uint32_t> CornersOf(const Patch& patch) const {
     return std::span(corners_).subspan(patch.first_corner, patch.corner_count);
   }
-  /// Returns the corners that this patch owns.
+  /// Returns the rows of the bodies that a patch owns: it computes the contacts of these points.
   std::span<const uint32_t> PointsOf(const Patch& patch) const {
     return std::span(corners_).subspan(patch.first_corner, patch.own_count);
   }
@@ -64,7 +66,7 @@ class MeshTopology {
   /// Returns the surface across the edge from corner `edge` to the next, or kNone at a border.
   uint32_t Neighbour(uint32_t surface, uint32_t edge) const { return neighbours_[surface][edge]; }
   bool OnBorder(uint32_t body) const { return on_border_[body]; }
-  /// Returns the surfaces attached to the body, in row order.
+  /// Returns the surfaces with a corner at this body, in row order.
   std::span<const uint32_t> Around(uint32_t body) const {
     return std::span(around_).subspan(first_around_[body],
                                       first_around_[body + 1] - first_around_[body]);

@@ -57,7 +57,8 @@ struct Box {
 
 /** A uniform grid with cells in a hash table (M. Teschner et al., Optimized Spatial Hashing for
  *  Collision Detection of Deformable Objects, 2003). A box is in the cell of its centre. Cells
- *  are twice the size of the median box; larger boxes are in a list that every query scans. */
+ *  are twice the size of the median box; larger boxes are in a list that every query scans instead.
+ *  */
 template <class Real>
 class PatchGrid {
  public:
@@ -92,7 +93,7 @@ class PatchGrid {
     }
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
     for (const Entry& entry : small_) entries_[start_[Hash(entry.cell)]++] = entry;
-    // The fill moved each start to the start of the next bucket.
+    // Filling has moved each bucket's start to its end; shifting restores the starts.
     std::shift_right(start_.begin(), start_.end(), 1);
     start_[0] = 0;
   }
@@ -165,11 +166,11 @@ class PatchGrid {
   }
 
   Real per_cell_ = 1;    // 1 / side of a cell [1/m]
-  Real small_size_ = 0;  // size of the largest box in a cell [m]
+  Real small_size_ = 0;  // size up to which boxes are in cells [m]
   std::vector<Real> sizes_;
   std::vector<Entry> large_;
-  std::vector<Entry> small_;     // in the order of members
-  std::vector<Entry> entries_;   // bucket by bucket
+  std::vector<Entry> small_;     // boxes in cells, in the order of members
+  std::vector<Entry> entries_;   // the same boxes, in the order of buckets
   std::vector<uint32_t> start_;  // (buckets + 1), start of each bucket
 };
 

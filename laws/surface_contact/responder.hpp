@@ -17,7 +17,7 @@ Vec3<Real> Across(Vec3<Real> v, Vec3<Real> normal) {
   return v - normal * Dot(v, normal);
 }
 
-/// Material of the surface at the contact.
+/// Contact parameters of the touched surface.
 template <class Real>
 struct Material {
   Real hardness = 0;  // [N/m]
@@ -41,15 +41,16 @@ struct Frame {
     weights[0] = 1 - weights[1] - weights[2];
   }
 
-  /** Returns the velocity of the point if it moved with the face. */
+  /** Returns the velocity of the face's material at the point. */
   Vec3<Real> Carried(const std::array<Vec3<Real>, 3>& moving) const {
     Vec3<Real> sum = Blend(weights, moving);
     for (int i = 0; i < 3; ++i) sum -= gradients[i] * (height * Dot(normal, moving[i]));
     return sum;
   }
 
-  /** Returns the force on a corner if a force acts on the point. Over all corners, these forces
-   *  have the opposite sum and the opposite moment, and do the work given by Carried. */
+  /** Returns the reaction on a corner of the face to a force on the point. The reactions on all
+   *  corners have the opposite sum and the opposite moment, and their work is the force times
+   *  Carried. */
   Vec3<Real> Reaction(int corner, Vec3<Real> on_point) const {
     return on_point * -weights[corner] + normal * (height * Dot(gradients[corner], on_point));
   }
@@ -66,12 +67,12 @@ struct Touch {
   Vec3<Real> point;     // [m]
   Vec3<Real> velocity;  // of the point [m/s]
   std::array<Immersion<Real>, n> faces;
-  std::array<Real, n> shares;  // weights of the faces; their sum is 1
-  Real depth;                  // weighted depth [m]
-  Real strength;               // factor of hardness and damping
+  std::array<Real, n> shares;  // weights of the n faces; their sum is 1
+  Real depth;                  // depth, weighted by shares [m]
+  Real strength;               // factor for hardness and damping, 0 to 1
 
-  /// Returns the normal, of length 1; for two faces it is shorter, according to the angle between
-  /// them.
+  /// Returns the normal, of length 1; for two faces it is the weighted mean of their normals, and
+  /// thus shorter.
   Vec3<Real> Normal() const {
     if constexpr (n == 1) return faces[0].normal;
     Vec3<Real> sum;

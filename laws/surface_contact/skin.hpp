@@ -34,26 +34,27 @@ struct Face {
   Real scale;         // squared length of the normal
 };
 
-/// The closest point of a mesh found so far.
+/// The closest point of a mesh that a search has found so far.
 template <class Real>
 struct Nearest {
   Real square;  // squared distance [m^2]; initially the square of the search radius
   uint32_t face = kNone;
   Closest<Real> at{};
-  Vec3<Real> offset{};  // vector from the closest point to the point
-  Vec3<Real> normal{};  // normal of the face; its length is twice the area
+  Vec3<Real> offset{};  // vector from the closest point to the given point
+  Vec3<Real> normal{};  // outward normal of the face; its length is twice the area
 };
 
-/// A point behind a mesh.
+/// The position of a point behind a mesh.
 template <class Real>
 struct Immersion {
-  uint32_t face = kNone;          // row of surface; kNone: the point is not behind the mesh
+  uint32_t face = kNone;          // row of the nearest surface; kNone: the point is not behind the
+                                  // mesh
   Real depth = 0;                 // distance to the nearest point of the mesh [m], > 0
   Vec3<Real> normal{};            // from the point to the nearest point, length 1
   std::array<Real, 3> weights{};  // weights of the face's corners at the nearest point
 };
 
-/** The surfaces at their current positions; borrows all arguments. */
+/** The surfaces at their current positions; refers to all arguments, which must outlive it. */
 template <class Real>
 class Skin {
  public:
@@ -71,8 +72,8 @@ class Skin {
     return {position_[a], position_[b], position_[c]};
   }
 
-  /** Returns true if the point is behind the nearest point of the mesh, which must have been
-   *  found. No point is behind a border. */
+  /** Returns true if the point is behind the mesh at its nearest point `nearest`, which must have
+   *  been found. No point counts as behind a border. */
   bool IsBehind(const Nearest<Real>& nearest) const {
     const auto& [square, face, at, offset, normal] = nearest;
     if (at.feature == kFace) return Dot(offset, normal) < 0;
@@ -98,9 +99,9 @@ class Skin {
   }
 
  private:
-  /** Decides by the angle-weighted sum of the adjacent normals (J. A. Baerentzen, H. Aanaes,
-   *  Signed Distance Computation Using the Angle Weighted Pseudonormal, 2005); if all faces
-   *  agree, by any of them. */
+  /** Returns true if the point is behind the mesh at a corner, by the angle-weighted sum of the
+   *  adjacent normals (J. A. Baerentzen, H. Aanaes, Signed Distance Computation Using the Angle
+   *  Weighted Pseudonormal, 2005); if all faces give the same answer, the sum is not computed. */
   bool IsBehindCorner(Vec3<Real> offset, uint32_t corner) const {
     const auto around = topology_.Around(corner);
     const auto behind =
@@ -133,7 +134,8 @@ class Skin {
   const Vec3<Real>* position_;
 };
 
-/** Stores the face if it is nearer to p. A face without area has no side and is skipped. */
+/** Stores the face in `nearest` if it is nearer to p than the stored one. A face without area has
+ *  no front and is skipped. */
 template <class Real>
 void Approach(Vec3<Real> p, const Face<Real>& face, Nearest<Real>& nearest) {
   const Real height = Dot(face.normal, p - face.a);

@@ -19,7 +19,7 @@ using namespace vesper::surface_contact;
 // Patches per chunk of a thread.
 constexpr uint64_t kGrain = 32;
 
-/** A corner of a patch behind a mesh. */
+/** A contact: a corner of a patch that is behind a mesh. */
 template <class Real>
 struct CornerContact {
   uint32_t corner;  // index among the corners of the patch
@@ -27,23 +27,23 @@ struct CornerContact {
   Immersion<Real> at;
 };
 
-/** An edge of a patch with a point deeper behind a mesh than its ends. */
+/** A contact: an edge of a patch that is deeper behind a mesh between its ends than at them. */
 template <class Real>
 struct EdgeContact {
-  std::array<uint32_t, 2> bodies;  // bodies at its ends
+  std::array<uint32_t, 2> bodies;  // rows of the bodies at its two ends
   Real sharpness;                  // 1; less if the edge is almost flat
   DeepestPoint<Real> at;
   std::array<Immersion<Real>, 2> ends;
 
-  /** Returns the excess of its depth over an end: 1 if the end is not behind the mesh, 0 if both
-   *  are equally deep. */
+  /** Returns by how much the edge's deepest point exceeds one end: 1 if the end is not behind the
+   *  mesh, 0 if it is equally deep. */
   Real Excess(int end) const {
     const Real ratio = ends[end].depth / at.depth;
     return 1 - ratio * ratio;
   }
 };
 
-/** A force on a body [N], added later in a fixed order. */
+/** A force on a body [N]; all are added later in a fixed order. */
 template <class Real>
 struct Reaction {
   uint32_t body;
@@ -71,10 +71,11 @@ struct SurfaceContact {
   Read<Vec3<Real>> position{"position", "body", units::metre};
   Read<Vec3<Real>> velocity{"velocity", "body", units::metre_per_second};
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
-  /// Elongation of the body's friction spring.
+  /// Elongation of each body's friction spring.
   Scratch<Vec3<Real>> stretch{"frictionStretch", "body", units::metre};
-  /// Number of steps done when the spring was last stretched, and the contact that did so: 0 for
-  /// that of the body itself, otherwise the row plus one of the other end of an edge.
+  /// The step in which the friction spring was last stretched, and the contact that did so: 0 for
+  /// the body's own contact as a corner; for the contact of an edge, the row of its other end plus
+  /// one.
   Scratch<std::array<uint32_t, 2>> stretched_by{"frictionUse", "body", units::one};
 
   auto Parameters() { return std::tie(maximum_depth); }
@@ -111,15 +112,16 @@ struct SurfaceContact {
         PushCorners(topology_.patches()[i], step, chunk);
       }
     });
-    // A body may have contacts in several chunks, and an edge may use the springs of both ends.
+    // Bodies get forces from several chunks, and an edge may use the springs of both ends: added
+    // here in order.
     for (Chunk& chunk : chunks_) {
       for (const auto& contact : chunk.edge_contacts) PushEdge(contact, step, chunk);
       for (const auto& [body, reaction] : chunk.reactions) force[body] += reaction;
     }
   }
 
-  /** Returns half the sum of the squared depths times the hardness, without the energy of
-   *  friction springs. */
+  /** Returns half the sum of the squared depths times the hardness, over all contacts; the energy
+   *  of friction springs is not included. */
   double PotentialEnergy() {
     double energy = 0;
     Chunk chunk;
@@ -144,27 +146,27 @@ struct SurfaceContact {
 
  private:
   static constexpr uint32_t kOwn = 0;
-  /// Cosine of the angle above which an edge counts as sharp, 30 degrees.
+  /// Cosine of 30 degrees: edges with a larger angle between their faces are sharp.
   static constexpr Real kSharpCosine = Real(0.866);
 
-  /** The friction spring of a body and its user; see stretched_by. */
+  /** The friction spring of a body, and the contact that uses it; see stretched_by. */
   struct Spring {
     uint32_t body = kNone;
     uint32_t user = kOwn;
   };
 
-  /** A corner of a patch within the box of a mesh. */
+  /** A corner of a patch inside the box of another mesh. */
   struct Near {
     uint32_t corner;
     Nearest<Real> nearest;
   };
 
-  /** Results of a range of patches; the vectors keep their memory between steps. */
+  /** Results and work memory of a range of patches; the vectors keep their memory between steps. */
   struct Chunk {
-    std::vector<Reaction<Real>> reactions;  // reactions of all patches; the other vectors are for
+    std::vector<Reaction<Real>> reactions;  // reactions of all patches; the other vectors serve
                                             // one patch
-    std::vector<uint32_t> candidates;       // patches that it may touch
-    std::vector<Vec3<Real>> points;         // positions of its corners
+    std::vector<uint32_t> candidates;       // patches of other meshes that it may touch
+    std::vector<Vec3<Real>> points;         // positions of the patch's corners
     std::vector<CornerContact<Real>> corner_contacts;
     std::vector<EdgeContact<Real>> edge_contacts;
     // Data for the patch and one mesh.
@@ -175,7 +177,8 @@ struct SurfaceContact {
     std::vector<Immersion<Real>> ends;  // (corners)
   };
 
-  /** Computes the boxes of a patch. Throws if the position of one of its bodies is not finite. */
+  /** Computes the bounding boxes of a patch. Throws if the position of one of its bodies is not
+   *  finite. */
   void Enclose(uint64_t patch) {
     Box<Real> box;
     for (const uint32_t body : topology_.CornersOf(topology_.patches()[patch])) {
@@ -214,7 +217,7 @@ struct SurfaceContact {
     });
   }
 
-  /** Lists the patches of other meshes near this one, grouped by mesh. */
+  /** Lists the patches of other meshes that may touch this patch, grouped by mesh. */
   void FindCandidates(uint64_t index, std::vector<uint32_t>& out) const {
     const auto patches = topology_.patches();
     out.clear();
@@ -224,7 +227,7 @@ struct SurfaceContact {
     std::ranges::sort(out);
   }
 
-  /** Finds the contacts with one mesh; `others` are patches of it. */
+  /** Finds the contacts with one mesh; `others` are this mesh's patches. */
   void FindContactsWithMesh(uint64_t index, std::span<const uint32_t> others, Chunk& chunk) const {
     const Patch& patch = topology_.patches()[index];
     const uint32_t mesh = topology_.patches()[others.front()].mesh;
@@ -232,8 +235,8 @@ struct SurfaceContact {
     const size_t first = chunk.corner_contacts.size();
     FindCorners(skin, others, 0, patch.own_count, chunk);
     if (topology_.meshes()[mesh].face_count == 1)
-      return;  // a flat mesh: no edge is deepest
-               // between its ends
+      return;  // behind a flat mesh, no edge is deepest
+               // between the edge's ends
     FindEdgesBehind(index, others, chunk);
     if (chunk.edges.empty()) return;
     GatherRidges(skin, boxes_[index], others, chunk);
@@ -248,7 +251,7 @@ struct SurfaceContact {
     FindDeepEdges(skin, patch, chunk);
   }
 
-  /** Appends the corners from `begin` to `end` that are behind a mesh. */
+  /** Appends the corners with indices from `begin` to `end` that are behind a mesh. */
   void FindCorners(const Skin<Real>& skin, std::span<const uint32_t> others, uint32_t begin,
                    uint32_t end, Chunk& chunk) const {
     const Real reach = Real(maximum_depth);
@@ -292,7 +295,7 @@ struct SurfaceContact {
     }
   }
 
-  /** Lists the faces of a mesh, and its convex edges near the box. */
+  /** Lists the faces of a mesh, and its convex edges (ridges) near the box. */
   void GatherRidges(const Skin<Real>& skin, const Box<Real>& box, std::span<const uint32_t> others,
                     Chunk& chunk) const {
     const Box<Real> around = box.Grown(Real(maximum_depth));
@@ -315,8 +318,8 @@ struct SurfaceContact {
     }
   }
 
-  /** Returns the box in which a point may be behind the faces of a patch; for a closed mesh, the
-   *  box of the mesh. */
+  /** Returns a box that contains all points that may be behind the faces of a patch; for a closed
+   *  mesh, its bounding box. */
   const Box<Real>& SpaceBehind(uint32_t index) const {
     const Patch& patch = topology_.patches()[index];
     const Mesh& mesh = topology_.meshes()[patch.mesh];
@@ -336,7 +339,8 @@ struct SurfaceContact {
     return true;
   }
 
-  /** Appends a contact for each listed edge of the patch that is deepest between its ends. */
+  /** Appends a contact for each listed edge of the patch that is deeper between its ends than at
+   *  them. */
   void FindDeepEdges(const Skin<Real>& skin, const Patch& patch, Chunk& chunk) const {
     const DeepestPointSearch<Real> search(skin, chunk.ridges, chunk.faces);
     const auto edges = topology_.EdgesOf(patch);
@@ -355,8 +359,8 @@ struct SurfaceContact {
   }
 
   /** Returns a value from 0 for a flat or concave edge to 1 for one with an angle of 30 degrees
-   *  or more between its faces, and for a border. A flat edge is part of a face, which touches
-   *  with its outline. */
+   *  or more between its faces, and for a border. A flat edge lies inside a flat area, of which
+   *  only the outline makes contacts. */
   Real SharpnessOf(const Skin<Real>& skin, const Edge& edge) const {
     const uint32_t neighbour = topology_.Neighbour(edge.surface, edge.number);
     if (neighbour == kNone) return 1;
@@ -367,7 +371,8 @@ struct SurfaceContact {
     return std::clamp((1 - cosine) / (1 - kSharpCosine), Real(0), Real(1));
   }
 
-  /** Applies contact forces to the points of a patch; stores the reactions. */
+  /** Applies the forces of the corners' contacts to the points of a patch; stores the reactions on
+   *  the touched meshes. */
   void PushCorners(const Patch& patch, const Step& step, Chunk& chunk) {
     const auto bodies = topology_.PointsOf(patch);
     auto contact = chunk.corner_contacts.begin();
@@ -388,8 +393,8 @@ struct SurfaceContact {
     }
   }
 
-  /** Applies the contact force of an edge: the gradient of the energy k S (D A B)^2 / 2, with
-   *  the depth D, the sharpness S and the excesses A, B of D over the depths of the ends. An
+  /** Applies the contact force of an edge: the negative gradient of the energy k S (D A B)^2 / 2,
+   *  with the depth D, the sharpness S and the excesses A, B of D over the depths of the ends. An
    *  edge that is hardly deeper than its end adds little, and takes over the load of the end as
    *  it gets deeper. */
   void PushEdge(const EdgeContact<Real>& contact, const Step& step, Chunk& chunk) {
@@ -436,8 +441,8 @@ struct SurfaceContact {
   }
 
   /** Computes the forces of a contact on its point; stores the reactions on the corners of the
-   *  faces. Reactions conserve momentum and angular momentum: friction acts at the point, as if
-   *  the faces moved with it. Without a spring, only the damper of friction acts. */
+   *  faces. Reactions conserve momentum and angular momentum: friction acts at the point, as if the
+   *  faces extended to it. Without a friction spring, friction consists of its damper only. */
   template <size_t n>
   Response<Real> Exert(const Touch<Real, n>& touch, const Step& step, Spring spring,
                        Chunk& chunk) const {
@@ -451,7 +456,7 @@ struct SurfaceContact {
           touch.shares[i] * Dot(Blend(at.weights, Moving(at.face)) - touch.velocity, at.normal);
     }
     const Real push = skin.hardness * touch.depth + skin.damping * closing;
-    if (push <= 0) return {};  // the contact does not attract
+    if (push <= 0) return {};  // a contact does not attract
     Vec3<Real> normal = touch.Normal();
     Response<Real> response{push};
     const auto frames = FramesOf(touch, std::make_index_sequence<n>());
@@ -490,14 +495,15 @@ struct SurfaceContact {
     return response;
   }
 
-  /** Returns true if the spring's user stretched it in the previous or in this step. */
+  /** Returns true if this contact stretched the spring in the previous step or in this one. */
   bool Holds(Spring spring, const Step& step) const {
     const uint32_t then = StepsDone(step) + (step.stage == 1 ? 0 : 1);
     const auto [when, user] = stretched_by[spring.body];
     return when == then && user == spring.user;
   }
 
-  /** Returns the spring of the end that the edge already stretches, or otherwise a free one. */
+  /** Returns the friction spring that the edge already stretches, at either end; otherwise a free
+   *  one. */
   Spring SpringOf(const std::array<uint32_t, 2>& bodies, const Step& step) const {
     const std::array<Spring, 2> springs{Spring{bodies[0], bodies[1] + 1},
                                         Spring{bodies[1], bodies[0] + 1}};

@@ -51,7 +51,8 @@ struct VelocityVerlet {
     const Vec3<Real> a = force[i] * (1 / mass[i]);
     if (known[i] != 0) {
       velocity[i] += a * (dt / 2);
-    } else {  // first step of a body: both kicks and the drift of the first kick, now
+    } else {  // the body's first step: both half kicks at once, and the drift that the first one
+              // adds
       velocity[i] += a * dt;
       position[i] += a * (dt * dt / 2);
     }

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# Shared by bin/reve of a release and ./reve of a checkout: messages, and the search for Java.
+# Shared by bin/reve of a release and ./reve of a checkout: functions for messages, and to find
+# Java.
 
 say() { printf '%s\n' "reve: $*" >&2; }
 fail() { say "$*"; exit 1; }
 wrong_usage() { say "$*"; exit 2; }
 
-java_major() { # JAVA_HOME PROGRAM: sets major to its version, 0 if bin/PROGRAM is missing
+java_major() { # JAVA_HOME PROGRAM: sets major to the Java version there; 0 if bin/PROGRAM is
+               # missing
   local line
   major=0
   [ -x "$1/bin/$2" ] && [ -r "$1/release" ] || return 0
@@ -16,7 +18,7 @@ java_major() { # JAVA_HOME PROGRAM: sets major to its version, 0 if bin/PROGRAM 
   [ -n "$major" ] || major=0
 }
 
-find_java() { # PROGRAM: sets REVE_JAVA_HOME to a folder of version 25 or newer with bin/PROGRAM
+find_java() { # PROGRAM: sets REVE_JAVA_HOME to a Java of version 25 or newer that has bin/PROGRAM
   local home on_path kind=JDK
   [ "$1" = javac ] || kind="Java runtime"
   if [ -n "${REVE_JAVA_HOME:-}" ]; then

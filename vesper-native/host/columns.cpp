@@ -18,7 +18,7 @@ size_t PageSize() {
   return size;
 }
 
-/// Returns the reserved length: whole pages, and one more before and behind.
+/// Returns the length of the reserved addresses: whole pages, and one more before and one behind.
 size_t Reserved(uint64_t size) {
   const size_t page = PageSize();
   return (size + page - 1) / page * page + 2 * page;

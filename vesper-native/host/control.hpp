@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The memory that a host shares with its client, and how the two wait for each other.
+// The memory that a host (a process with an engine) shares with its client, and how the two wait
+// for each other.
 //
 // The client writes a request into the mailbox, raises `request` and wakes the host. The host
-// writes the reply into the mailbox, sets `reply` to the same number and wakes the client. At any
-// time one of the two may use the mailbox. The client's side is
-// reve.pe.hosted.HostProcess in Java, with the same offsets.
+// writes the reply into the mailbox, sets `reply` to the same number and wakes the client. Only one
+// of the two may use the mailbox at a time. The client's side is reve.pe.hosted.HostProcess in
+// Java, with the same offsets.
 #pragma once
 
 #include <linux/futex.h>
@@ -20,7 +21,7 @@
 namespace vesper::host {
 
 inline constexpr uint32_t kMagic = 0x31484F56;  // "VOH1", little-endian
-inline constexpr uint32_t kMaxThreads = 256;    // as in vesper_engine_config
+inline constexpr uint32_t kMaxThreads = 256;    // limit of vesper_engine_config.threads
 inline constexpr size_t kControlSize = size_t{1} << 20;
 inline constexpr size_t kLogSize = 60 << 10;
 inline constexpr size_t kMailboxOffset = size_t{64} << 10;
@@ -31,12 +32,12 @@ struct Control {
   uint32_t magic;
   alignas(64) std::atomic<uint32_t> request;  // number of the newest request
   alignas(64) std::atomic<uint32_t> reply;    // number of the newest answered request
-  alignas(64) uint64_t running[kMaxThreads];  // as in vesper_engine_config
-  alignas(64) char wrote[56];                 // read-only property at which the process crashed
-  uint64_t wrote_offset;                      // [bytes] in its column
-  alignas(64) uint32_t log_used;              // bytes of `log` that this request filled
-  uint32_t log_dropped;                       // lines of this request that did not fit
-  char log[kLogSize];  // for each line its level and length (uint32_t each) and its text
+  alignas(64) uint64_t running[kMaxThreads];  // law that each thread calls (vesper_engine_config)
+  alignas(64) char wrote[56];                 // read-only property that a law wrote at the crash
+  uint64_t wrote_offset;                      // offset of that write in its column [bytes]
+  alignas(64) uint32_t log_used;              // bytes of `log` that this request has filled
+  uint32_t log_dropped;                       // number of log lines that did not fit
+  char log[kLogSize];  // for each line, its level and length (uint32_t each) and its text
 };
 static_assert(sizeof(Control) <= kMailboxOffset);
 static_assert(offsetof(Control, request) == 64 && offsetof(Control, reply) == 128 &&
@@ -48,12 +49,12 @@ inline std::byte* Mailbox(Control& control) {
   return reinterpret_cast<std::byte*>(&control) + kMailboxOffset;
 }
 
-/// A wait for changes of a word. After a short wait, the next one begins with a busy-wait in which
-/// other processes may use the processor: waking this one takes longer than most frames. A client
-/// that waits for the clock has longer pauses.
+/// Waits for changes of a word. If the previous wait was short, a wait begins with a busy-wait, in
+/// which other processes may use the processor, because waking this process takes longer than most
+/// frames. If the client's world waits for the clock, waits are longer.
 class Patience {
  public:
-  /// Sleeps until the word differs from `seen`, and returns it.
+  /// Waits until the word is different from `seen`; returns its value.
   uint32_t AwaitChange(std::atomic<uint32_t>& word, uint32_t seen) {
     const auto begin = Clock::now();
     uint32_t now = word.load(std::memory_order_acquire);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook{100};
 
-/// Lets the kernel end this process before others when memory is short.
+/// Makes the kernel end this process before others when memory is short.
 void OfferToOutOfMemoryKiller() {
   const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
   if (file < 0) return;
@@ -44,7 +44,8 @@ void Isolate(uint64_t memory_limit) {
   Limit(RLIMIT_CORE, 0);
   if (memory_limit > 0) Limit(RLIMIT_DATA, memory_limit);
   OfferToOutOfMemoryKiller();
-  // A law that sets a timer, or signals itself, must not end the process while another law runs.
+  // Ignored, because a law that sets a timer or signals itself must not end the process while
+  // another law runs.
   for (const int signal : {SIGALRM, SIGVTALRM, SIGPROF, SIGTERM, SIGHUP, SIGINT, SIGPIPE, SIGQUIT,
                            SIGUSR1, SIGUSR2, SIGTSTP, SIGTTIN, SIGTTOU}) {
     ::signal(signal, SIG_IGN);
@@ -57,7 +58,7 @@ void FollowClient(int client) {
   pthread_sigmask(SIG_SETMASK, &all, &before);
   std::thread([client] {
     while (getppid() == client) std::this_thread::sleep_for(kLook);
-    kill(0, SIGKILL);  // the process group, which contains this process
+    kill(0, SIGKILL);  // ends the whole process group, which contains this process
     _exit(0);
   }).detach();
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
@@ -67,7 +68,8 @@ namespace {
 
 void (*report_fault)(const void* address);
 
-/// Reports the fault; then the default action ends the process with the same signal.
+/// Reports a memory fault; returning makes it occur again, and the default action then ends the
+/// process with the same signal.
 void OnFault(int number, siginfo_t* info, void*) {
   report_fault(info->si_addr);
   signal(number, SIG_DFL);
@@ -76,7 +78,8 @@ void OnFault(int number, siginfo_t* info, void*) {
 }  // namespace
 
 void ReportFaults(void (*report)(const void* address)) {
-  static std::byte stack[1 << 16];  // a law may have used up the thread's own
+  static std::byte stack[1 << 16];  // separate, because the law may have exhausted the thread's own
+                                    // stack
   report_fault = report;
   stack_t alternate{};
   alternate.ss_sp = stack;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // vesper-host: a physics engine in a process of its own.
 //
-// A client starts it with its own process id, a descriptor of its memory for the exchange (see
+// Its arguments are the process id of the client, the client's descriptor of the shared memory (see
 // control.hpp), and the limit of the host's private memory [bytes]. The engine uses the client's
-// columns in place. The host ends with its client, and keeps nothing outside its memory.
+// columns in place. The host ends when its client ends, and stores no data anywhere else.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

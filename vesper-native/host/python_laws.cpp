@@ -12,7 +12,8 @@ using Prepare = vesper_status (*)(const vesper_prototype* prototype, const char*
                                   const char* text, uint64_t size, vesper_prepared_library** out,
                                   vesper_error* error);
 
-/// Global, because the modules of Python that are libraries find Python's functions so.
+/// RTLD_GLOBAL, because Python's extension modules look up Python's functions among the global
+/// symbols.
 void* Open() {
   static void* library = dlopen("libvesper_python.so", RTLD_NOW | RTLD_GLOBAL);
   return library;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws in Python, through libvesper_python.so, which is loaded when the first one is opened.
+// Laws in Python, through libvesper_python.so, which is loaded when the first such law is opened.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace vesper::host {
 
-/// Runs a file of laws in Python for engines of a prototype.
+/// Runs a file of Python laws, and prepares its laws for engines of a prototype.
 vesper_status PreparePython(const vesper_prototype& prototype, const std::string& source,
                             const void* text, uint64_t size, vesper_prepared_library** out,
                             vesper_error* error);

@@ -12,7 +12,7 @@
 
 namespace vesper::host {
 
-/// A prototype with the strings that it points to.
+/// A prototype that was read from a message, with the strings to which it points.
 class ReceivedPrototype {
  public:
   explicit ReceivedPrototype(Reader& request) {

@@ -19,7 +19,7 @@ namespace {
 constexpr uint32_t kNoDescriptor = UINT32_MAX;
 constexpr size_t kMaxLine = 1024;
 
-/// The failure of a call of engine.h, whose error is in the service.
+/// Thrown after a function of engine.h has failed; the service contains the error.
 struct Refused {
   vesper_status status;
 };
@@ -150,7 +150,7 @@ void Service::Create(Reader& request) {
   config_.threads = request.Value<uint32_t>();
   config_.validate = request.Value<uint32_t>();
   config_.touches = 1;
-  config_.probe_path = "";  // this process is the disposable one
+  config_.probe_path = "";  // no probe process, because this process itself may crash
   config_.log = Log;
   config_.log_user = this;
   config_.running = control_.running;
@@ -276,7 +276,7 @@ void Service::Laws(Reader& request, Writer& reply) {
   WriteLaws(request.Value<vesper_library_id>(), reply);
 }
 
-/// Writes the laws of a library: a 1 before each, a 0 after the last.
+/// Writes the laws of a library: the number 1 before each law, and 0 after the last one.
 void Service::WriteLaws(vesper_library_id library, Writer& reply) {
   vesper_law_info info{};
   info.struct_size = sizeof info;
@@ -311,7 +311,8 @@ void Service::WriteLaws(vesper_library_id library, Writer& reply) {
   reply.Value(uint32_t{0});
 }
 
-/// Makes writable what loaded laws write, and the accumulators, which the engine writes itself.
+/// Makes writable the columns that loaded laws write and the accumulators, which the engine itself
+/// writes; makes all others read-only.
 void Service::ProtectColumns() {
   std::set<std::string> written(accumulators_.begin(), accumulators_.end());
   vesper_law_info info{};
@@ -352,14 +353,14 @@ void Service::MoveRows(Reader& request) {
 }
 
 /// Writes the state to the client's memory and replies with the step count, the size of the state
-/// and 1; or, if the state does not fit, with its size and 0.
+/// and 1, or 0 if the memory is too small.
 void Service::SaveState(Writer& reply) {
   const auto save = [&] {
     return state_size_ <= state_.size()
                ? vesper_engine_save_state(engine_.get(), state_.data(), state_size_, nullptr)
                : VESPER_INVALID_ARGUMENT;
   };
-  // The size changes only with laws and rows, so that of the last state usually fits.
+  // The size changes only with laws and rows, so the first attempt uses the size of the last state.
   vesper_status saved = state_size_ == 0 ? VESPER_INVALID_ARGUMENT : save();
   if (saved != VESPER_OK) {
     Check(vesper_engine_state_size(engine_.get(), &state_size_, &error_));

@@ -38,13 +38,14 @@ enum class Request : uint32_t {
   kBindAll,
 };
 
-/// What the bytes of a law library are. reve.pe.hosted.HostedLibrary in Java has the same numbers.
+/// The form of the bytes of a law library. reve.pe.hosted.HostedLibrary in Java has the same
+/// numbers.
 enum class Form : uint32_t { kNative, kText, kPython };
 
 class ReceivedPrototype;
 
-/// One engine and its answers to requests. A reply begins with a status (int32_t). After a failure
-/// the `vesper_error` follows, after success what the request asks for.
+/// One engine and its answers to requests. A reply begins with a status (int32_t). After a failure,
+/// the `vesper_error` follows; after success, the result of the request.
 class Service {
  public:
   Service(int client, Control& control);
@@ -54,7 +55,7 @@ class Service {
 
   /// Answers the request in the mailbox.
   void Answer();
-  /// Tells the client which property is at an address at which this process crashes.
+  /// Writes to the shared memory which property is at the address at which this process crashes.
   void NoteFault(const void* address);
 
  private:
@@ -87,14 +88,14 @@ class Service {
   int client_;
   Control& control_;
   std::vector<std::byte> request_;  // a copy, because the reply overwrites the mailbox
-  Columns columns_;                 // outlives the engine
+  Columns columns_;                 // declared before the engine, which it must outlive
   std::vector<std::string> accumulators_;
   vesper_engine_config config_{};
   std::unique_ptr<ReceivedPrototype> prototype_;
   std::unique_ptr<vesper_engine, EngineDeleter> engine_;
-  std::vector<vesper_library_id> libraries_;  // in load order
-  Mapping state_;                             // where the client reads saved states
-  uint64_t state_size_ = 0;                   // of the newest saved state
+  std::vector<vesper_library_id> libraries_;  // in the order of loading
+  Mapping state_;                             // memory of the client, to which states are saved
+  uint64_t state_size_ = 0;                   // size of the last saved state [bytes]
   vesper_error error_{};
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layout of the contract's structs in this build, so that bindings can check theirs.
+// The layout of the contract's structs in this build, so that bindings in other languages can check
+// their own layouts.
 #include <cstddef>
 #include <iterator>
 

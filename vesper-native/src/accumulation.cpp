@@ -14,7 +14,8 @@
 namespace vesper {
 namespace {
 
-// Values summed at a time; total and shares of a block must stay in the first-level cache.
+// Values summed at a time; a block's total and the shares of the laws must fit into the first-level
+// cache.
 constexpr uint64_t kBlock = 1024;
 
 }  // namespace

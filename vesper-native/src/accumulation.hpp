@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sum over laws of their additions to one property.
+// The sum of the additions of all laws to one property, such as a force.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ class Accumulation {
   void AddShare(LoadedLaw& law, vesper_library_id library, MatchedUse& use) {
     shares_.push_back({&law, library, &use});
   }
-  /// Returns true if the total starts from zero and only one law adds to it; the law then adds in
-  /// place.
+  /// Returns true if the total starts from zero and only one law adds to it; this law then adds
+  /// directly to the property's column.
   bool InPlace() const;
   /// Writes the total. If it is not finite, throws LAW_MISBEHAVED with the law whose share caused
   /// it, or INVALID_ARGUMENT if the initial value is not finite.

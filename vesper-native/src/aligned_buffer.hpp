@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Engine-owned column memory.
+// Memory of columns that the engine owns.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,8 @@
 
 namespace vesper {
 
-/// Bytes aligned to a cache line. Grows and never shrinks, so a steady state allocates nothing.
+/// Bytes aligned to a cache line. The buffer grows and never shrinks, so steps with a constant
+/// number of rows allocate nothing.
 class AlignedBuffer {
  public:
   static constexpr size_t kAlignment = 64;

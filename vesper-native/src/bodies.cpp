@@ -109,7 +109,7 @@ Balance Bodies::Total() const {
   return total;
 }
 
-/// Returns the angular momentum; inertia is given in the body's own axes.
+/// Returns the angular momentum of a body; the property inertia is given in the body's own axes.
 Vector Bodies::Spin(uint64_t row) const {
   const Vector rate = ToWorld(row, AngularVelocity(row), -1);
   const Vector inertia = inertias_.Row(row);

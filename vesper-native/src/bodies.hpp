@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The columns of the motion of bodies, converted to f64 in SI units.
+// The properties of the motion of bodies, converted to f64 in SI units.
 #pragma once
 
 #include <cstdint>
@@ -26,20 +26,21 @@ struct SiColumn {
   }
 };
 
-/// The bodies: the rows of the kind of `mass`. Properties are found by their names in the standard
-/// prototypes.
+/// The bodies: the rows of the kind that has the property `mass`. Properties are found by their
+/// names in the standard prototypes.
 class Bodies {
  public:
   /// Finds the properties. Throws NOT_FOUND if the prototype has no mass, position or velocity, and
   /// TYPE_MISMATCH or UNIT_MISMATCH if a property with a known name has another type or unit.
   Bodies(const Prototype& prototype, const Columns& columns);
 
-  /// Reads the bound arrays, which must not be stale. Throws NOT_FOUND if mass, position or
-  /// velocity is not bound.
+  /// Reads the bound arrays, which must be current (no deferred writes). Throws NOT_FOUND if mass,
+  /// position or velocity is not bound.
   void Bind();
   uint64_t count() const { return columns_[mass_].arrays.row_count; }
 
-  /// Returns true if forces move the body; forces on an immovable body go to the ground.
+  /// Returns true if forces move the body; the impulse of forces on an immovable body counts for
+  /// the ground.
   bool Moves(uint64_t row) const { return masses_.Value(row) != 0; }
   /// Returns true if torques rotate the body.
   bool Turns(uint64_t row) const;
@@ -48,18 +49,18 @@ class Bodies {
   /// Returns the angular velocity; the property must be bound.
   Vector AngularVelocity(uint64_t row) const { return angular_velocities_.Row(row); }
 
-  /// Returns the balance of all bodies, summed in row order.
+  /// Returns momentum, angular momentum and energy of all bodies, summed in row order.
   Balance Total() const;
 
-  /// Returns a view of `data`, which holds rows of the property in the engine's memory.
+  /// Returns a view of `data`, an array in the engine's memory that has the layout of the property.
   SiColumn View(uint32_t property, const void* data) const;
 
-  /// Indices of properties in the prototype; those after velocity may be kNone.
+  /// Indices of properties in the prototype; those declared after velocity may be kNone.
   uint32_t velocity() const { return velocity_; }
   uint32_t angular_velocity() const { return angular_velocity_; }
   uint32_t force() const { return force_; }
   uint32_t torque() const { return torque_; }
-  /// Returns true if Total depends on the property.
+  /// Returns true if the result of Total depends on the property.
   bool Count(uint32_t property) const;
 
  private:
@@ -77,7 +78,8 @@ class Bodies {
   uint32_t mass_, position_, velocity_;
   uint32_t orientation_, angular_velocity_, inertia_, force_, torque_;
   SiColumn masses_, positions_, velocities_;
-  SiColumn orientations_, angular_velocities_, inertias_;  // null data: not bound
+  SiColumn orientations_, angular_velocities_, inertias_;  // data is null if the property is not
+                                                           // bound
 };
 
 }  // namespace vesper

@@ -19,8 +19,8 @@ struct Sharing {
   Helpers helpers;
 };
 
-/// Chooses how to share a pass. Few values do not justify waking a thread, and very few do not even
-/// justify the use of a thread that is awake.
+/// Chooses how threads share a pass. For few values, no sleeping thread is woken; for very few, not
+/// even threads that are awake take part.
 inline Sharing ShareOut(uint64_t values) {
   constexpr uint64_t kVeryFew = 1 << 12, kFew = 1 << 15, kGrain = 1 << 13, kChunks = 8;
   if (values > kFew) return {kGrain, Helpers::kAll};

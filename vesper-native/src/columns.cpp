@@ -154,7 +154,8 @@ void Columns::Refresh() {
     if (columns_[i].arrays.indices != nullptr) Expand(i);
     if (spec(i).minimum) CheckMinimum(i);
   }
-  // A reference can also become invalid when its target kind shrinks.
+  // Checks references again, because they may also become invalid when the number of rows of their
+  // target kind decreases.
   CheckReferences();
   for (Column& column : columns_) column.stale = false;
   refreshed_ = generation_;
@@ -179,8 +180,8 @@ void Columns::AgreeRowCounts() {
   }
 }
 
-/// Refuses arrays that overlap where one is written: a write through one property must not change
-/// another property.
+/// Refuses overlapping arrays if one of them is written, because a write through one property must
+/// not change another.
 void Columns::CheckApart() {
   extents_.clear();
   const auto add = [this](const void* data, uint64_t size, uint32_t property, bool written) {
@@ -197,8 +198,8 @@ void Columns::CheckApart() {
   std::sort(extents_.begin(), extents_.end(), [](const Extent& a, const Extent& b) {
     return a.begin != b.begin ? a.begin < b.begin : a.property < b.property;
   });
-  // Among the extents so far: the one with the highest end, and the written one with the highest
-  // end.
+  // Among the extents visited so far: the one with the highest end, and the written one with the
+  // highest end.
   Extent any{}, written{};
   for (const Extent& extent : extents_) {
     const Extent& before = extent.written ? any : written;

@@ -10,7 +10,7 @@
 
 namespace vesper {
 
-/// The client's arrays as passed to add or rebind; borrowed.
+/// The client's arrays as passed to add or rebind; they remain the client's memory.
 struct Arrays {
   void* data;
   uint64_t value_count;
@@ -29,7 +29,7 @@ struct Column {
   vesper_field field{};  // for a FIELD property
   AlignedBuffer dense;   // expanded rows, if the client shares values through indices
 
-  /// Returns the dense rows; null if there are none.
+  /// Returns the first of the dense rows; null if there are none.
   std::byte* data() const {
     return arrays.indices != nullptr ? dense.data() : static_cast<std::byte*>(arrays.data);
   }
@@ -55,7 +55,7 @@ class Columns {
   /// Throws if the arrays are invalid for the property, independently of other bound arrays.
   void Check(uint32_t property, const Arrays& arrays) const;
   void CheckField(uint32_t property, const vesper_field& field) const;
-  /// Adds or rebinds arrays that passed Check. Refresh compares row counts.
+  /// Adds or rebinds arrays that passed Check. Their row counts are compared later, by Refresh.
   void Provide(uint32_t property, const Arrays& arrays);
   void Touch(uint32_t property);
 
@@ -65,7 +65,7 @@ class Columns {
   /// Returns the number of rows of a kind at the last Refresh; 0 if no property of the kind is
   /// bound.
   uint64_t row_count(uint32_t kind) const { return row_counts_[kind]; }
-  /// Returns a number that every change raises.
+  /// Returns a number that increases with every change.
   uint64_t generation() const { return generation_; }
 
   /// Checks and updates changed columns: compares row counts, checks that arrays that laws may
@@ -73,7 +73,7 @@ class Columns {
   /// and values against their minimum. Throws COUNT_MISMATCH, ACCESS_CONFLICT or INVALID_ARGUMENT
   /// with property and row.
   void Refresh();
-  /// Range-checks all references, changed or not.
+  /// Range-checks all references, also unchanged ones.
   void CheckReferences();
 
  private:

@@ -13,7 +13,7 @@
 namespace vesper {
 namespace {
 
-/// A column in the law's unit with its values before the law ran, or a field.
+/// A column of a use, converted to the law's unit, and its values before the law ran; or a field.
 struct Converted {
   std::unique_ptr<ConvertedField> function;
   vesper_field field{};
@@ -92,8 +92,8 @@ class ConvertingRunner final : public LawRunner {
     const uint64_t count = ValueCount(target);
     const UnitRatio back = ratios_[i].Inverse();
     if (seen_[i].access == VESPER_READ_WRITE) {
-      // A value that the law did not change keeps its bits, whatever the rounding of two
-      // conversions.
+      // Only changed values are converted back, because two conversions could change the bits of a
+      // value by rounding.
       ConvertChanged(target.scalar_type, target.data, seen_[i].data, columns_[i].before.data(),
                      back, count);
     } else {

@@ -10,9 +10,9 @@
 
 namespace vesper {
 
-/// Returns a runner that passes columns in the law's own units to `law`, which `inner` runs.
-/// `ratios`, one for each use, convert from the prototype's unit to the law's; a ratio of one
-/// leaves the column unchanged.
+/// Returns a runner that converts columns to the units of `law` and back, and lets `inner` run the
+/// law on them. `ratios`, one for each use, convert from the prototype's unit to the law's; a ratio
+/// of one leaves the column unchanged.
 std::unique_ptr<LawRunner> MakeConvertingRunner(Law& law, std::unique_ptr<LawRunner> inner,
                                                 std::vector<UnitRatio> ratios);
 

@@ -20,9 +20,9 @@ class CustomProvider {
   /// Copies `callbacks`; throws INVALID_ARGUMENT if one is missing.
   CustomProvider(const vesper_provider_callbacks& callbacks, const Prototype& prototype);
 
-  /// Queries all properties if the provider's version has changed, and binds the answers. Throws
-  /// the provider's failure, or the error in its answer; then nothing is bound, and the next call
-  /// queries again.
+  /// Queries all properties if the provider's version has changed, and binds the answers. Throws if
+  /// the provider fails or its answer is invalid; then nothing is bound, and the next call queries
+  /// again.
   void Refresh(Columns& columns, const Check& check);
 
  private:

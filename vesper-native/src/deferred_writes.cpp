@@ -54,7 +54,8 @@ void DeferredWrites::After(const ScheduledLaw& law) {
     if (!Defers(*matched.use)) {
       Written(property);
     } else if (law.law->targets[i].data != columns_[property].data()) {
-      law.law->runner->Synchronize(i);  // a share of a sum that the engine is about to compute
+      law.law->runner->Synchronize(i);  // this law's share of a sum that the engine is about to
+                                        // compute
     } else {
       State& state = properties_[property];
       state.holder = law;
@@ -84,7 +85,7 @@ void DeferredWrites::Fetch(uint32_t property, uint32_t stage) {
   State& state = properties_[property];
   state.holder.OnBehalf(stage, [&] { state.holder.law->runner->Synchronize(state.use); });
   state.holder = {};
-  if (state.several_users) Written(property);  // copies of the other libraries are stale
+  if (state.several_users) Written(property);  // other libraries have stale copies
 }
 
 void DeferredWrites::FetchInputs(const ScheduledLaw& law, uint32_t stage) {

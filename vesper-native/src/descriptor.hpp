@@ -15,7 +15,7 @@ namespace vesper {
 class Descriptor {
  public:
   Descriptor() = default;
-  /// Takes the result of a system call; throws with `what` and errno if the call failed.
+  /// Takes ownership of a system call's result; if the call failed, throws with `what` and errno.
   Descriptor(int fd, const char* what) : fd_(fd) {
     if (fd < 0) throw Failure(VESPER_INTERNAL, "%s: %s", what, std::strerror(errno));
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Check that a file is a complete shared object, since an incomplete one could crash the loader.
+// Check that a file is a complete shared object, because an incomplete one could crash the dynamic
+// loader.
 #pragma once
 
 #include <cstddef>

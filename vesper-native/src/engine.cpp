@@ -63,7 +63,7 @@ vesper_engine::vesper_engine(const vesper::Config& config, const vesper_prototyp
 }
 
 vesper_engine::~vesper_engine() {
-  busy_ = true;  // laws may log during destruction
+  busy_ = true;  // set, because laws may log during their destruction
   while (!libraries_.empty()) libraries_.pop_back();
 }
 
@@ -151,7 +151,7 @@ void vesper_engine::SetField(const char* name, const vesper_field& field) {
   columns_.SetField(property, field);
 }
 
-/// Returns the library that brought the field; null if none did.
+/// Returns the library that provides the field of a FIELD property; null if none does.
 const vesper::LawLibrary* vesper_engine::FieldOwner(uint32_t property) const {
   for (const auto& library : libraries_) {
     for (const auto& field : library->fields()) {
@@ -425,7 +425,7 @@ void vesper_engine::FaultIfFails(Body&& body) {
   } catch (const Failure& failure) {
     Fault(failure.error().library_id);
     throw;
-  } catch (...) {  // for example out of memory: half a step is done, and no library caused it
+  } catch (...) {  // for example out of memory: a step is incomplete, and no library caused it
     Fault(VESPER_NO_LIBRARY);
     throw;
   }
@@ -484,7 +484,7 @@ uint64_t vesper_engine::StateHash() {
   return vesper::HashState(clock_.steps, columns_);
 }
 
-/// Returns the state to save, under names that contain everything that must match at load.
+/// Returns the state to save, with descriptions that must be equal when it is loaded.
 vesper::EngineState vesper_engine::State() const {
   vesper::EngineState state{clock_, prototype_.name(), {}};
   for (const auto& library : libraries_) {

@@ -23,8 +23,8 @@ struct vesper_provider {
 };
 
 /// Implementation of engine.h. Each member function implements one C function and throws
-/// `vesper::Failure` where that function returns a status. Every member except the getters throws
-/// BUSY while another one runs.
+/// `vesper::Failure` where that function returns a status. Except for the getters, a member
+/// function throws BUSY while another one runs.
 struct vesper_engine {
  public:
   vesper_engine(const vesper::Config& config, const vesper_prototype& prototype);
@@ -69,8 +69,7 @@ struct vesper_engine {
   /// Runs `body`; if it fails, arrays are undefined and the engine is FAULTED.
   template <class Body>
   void FaultIfFails(Body&& body);
-  /// Marks the engine as FAULTED: the client restores its arrays, and deferred values are
-  /// discarded.
+  /// Marks the engine as FAULTED and discards deferred values; the client must restore its arrays.
   void Fault(vesper_library_id library);
   void RefuseIfFaulted() const;
   /// Returns the named properties, or all bound ones if `names` is null.
@@ -98,11 +97,11 @@ struct vesper_engine {
   vesper::Config config_;
   vesper::Prototype prototype_;
   vesper::Columns columns_{prototype_};
-  std::unique_ptr<vesper::CustomProvider> custom_;  // null: arrays are registered
+  std::unique_ptr<vesper::CustomProvider> custom_;  // null: the client registers arrays
   vesper::ThreadPool pool_;
   std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // in load order
   vesper::Schedule schedule_{columns_, pool_};
-  std::unique_ptr<vesper::Ledger> ledger_;  // null: switched off
+  std::unique_ptr<vesper::Ledger> ledger_;  // null: the ledger is off
   vesper_provider provider_{*this};
   mutable std::atomic<bool> busy_ = false;
   bool faulted_ = false;

@@ -32,16 +32,18 @@ class Failure {
   vesper_error error_;
 };
 
-/// Returns an error with no content, for laws to fill.
+/// Returns an empty error for a law to fill.
 vesper_error BlankError();
 
-/// Replaces control characters in a message from foreign code, and terminates it.
+/// Replaces control characters in a message from foreign code, and makes sure that it is
+/// NUL-terminated.
 void Sanitize(vesper_error& error);
 
 /// Returns the name of a status, e.g. "NOT_FOUND"; static.
 const char* StatusName(vesper_status status);
 
-/// Runs `body` at the C boundary: no exception leaves, and `error` is written on failure only.
+/// Runs `body` at the C boundary: converts an exception to a status, and writes `error` on failure
+/// only.
 template <class Body>
 vesper_status Guarded(vesper_error* error, Body&& body) noexcept {
   const auto report = [error](const Failure& failure) {

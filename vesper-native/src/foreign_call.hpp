@@ -10,7 +10,7 @@
 
 namespace vesper {
 
-/// Returns LAW_FAILED with the message that the library gave for its status.
+/// Returns a LAW_FAILED failure with the status and the message of the library.
 inline Failure ForeignFailure(const std::string& caller, vesper_status status, vesper_error error) {
   if (error.message[0] == '\0') {
     return Failure(VESPER_LAW_FAILED, "%s: returned status %d (%s)", caller.c_str(), status,
@@ -38,7 +38,7 @@ void CallForeign(const std::string& caller, Call&& call) {
   if (status != VESPER_OK) throw ForeignFailure(caller, status, error);
 }
 
-/// Runs a call that returns no status, likewise; discards its exceptions.
+/// Like above, for a call without a status; ignores its exceptions.
 template <class Call>
 void CallForeignQuietly(Call&& call) noexcept {
   try {

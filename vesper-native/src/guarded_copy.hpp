@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An engine-owned copy of a column with a canary at both ends.
+// An engine-owned copy of a column with a canary (a known pattern) at both ends, to detect writes
+// outside of it.
 #pragma once
 
 #include <cstddef>

@@ -7,8 +7,8 @@
 #include <cstring>
 
 // Compiles a second version for CPUs with AVX2, selected when the library is loaded. Each value is
-// processed independently, so both versions give the same bits. (Sanitizers cannot run code that
-// early.)
+// processed independently, so both versions give the same bits. (Not with sanitizers, which cannot
+// run code at that time.)
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define VESPER_STREAMING [[gnu::target_clones("avx2", "default")]]
 #else
@@ -18,7 +18,7 @@
 namespace vesper {
 namespace {
 
-// Values per block: long enough to vectorise, short enough to stop soon after a hit.
+// Values per block: long enough to vectorise, short enough to stop soon after the first match.
 constexpr uint64_t kBlock = 4096;
 
 template <class Real>
@@ -44,8 +44,8 @@ typename Bits<Real>::Type BitsAt(const void* values, uint64_t index) {
   return bits;
 }
 
-/// Returns a word whose top bit is set if the exponent is all ones: adding one to such an exponent
-/// carries into the sign.
+/// Returns a word whose top bit is set if the value is NaN or infinite: its exponent is then all
+/// ones, and adding one to it carries into the sign.
 template <class Real>
 typename Bits<Real>::Type NonFiniteMark(typename Bits<Real>::Type bits) {
   return (bits & Bits<Real>::kExponent) + Bits<Real>::kOne;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Streaming passes over column memory. Values are `count` scalars, tightly packed.
+// Functions that process the memory of a column in one pass. Values are `count` scalars, tightly
+// packed.
 #pragma once
 
 #include <cstdint>
@@ -30,13 +31,13 @@ struct UnitRatio {
 };
 /// Computes to[i] = from[i] * multiply / divide in f64. Leaves integers unchanged.
 void Convert(vesper_scalar_type type, void* to, const void* from, UnitRatio ratio, uint64_t count);
-/// Converts likewise, but only where the bits of from[i] and before[i] differ.
+/// Like Convert, but only where the bits of from[i] and before[i] differ.
 void ConvertChanged(vesper_scalar_type type, void* to, const void* from, const void* before,
                     UnitRatio ratio, uint64_t count);
 
 /// Fills reals with a quiet NaN whose pattern no arithmetic produces; leaves integers unchanged.
 void FillUnwritten(vesper_scalar_type type, void* values, uint64_t count);
-/// Returns true if value `index` still has that pattern.
+/// Returns true if value `index` still has the pattern of FillUnwritten.
 bool IsUnwritten(vesper_scalar_type type, const void* values, uint64_t index);
 
 /// Copies values and replaces -0 by +0.

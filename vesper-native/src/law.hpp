@@ -14,8 +14,8 @@ namespace vesper {
 /// the law.
 class Law {
  public:
-  /// Stores `desc`, which must outlive the object; does not call the law yet. `running` is marked
-  /// during each call.
+  /// Stores `desc`, which must outlive the object; does not call the law yet. `running` shows the
+  /// law to observers during each call.
   Law(const vesper_law_desc& desc, const Running& running);
   ~Law();
   Law(const Law&) = delete;
@@ -24,7 +24,7 @@ class Law {
   void Create(const vesper_host& host, vesper_suite* suite, const std::vector<double>& parameters);
   void Bind(const std::vector<vesper_property>& properties);
   void Advance(const vesper_step& step);
-  /// Makes the law write the array of a use that it deferred.
+  /// Makes the law write the array of a DEFERRED use.
   void Synchronize(uint32_t use);
   /// Returns the potential energy [J] of the bound arrays; only for a law that reports it. Throws
   /// LAW_MISBEHAVED if it is not finite.

@@ -18,11 +18,11 @@
 
 namespace vesper {
 
-/// A use of a law with the matching property of the prototype.
+/// A use of a law, and the property of the prototype that it is matched with.
 struct MatchedUse {
   bool IsScratch() const { return use->access == VESPER_SCRATCH; }
 
-  uint32_t property;  // kNone: scratch, or optional and not in the prototype
+  uint32_t property;  // kNone for scratch, and for an optional use that the prototype lacks
   const vesper_property_use* use;
   AlignedBuffer share{};  // the law's accumulated values, where they are separate from the total
   UnitRatio to_law{};     // from the property's unit to the unit that the law declares
@@ -30,12 +30,13 @@ struct MatchedUse {
   ScratchColumn scratch{};
 };
 
-/// A field of a library with the matching property of the prototype.
+/// A field of a library, and the property of the prototype that it is matched with.
 struct LoadedField {
   uint32_t property;
   const vesper_field_desc* desc;
-  UnitRatio from_library;                              // to the property's unit
-  std::unique_ptr<ConvertedField> function = nullptr;  // created when the suite is open
+  UnitRatio from_library;                              // from the library's unit to the property's
+                                                       // unit
+  std::unique_ptr<ConvertedField> function = nullptr;  // created with the suite
 };
 
 /// A law with all data that the engine keeps for it.
@@ -48,13 +49,13 @@ struct LoadedLaw {
   bool Defers() const;
 
   Law law;
-  uint32_t index;  // index within its library, in the engine's precision
+  uint32_t index;  // index within its library, counting only laws in the engine's precision
   std::vector<MatchedUse> uses;
   std::unique_ptr<LawRunner> runner;
-  Targets targets;  // arrays it is bound to; empty before the first bind
+  Targets targets;  // arrays to which the law is bound; empty before the first bind
 };
 
-/// Laws, their shared state and the mapped file, destroyed in this order.
+/// The laws of a library, their shared state and the mapped file; destroyed in this order.
 class LawLibrary {
  public:
   LawLibrary(vesper_library_id id, std::string name, const Config& config, ThreadPool& pool);
@@ -64,10 +65,10 @@ class LawLibrary {
 
   /// Creates the suite and the laws, with one list of parameters for each law.
   void Create(const vesper_law_library& table, const std::vector<std::vector<double>>& parameters);
-  /// Takes ownership of `prepared`; the mapped file is closed with the library.
+  /// Takes ownership of `prepared`; the mapped file is closed when this object is destroyed.
   void Take(vesper_prepared_library* prepared) { prepared_.reset(prepared); }
 
-  /// Keeps the log lines of its laws from now on, until they are released or dropped.
+  /// Keeps the log lines of its laws from now on, until they are passed to the log or dropped.
   void HoldLog() { hold_log_ = true; }
   void ReleaseLog();
   void DropLog();

@@ -81,8 +81,8 @@ bool IsWritten(const Law& law, const Targets& targets, size_t use) {
   return targets[use].access != VESPER_READ && !law.Defers(use);
 }
 
-/// Throws if a property that the law only reads contains NaN or infinity. No other law wrote it:
-/// the engine scans the writes of each law before the next law runs.
+/// Throws if a property that the law only reads contains NaN or infinity. The client wrote it then,
+/// because the engine checks what a law has written before the next law runs.
 void CheckInputs(const Law& law, ThreadPool& pool, const Targets& seen) {
   for (const vesper_property& property : seen) {
     if (property.access != VESPER_READ || IsField(property.scalar_type)) continue;
@@ -97,8 +97,8 @@ void CheckInputs(const Law& law, ThreadPool& pool, const Targets& seen) {
   }
 }
 
-/// Returns true if all values that the law wrote are finite. Scans all its columns in one pass,
-/// because threads synchronize at the start of each pass.
+/// Returns true if all values that the law wrote are finite. All its columns are scanned in one
+/// pass, because each pass synchronizes the threads.
 bool WroteFinite(const Law& law, ThreadPool& pool, const Targets& seen) {
   uint64_t rows = 0, values = 0;
   for (size_t i = 0; i < seen.size(); ++i) {
@@ -118,7 +118,7 @@ bool WroteFinite(const Law& law, ThreadPool& pool, const Targets& seen) {
   return finite;
 }
 
-/// Throws if a value that the law wrote is not finite. Checks the law's inputs first, since they
+/// Throws if a value that the law wrote is not finite. Checks the law's inputs first, because they
 /// may be the cause.
 void CheckWritten(const Law& law, ThreadPool& pool, const Targets& seen) {
   if (WroteFinite(law, pool, seen)) return;
@@ -218,8 +218,8 @@ class GuardedRunner final : public LawRunner {
     }
   }
 
-  /// Throws if the law wrote outside its arrays, or wrote an array declared READ or DEFERRED other
-  /// than that of use `synchronized`.
+  /// Throws if the law wrote outside its arrays, or to an array that it declared READ or DEFERRED,
+  /// except to that of the use `synchronized`.
   void CheckKeptWord(size_t synchronized = SIZE_MAX) const {
     for (size_t i = 0; i < seen_.size(); ++i) {
       const vesper_property& seen = seen_[i];

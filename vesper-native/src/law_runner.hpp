@@ -24,17 +24,17 @@ class LawRunner {
   /// one. The targets contain the results after success only; otherwise they are undefined. A use
   /// that the law defers is neither checked nor written.
   virtual void Advance(const vesper_step& step) = 0;
-  /// Makes the law write the target of a use that it deferred. Throws LAW_MISBEHAVED if the values
-  /// contain NaN or infinity.
+  /// Makes the law write the array of a DEFERRED use. Throws LAW_MISBEHAVED if the values contain
+  /// NaN or infinity.
   virtual void Synchronize(uint32_t use) = 0;
   /// Returns the law's potential energy [J] in the current state of the targets; only for a law
   /// that reports it.
   virtual double PotentialEnergy() = 0;
 };
 
-/// Returns a runner that works in place or, if `validate`, on copies, to check the law against its
-/// declarations. The threads of `pool`, which must outlive the runner, zero and check whole
-/// columns.
+/// Returns a runner that runs the law in place or, if `validate`, on guarded copies, to check its
+/// accesses against its declarations. `pool` zeroes and checks whole columns in parallel; it must
+/// outlive the runner.
 std::unique_ptr<LawRunner> MakeRunner(Law& law, ThreadPool& pool, bool validate);
 
 }  // namespace vesper

@@ -103,7 +103,7 @@ void Ledger::ForEachGiver(Visit&& visit) {
 }
 
 void Ledger::BeginAdvance() {
-  if (advancing_) ForgetForces();  // the last advance failed before its end
+  if (advancing_) ForgetForces();  // true: the last advance failed before its end
   bodies_.Bind();
   for (const auto& account : laws_) {
     account->pending = {};
@@ -128,8 +128,8 @@ double Ledger::PotentialEnergy(const Account& account) {
   }
 }
 
-/// Allocates space for the present number of bodies. If that number changed, rows stand for other
-/// bodies than before.
+/// Allocates space for the present number of bodies. If that number has changed, discards the last
+/// forces, because rows stand for other bodies than before.
 void Ledger::Resize() {
   const size_t size = 3 * bodies_.count();
   if (channels_[kForces].begin.size() != size) ForgetForces();
@@ -181,7 +181,8 @@ void Ledger::AfterIntegrators() {
   }
 }
 
-/// Returns true if the channel's forces have an effect: they are bound, and a law integrates them.
+/// Returns true if the channel's forces have an effect: their property is bound, and a law
+/// integrates it.
 bool Ledger::Active(size_t channel) const {
   const Channel& c = channels_[channel];
   return c.integrator != nullptr && columns_[c.sum].bound && columns_[c.rate].bound;
@@ -191,12 +192,14 @@ Vector Ledger::Rate(size_t channel, uint64_t row) const {
   return channel == kForces ? bodies_.Velocity(row) : bodies_.AngularVelocity(row);
 }
 
-/// Returns true if the body takes the impulse; otherwise the ground does.
+/// Returns true if the body can move (or rotate), so that the impulse counts for it and not for the
+/// ground.
 bool Ledger::Yields(size_t channel, uint64_t row) const {
   return channel == kForces ? bodies_.Moves(row) : bodies_.Turns(row);
 }
 
-/// Returns what the account added to the sum in this stage; null data if nothing.
+/// Returns the share that the account added to the channel's sum in this stage; null data if it
+/// added nothing.
 SiColumn Ledger::Share(const Account& account, size_t channel) const {
   const uint32_t sum = channels_[channel].sum;
   if (account.law != nullptr) {
@@ -208,7 +211,8 @@ SiColumn Ledger::Share(const Account& account, size_t channel) const {
   return bodies_.View(applied, columns_[applied].data());
 }
 
-/// Adds the forces of one stage to the impulses, and records their moments about the origin.
+/// Adds the forces of one stage to the account's impulses, and books their moments about the
+/// origin.
 void Ledger::Gather(Account& account, size_t channel, uint32_t stage) {
   const SiColumn share = Share(account, channel);
   if (share.data == nullptr) return;
@@ -240,7 +244,8 @@ void Ledger::Gather(Account& account, size_t channel, uint32_t stage) {
   push.has_last = true;
 }
 
-/// Records the impulses of a whole step, and their work at the velocity in the middle of the step.
+/// Records the impulses of a whole step, and their work, computed with the mean velocity of the
+/// step.
 void Ledger::Settle(Account& account, size_t channel) {
   if (Share(account, channel).data == nullptr) return;
   Balance taken, ground;
@@ -254,8 +259,9 @@ void Ledger::Settle(Account& account, size_t channel) {
   Book(account, channel, taken, ground);
 }
 
-/// Moves `taken`, which the integrator applied to the bodies, from the integrator's account to this
-/// account, and records the impulses of immovable bodies for the ground.
+/// Books `taken`, the part of the integrator's change of the bodies that this account's forces
+/// caused, for this account instead of the integrator's. Books `ground`, the impulses on immovable
+/// bodies, for the ground.
 void Ledger::Book(Account& account, size_t channel, const Balance& taken, const Balance& ground) {
   account.pending += taken + ground;
   channels_[channel].integrator->pending -= taken;

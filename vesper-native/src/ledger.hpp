@@ -21,17 +21,17 @@ struct PotentialEnergies {
 
 struct LedgerLine {
   Balance balance;
-  std::optional<PotentialEnergies> potential;  // none: the law reports none
+  std::optional<PotentialEnergies> potential;  // none: the law reports no potential energy
 };
 
-/// Records the contribution of each law during the steps of a schedule. EndAdvance commits the
+/// Records the contribution of each law during the steps of an advance. EndAdvance commits the
 /// entries of an advance; a failed advance leaves no entries.
 class Ledger {
  public:
   /// Creates an empty ledger. Throws as `Bodies` does.
   Ledger(const Prototype& prototype, const Columns& columns);
 
-  /// Updates the set of laws. Entries of unloaded laws are kept in a line of their own.
+  /// Updates the set of laws. The contributions of unloaded laws are kept, as one sum.
   void Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries);
   /// Starts an advance. Columns must be current and laws bound. Throws NOT_FOUND if a required
   /// property of bodies is not bound, or the failure of a law when its potential energy is
@@ -46,17 +46,17 @@ class Ledger {
   /// Records a whole step; called once per step, after the last stage.
   void AfterIntegrators();
 
-  /// Discards the forces of the previous step, because rows now stand for other bodies.
+  /// Discards the forces of the previous step, because the rows now stand for other bodies.
   void ForgetForces();
 
-  /// Returns the line of a law known from Plan. Columns must be current and laws bound. Throws the
-  /// failure of a law when its potential energy is computed.
+  /// Returns the line of a law that was passed to Plan. Columns must be current and laws bound.
+  /// Throws the failure of a law when its potential energy is computed.
   LedgerLine Law(vesper_library_id library, uint32_t index) const;
-  /// Returns what the client applied, and changed between calls.
+  /// Returns the contribution of the client: applied forces, and changes between calls.
   const Balance& client() const { return client_.booked; }
-  /// Returns what immovable bodies absorbed, negated.
+  /// Returns the momentum that immovable bodies absorbed, with the opposite sign.
   const Balance& ground() const { return ground_.booked; }
-  /// Returns the sum over unloaded laws.
+  /// Returns the sum of the contributions of unloaded laws.
   const Balance& unloaded() const { return unloaded_; }
   /// Returns the measured change of all bodies from the beginning of the first advance to the end
   /// of the last one, which is the sum of all lines. Requirements and failures are those of Law.
@@ -75,14 +75,15 @@ class Ledger {
     vesper_library_id library = VESPER_NO_LIBRARY;
     uint32_t index = 0;
     LoadedLaw* law = nullptr;  // null: the account of the client or the ground
-    bool moves = false;        // the law writes properties on which the totals depend
+    bool moves = false;        // true if the law writes properties on which the totals depend
     std::array<Push, 2> pushes;
     Balance booked, pending;
     std::optional<double> initial_potential;  // [J], when the ledger first read the law's arrays
   };
-  /// A sum of forces with the velocity that it changes, or of torques with the angular velocity.
+  /// A property that sums forces, with the velocity that it changes; or one that sums torques, with
+  /// the angular velocity.
   struct Channel {
-    uint32_t sum, rate;              // properties, or kNone
+    uint32_t sum, rate;              // indices of the two properties, or kNone
     Account* integrator = nullptr;   // account of the law that writes `rate`
     std::vector<double> begin = {};  // (bodies x 3), `rate` at the start of the step
   };
@@ -111,10 +112,10 @@ class Ledger {
   Account ground_;
   Balance unloaded_;
   std::array<Channel, 2> channels_;
-  Balance total_;          // of all bodies, after the most recent law
-  Balance booked_total_;   // at the end of the last committed advance
-  Balance opening_total_;  // at the beginning of the first advance
-  bool opened_ = false;    // the two totals above are set
+  Balance total_;          // balance of all bodies after the law that ran last
+  Balance booked_total_;   // balance of all bodies at the end of the last committed advance
+  Balance opening_total_;  // balance of all bodies at the beginning of the first advance
+  bool opened_ = false;    // true once the two totals above are set
   bool advancing_ = false;
   double dt_ = 0;  // [s]
 };

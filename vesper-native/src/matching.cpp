@@ -64,7 +64,7 @@ void CheckUse(const vesper_law_desc& law, const vesper_property_use& use, const 
   }
 }
 
-/// Matches memory of the law's own, with one entry for each row of a kind of the prototype.
+/// Matches a SCRATCH use: memory of the law with one entry for each row of a kind of the prototype.
 MatchedUse MatchScratch(const vesper_law_desc& law, const vesper_property_use& use,
                         const Prototype& prototype) {
   const uint32_t kind = prototype.FindKind(use.kind);
@@ -79,7 +79,7 @@ MatchedUse MatchScratch(const vesper_law_desc& law, const vesper_property_use& u
           .scratch = ScratchColumn(use.components * ScalarSize(use.scalar_type))};
 }
 
-/// Throws if the law would write a value that several rows share.
+/// Throws if the law may write the property, because several rows share its values.
 void CheckShared(const vesper_law_desc& law, const vesper_property_use& use) {
   if (use.access == VESPER_READ) return;
   throw Failure(VESPER_ACCESS_CONFLICT,
@@ -101,7 +101,7 @@ uint32_t FindProperty(const vesper_law_desc& law, const vesper_property_use& use
 }
 
 struct ParameterName {
-  std::string_view law;  // empty: any law
+  std::string_view law;  // empty: of any law
   std::string_view parameter;
 
   explicit ParameterName(std::string_view name) {

@@ -17,11 +17,11 @@ std::vector<MatchedUse> MatchUses(const vesper_law_desc& law, const Prototype& p
                                   const Columns& columns);
 
 /// Matches a field of library `library` with a property. Throws NOT_FOUND, TYPE_MISMATCH or
-/// UNIT_MISMATCH likewise.
+/// UNIT_MISMATCH with the same information.
 std::unique_ptr<LoadedField> MatchField(const char* library, const vesper_field_desc& field,
                                         const Prototype& prototype);
 
-/// Throws ACCESS_CONFLICT if the two laws cannot be loaded into one engine.
+/// Throws ACCESS_CONFLICT if these two laws cannot be loaded at the same time.
 void CheckCompatible(const LoadedLaw& a, const LoadedLaw& b, const Prototype& prototype);
 
 /// Returns values for the parameters of all `laws` of a library: given values, or defaults. Throws

@@ -8,7 +8,7 @@
 
 namespace vesper {
 
-/// Returns the candidate with the smallest edit distance, or null if none is near.
+/// Returns the candidate with the smallest edit distance, or null if none is similar enough.
 const std::string* NearestName(std::string_view name, const std::vector<std::string>& candidates);
 
 }  // namespace vesper

@@ -8,8 +8,8 @@
 namespace vesper {
 namespace {
 
-/// Returns true if the uses conflict. Two reads do not; nor do two accumulations, because each law
-/// has a separate sum.
+/// Returns true if the uses conflict. Two reads do not conflict, and neither do two accumulations,
+/// because each law has a separate sum.
 bool Collide(const MatchedUse& a, const MatchedUse& b) {
   if (a.property == kNone || a.property != b.property) return false;
   return a.use->access != b.use->access || (a.use->access & VESPER_WRITE) != 0;
@@ -84,8 +84,8 @@ void PhaseLaws::RunInWaves(ThreadPool& pool, LawCalls* calls, const vesper_step&
   std::rethrow_exception(failure);
 }
 
-/// After a failure, runs no law that comes later in load order. Earlier ones may be in a later wave
-/// and fail too.
+/// Runs a wave. After a failure, runs no law that comes later in load order. Laws that come earlier
+/// still run, because they may be in a later wave and fail, too.
 void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, LawCalls* calls,
                         const vesper_step& step) {
   const auto try_for = [&](uint32_t place, auto&& action) {
@@ -105,7 +105,8 @@ void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, Law
   }
 }
 
-/// Runs an action for a law, unless this law failed or an earlier law failed in an earlier wave.
+/// Runs an action for a law, unless it has failed, or a law before it in load order has failed in
+/// an earlier wave.
 template <class Action>
 void PhaseLaws::Try(uint32_t place, Action&& action) {
   if (place > first_failed_ || failures_[place] != nullptr) return;
@@ -116,7 +117,8 @@ void PhaseLaws::Try(uint32_t place, Action&& action) {
   }
 }
 
-/// Releases the log lines, without those of laws that would not have run in sequential execution.
+/// Passes held log lines to the log, except those of laws that would not have run in sequential
+/// execution.
 void PhaseLaws::ReleaseLogs() {
   for (uint32_t place = 0; place < laws_.size(); ++place) {
     if (place <= first_failed_) {

@@ -12,12 +12,13 @@
 
 namespace vesper {
 
-/// A law with the library that failures name.
+/// A law, with its library, which failures name.
 struct ScheduledLaw {
   LoadedLaw* law;
   LawLibrary* library;
 
-  /// Runs `body` and attributes its exception to the law, unless the client's input is invalid.
+  /// Runs `body` and attributes an exception to the law, unless the exception reports invalid input
+  /// of the client.
   template <class Body>
   void OnBehalf(uint32_t stage, Body&& body) const {
     try {
@@ -31,10 +32,10 @@ struct ScheduledLaw {
   }
 };
 
-/// Actions around the calls of laws, on the calling thread, while no law runs.
+/// Actions before and after the call of each law, on the calling thread, while no law runs.
 class LawCalls {
  public:
-  /// Runs before the law; an exception fails the law.
+  /// Runs before the law; an exception counts as a failure of the law.
   virtual void Before(const ScheduledLaw& law, const vesper_step& step) = 0;
   /// Runs after the law has succeeded.
   virtual void After(const ScheduledLaw& law, const vesper_step& step) = 0;
@@ -46,8 +47,8 @@ class LawCalls {
 /// The laws of one phase, in waves. Laws collide if one writes what the other reads or writes, or
 /// if they belong to one library, since they may share its suite. A wave contains laws that do not
 /// collide. A law belongs to the first wave after those of all earlier laws with which it collides.
-/// Waves are sufficient, and a task graph would gain nothing: a phase has few laws, which mostly
-/// collide with no law (they accumulate) or with all laws (they integrate).
+/// A task graph would not be faster than waves, because a phase has few laws, and most of them
+/// collide with no other law (they accumulate) or with all (they integrate).
 ///
 /// The result is that of sequential execution in load order, whatever the number of threads: the
 /// same bits, the same failure, the same lines in the log.
@@ -75,8 +76,9 @@ class PhaseLaws {
 
   std::vector<ScheduledLaw> laws_;
   std::vector<std::vector<uint32_t>> waves_;  // indices into laws_; each wave in load order
-  std::vector<std::exception_ptr> failures_;  // by index in laws_
-  uint32_t first_failed_ = 0;  // index in laws_ as of the last wave; laws_.size() if none failed
+  std::vector<std::exception_ptr> failures_;  // the exception of each law, by index in laws_
+  uint32_t first_failed_ = 0;  // smallest index in laws_ of a law that failed in a complete wave;
+                               // laws_.size() if none failed
 };
 
 }  // namespace vesper

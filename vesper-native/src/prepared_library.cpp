@@ -40,7 +40,7 @@ Failure TooLarge(const std::string& source, uint64_t size) {
 constexpr std::string_view kTextEnding = ".law";
 constexpr std::string_view kPythonEnding = ".py";
 
-/// Refuses a file in Python, which no program but vesper-host opens.
+/// Refuses a file of laws in Python; only vesper-host opens these.
 void RefusePython(const std::string& source) {
   if (!source.ends_with(kPythonEnding)) return;
   throw LoadFailure(source, "a law in Python runs only in the engine's process, vesper-host");
@@ -67,7 +67,7 @@ std::string Search(const std::string& law_path, const std::string& name) {
   throw Failure(VESPER_NOT_FOUND, "no %s in the law path '%s'", file.c_str(), law_path.c_str());
 }
 
-/// Returns the end of a long path, so that a message has space for the error.
+/// Returns the end of a path, so that a message with a long path has space for the error.
 std::string ShortPath(const std::string& path) {
   constexpr size_t kLength = 80;
   return path.size() <= kLength ? path : "..." + path.substr(path.size() - kLength);
@@ -137,14 +137,14 @@ std::string TextOf(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Returns whether the bytes begin as a shared object does.
+/// Returns whether the bytes begin with the magic number of ELF files.
 bool IsElf(std::span<const std::byte> bytes) {
   return TextOf(bytes).starts_with(
       "\x7f"
       "ELF");
 }
 
-/// Returns the loader's message without the private name of the copy.
+/// Returns the loader's message without the private path of the copy at its beginning.
 std::string LoaderMessage(const std::string& private_path) {
   const char* message = dlerror();
   std::string text = message != nullptr ? message : "unknown loader error";
@@ -181,8 +181,8 @@ MappedLibrary::MappedLibrary(const Config& config, SealedCopy copy) : copy_(std:
 MappedLibrary::~MappedLibrary() {
   const FloatingPointGuard guard;
   dlclose(handle_);
-  // A library that stays mapped keeps its private name, so that the loader does not confuse it with
-  // a later library of that name.
+  // Some libraries stay mapped after they are closed. Their private name is then never used again,
+  // so that the loader does not confuse a later library with them.
   if (void* kept = dlopen(copy_.path().c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD)) {
     dlclose(kept);
     copy_.Abandon();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A law library between its file and its engine.
+// A law library that was opened from its file but is not yet loaded into an engine.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@
 
 namespace vesper {
 
-/// A sealed in-memory copy of a file, named by its content. It is in no file system, so no file
-/// remains and no process can change it.
+/// A sealed in-memory copy of a file, named by its content. It exists in memory only, so no file is
+/// left behind and no process can change it.
 class SealedCopy {
  public:
   /// Copies `bytes` of a file that messages call `source`.
@@ -29,7 +29,7 @@ class SealedCopy {
   const std::string& path() const { return path_; }
   /// Returns the file it was copied from, for messages.
   const std::string& source() const { return source_; }
-  /// Keeps the copy open until the process ends, because the loader still uses its name.
+  /// Keeps the copy until the process ends, because the loader still uses its name.
   void Abandon() { memory_.Release(); }
 
  private:
@@ -38,7 +38,7 @@ class SealedCopy {
   Descriptor memory_;
 };
 
-/// The copy as mapped by the loader. Unmaps it at destruction.
+/// The copy of a library, mapped by the loader; unmapped at destruction.
 class MappedLibrary {
  public:
   MappedLibrary(const Config& config, SealedCopy copy);
@@ -56,8 +56,8 @@ class MappedLibrary {
 
 }  // namespace vesper
 
-/// A library that was checked, but belongs to no engine yet: a mapped file, a text,
-/// or the table of a front end.
+/// A library that was checked, but belongs to no engine yet: a mapped file, a text, or a table that
+/// another program part has built.
 struct vesper_prepared_library {
   /// Opens `library`, given as in vesper_library_prepare.
   vesper_prepared_library(const vesper::Config& config, const std::string& library);
@@ -65,17 +65,17 @@ struct vesper_prepared_library {
   vesper_prepared_library(const vesper::Config& config, std::span<const std::byte> bytes,
                           const std::string& source);
   vesper_prepared_library(std::string source, std::string text);
-  /// Offers a table that a front end made.
+  /// Creates a prepared library from a table that another program part has built.
   explicit vesper_prepared_library(const vesper_law_library& table);
   ~vesper_prepared_library();
   vesper_prepared_library(const vesper_prepared_library&) = delete;
   vesper_prepared_library& operator=(const vesper_prepared_library&) = delete;
 
-  /// Has `release(user)` called at the end of this object. Null: nothing is called.
+  /// Sets `release(user)` to be called when this object is destroyed; null: nothing is called.
   void ReleaseAtEnd(void (*release)(void* user), void* user);
   const char* name() const;
-  /// Returns the table, which lives as long as this object. That of a text is compiled for the
-  /// prototype.
+  /// Returns the table, which lives as long as this object. A text is compiled for the prototype
+  /// first.
   const vesper_law_library& TableFor(const vesper::Prototype& prototype);
 
  private:

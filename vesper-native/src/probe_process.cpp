@@ -53,7 +53,8 @@ struct Pipe {
   Descriptor write_end;
 };
 
-/// Duplicates a descriptor above the probe's descriptor numbers, so that none is overwritten.
+/// Duplicates a descriptor above the probe's descriptor numbers, so that setting up these numbers
+/// does not overwrite it.
 Descriptor DuplicateForProbe(int fd) {
   return Descriptor(fcntl(fd, F_DUPFD_CLOEXEC, kProbeReportFd + 1), "descriptor for the probe");
 }
@@ -91,7 +92,8 @@ class SpawnSetup {
   posix_spawnattr_t attributes_;
 };
 
-/// Returns only the loader's own variables: the probe must not receive secrets.
+/// Returns only the environment variables of the dynamic loader, because others may contain
+/// secrets.
 std::vector<char*> LoaderEnvironment() {
   std::vector<char*> variables;
   for (char** variable = environ; variable != nullptr && *variable != nullptr; ++variable) {
@@ -114,7 +116,8 @@ class Probe {
 
   ~Probe() { End(); }
 
-  /// Reads reports until the probe closes its end (also by its death) or the deadline passes.
+  /// Reads reports until the probe closes its end of the pipe, for example by a crash, or until the
+  /// deadline.
   void Listen(Clock::time_point deadline) {
     for (;;) {
       const auto left =
@@ -129,7 +132,7 @@ class Probe {
       if (size < 0 && errno == EINTR) continue;
       if (size != sizeof report) return;
       last_ = report;
-      Sanitize(last_.error);  // the library could write to the pipe as well
+      Sanitize(last_.error);  // the library in the probe could have written to the pipe, too
     }
   }
 

@@ -279,7 +279,8 @@ class Reader {
     return line.OneOf(types, "a type: real, f32, f64, i32, u32 or field");
   }
 
-  /// Checks the rules of all prototypes. On failure it finds the place of the property by its name.
+  /// Checks the rules of all prototypes. On failure, the message contains the line and column of
+  /// the property.
   void Check() const {
     try {
       const Prototype checked(*prototype_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The law that each thread of an engine is calling, for an observer of the engine.
+// Shows observers of an engine which law each of its threads is calling.
 #pragma once
 
 #include <atomic>
@@ -9,13 +9,13 @@
 
 namespace vesper {
 
-/// Writes the words of `vesper_engine_config.running` on behalf of one law.
+/// Writes the entries of one law to the array `vesper_engine_config.running`.
 class Running {
  public:
   Running(uint64_t* words, const ThreadPool& pool, uint32_t library, uint32_t law)
       : words_(words), pool_(pool), value_((uint64_t{library} << 32) | (law + 1)) {}
 
-  /// The calling thread is inside the law while this object lives.
+  /// While this object lives, the array shows that the calling thread is inside the law.
   class Inside {
    public:
     explicit Inside(const Running& running) {

@@ -24,7 +24,7 @@ struct Header {
   char magic[8];
   uint32_t version;
   uint32_t scratch_count;
-  uint64_t size;  // of the whole state, including the checksum at the end
+  uint64_t size;  // of the whole state [bytes], including the checksum at the end
   StepClock clock;
 };
 
@@ -126,7 +126,8 @@ SavedScratch ReadScratch(Reader& reader, const EngineState& state) {
   return {found->column, row_count, reader.Bytes(row_count * found->column->row_size())};
 }
 
-/// Returns the size of a row [bytes] from the description of a scratch, e.g. "…: f64 x 3 per body".
+/// Returns the size of a row [bytes] from the description of a SCRATCH column, e.g. "…: f64 x 3 per
+/// body".
 uint64_t DescribedRowSize(const std::string& name) {
   const size_t colon = name.rfind(": ");
   if (colon == std::string::npos) throw Damaged("a name has no type");
@@ -158,7 +159,7 @@ Header BlankHeader(uint32_t scratch_count, const StepClock& clock) {
   return header;
 }
 
-/// Completes a state, whose header is written already: its size and its checksum.
+/// Completes a state that already has a header: writes its size and its checksum.
 std::vector<std::byte> Finish(Writer& writer) {
   const uint64_t size = writer.bytes().size() + sizeof(uint64_t);
   std::memcpy(writer.bytes().data() + offsetof(Header, size), &size, sizeof size);

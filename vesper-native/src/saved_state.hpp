@@ -26,13 +26,14 @@ struct EngineState {
   std::vector<NamedScratch> scratch;
 };
 
-/// Returns a header with a version, the state, and a checksum over both. Numbers are in the format
-/// of this machine.
+/// Returns a header with a version, the state, and a checksum over both. Numbers have the byte
+/// order of this machine.
 std::vector<std::byte> SaveState(const EngineState& state);
 
-/// Fills the columns of `state` with the values saved under their names, and returns the clock.
-/// Throws INVALID_ARGUMENT if `saved` is not a saved state or is damaged, ACCESS_CONFLICT if it
-/// belongs to another prototype or to other laws. On failure nothing changes.
+/// Fills the columns of `state` with the values that were saved under the same descriptions, and
+/// returns step count and time. Throws INVALID_ARGUMENT if `saved` is not a saved state or is
+/// damaged, ACCESS_CONFLICT if it belongs to another prototype or to other laws. On failure nothing
+/// changes.
 StepClock LoadState(std::span<const std::byte> saved, const EngineState& state);
 
 /// Returns `saved` without the scratch of a library's laws. Throws INVALID_ARGUMENT as LoadState

@@ -169,7 +169,7 @@ void Schedule::Before(const ScheduledLaw& law, const vesper_step& step) {
 void Schedule::After(const ScheduledLaw& law, const vesper_step& step) {
   law.OnBehalf(step.stage, [&] { deferred_.After(law); });
   if (ledger_ == nullptr) return;
-  deferred_.SynchronizeAll(step.stage);  // the ledger reads arrays
+  deferred_.SynchronizeAll(step.stage);  // because the ledger reads arrays
   ledger_->AfterLaw(*law.law);
 }
 

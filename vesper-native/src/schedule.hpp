@@ -25,17 +25,17 @@ class Schedule final : private LawCalls {
   /// Updates the set of laws. They run in order of phase, then load order; see PhaseLaws for
   /// concurrent laws.
   void Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries);
-  /// Makes the next Bind pass all arrays to all laws again, changed or not.
+  /// Makes the next Bind pass all arrays to all laws, also unchanged ones.
   void Forget();
   /// Passes the current columns to all laws whose arrays changed. Throws NOT_FOUND if one is
   /// missing, or the failure of a law. Columns must be current.
   void Bind();
-  /// Passes arrays that were written since the last call to the laws that defer. Columns must be
-  /// current.
+  /// Passes the arrays that were written since the last call to the laws with DEFERRED uses.
+  /// Columns must be current.
   void BindDeferring();
-  /// Returns true if Bind has no work.
+  /// Returns true if all laws have the current arrays, so that Bind has no work.
   bool IsBound() const { return bound_generation_ == columns_.generation(); }
-  /// Returns the arrays that laws left stale.
+  /// Returns the tracker of arrays that laws left stale by deferred writes.
   DeferredWrites& deferred() { return deferred_; }
   /// Sets the ledger that records the steps; null: none.
   void SetLedger(Ledger* ledger) { ledger_ = ledger; }
@@ -65,7 +65,7 @@ class Schedule final : private LawCalls {
   uint32_t stage_count_ = 1;
   std::vector<Accumulation> accumulations_;  // one for each accumulator of the prototype
   Ledger* ledger_ = nullptr;
-  Targets targets_;  // of the law being bound; reused to avoid allocations
+  Targets targets_;  // of the law that is being bound; a member only to avoid allocations
   uint64_t bound_generation_ = 0;
 };
 

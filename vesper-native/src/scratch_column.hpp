@@ -16,10 +16,10 @@ class ScratchColumn {
   /// Changes the number of rows. Remaining rows keep their values, new ones are zero. May move the
   /// memory.
   void Resize(uint64_t row_count);
-  /// Moves row `from` to row `to` <= `from`, and zeroes row `from`. Rows beyond the end count as
+  /// Moves row `from` to row `to` <= `from`, and zeroes row `from`. A row beyond the end counts as
   /// zero.
   void MoveRow(uint64_t from, uint64_t to);
-  /// Stores all values, in memory that Resize allocated.
+  /// Stores a copy of all values, in memory that Resize has allocated.
   void Keep();
   /// Restores the stored values in place.
   void Restore();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The prototypes of the engine: the same tables in two precisions.
+// The standard prototypes of the engine: the same properties in two precisions.
 #include <cstring>
 #include <iterator>
 

@@ -27,12 +27,12 @@ using Clock = std::chrono::steady_clock;
 
 constexpr uint64_t kMinGrain = 1024;
 constexpr uint64_t kMaxChunks = 256;
-constexpr uint32_t kMaxThreads = 256;  // maximum threads of a process; at least the maximum of a
+constexpr uint32_t kMaxThreads = 256;  // maximum number of threads of a process; at least that of a
                                        // config
 
 uint64_t ChooseGrain(uint64_t count) { return std::max(kMinGrain, count / kMaxChunks + 1); }
 
-/// Signals the processor that this thread is in a spin loop.
+/// Tells the processor that this thread spins, so that it saves power.
 inline void Pause() {
 #if defined(__x86_64__)
   _mm_pause();
@@ -60,8 +60,8 @@ class Wait {
 
 /** A loop whose chunks are divided into shares, one for each thread. A thread gets about the
  *  same rows in every loop, so that they stay in its processor's caches. Moving rows to another
- *  processor costs about as much as a short loop computes. Therefore a thread takes chunks from
- *  a share that its owner has begun only after a wait. */
+ *  processor's cache takes about as long as a short loop. Therefore a thread takes chunks of
+ *  another thread's share only after a wait, if that thread has begun it. */
 class Loop {
  public:
   Loop(uint64_t count, uint64_t grain, RangeBody body, void* user, uint32_t threads)
@@ -97,7 +97,7 @@ class Loop {
  private:
   static constexpr std::chrono::microseconds kPatience{30};
 
-  /// Elements have no initial value, because a loop may use fewer of them.
+  /// Not initialised here, because a loop may use only some of them.
   class alignas(64) Share {
    public:
     void Fill(uint64_t begin, uint64_t end) {
@@ -130,26 +130,28 @@ class Loop {
   std::array<Share, kMaxThreads> shares_;
 };
 
-/** The place where a helper thread waits for its next loop. The thread that runs loops, one at a
- *  time, offers and withdraws them. */
+/** The place where a helper thread waits for its next loop. The thread that runs a loop offers the
+ *  loop to the helper here, and withdraws it at the end. */
 class alignas(64) Seat {
  public:
-  /// Offers the loop to the helper; returns true if the helper is here.
+  /// Offers the loop to the helper; returns true if the helper is waiting here.
   bool Offer(Loop& loop) {
     loop_ = &loop;
     return Change(State::kFree, State::kOffered);
   }
-  /// Stores the loop, after Offer returned false, for a helper that is started now.
+  /// Stores the loop after Offer has returned false, for a helper that is being started.
   void Leave(Loop& loop) {
     loop_ = &loop;
     state_ = State::kOffered;
   }
-  /// Returns when no helper works on the loop; if none has begun, none will.
+  /// Ends the offer: returns when no helper works on the loop any more; a helper that has not begun
+  /// will not begin.
   void Withdraw() {
     if (Change(State::kOffered, State::kFree)) return;
     for (Wait wait; Is(State::kTaken);) wait.Moment();
   }
-  /// Dismisses the helper, or one that is starting. Must not be called between Offer and Withdraw.
+  /// Makes the helper leave, also one that is starting. Must not be called between Offer and
+  /// Withdraw.
   void Dismiss() { state_ = State::kAway; }
 
   /// Runs the helper: works on this share of each offered loop, and waits up to `look` for the next
@@ -162,7 +164,7 @@ class alignas(64) Seat {
         state_ = State::kFree;
         until = Clock::now() + look;
       } else if (Clock::now() >= until) {
-        // If the state is kTaken, another helper took the loop after this one had been dismissed.
+        // In state kTaken, this helper was dismissed and another one has taken the loop.
         if (Change(State::kFree, State::kAway) || Is(State::kTaken)) return;
       }
     }
@@ -185,8 +187,8 @@ class alignas(64) Seat {
 class ThreadPool::Team {
  public:
   explicit Team(uint32_t threads) : seats_(threads), arena_(static_cast<int>(threads)) {
-    // By default TBB limits its threads to the number of cores, or to the request of the first
-    // arena.
+    // By default TBB limits its threads to the number of cores, or to the number that the first
+    // arena requests; this limit permits more.
     static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                            kMaxThreads);
     if (threads <= std::thread::hardware_concurrency()) look_ = kLook;
@@ -208,10 +210,11 @@ class ThreadPool::Team {
     return true;
   }
 
-  /// Runs a loop from a body of ForEach, on threads that are idle.
+  /// Runs a loop from inside a body of ForEach, on threads that are idle.
   void RunBesideOthers(Loop& loop) {
     arena_.execute([&] {
-      // While a law waits for its last rows, its thread must not start another law and delay it.
+      // While a law waits for the last chunks of its loop, its thread must not begin another law,
+      // which would delay this one.
       tbb::this_task_arena::isolate([&] {
         tbb::parallel_for(
             uint32_t{0}, loop.shares(), [&](uint32_t share) { loop.Work(share); },
@@ -232,7 +235,7 @@ class ThreadPool::Team {
       body(user, i);
       ComesBefore(&end);
     };
-    arena_.execute([&] {  // one task for each
+    arena_.execute([&] {  // one task for each thread
       tbb::parallel_for(uint64_t{0}, count, run, tbb::simple_partitioner());
     });
     ComesAfter(&end);
@@ -240,8 +243,9 @@ class ThreadPool::Team {
   }
 
  private:
-  /// How long a thread waits for the next loop: longer than the gap between two loops in a step of
-  /// a small world, but not longer than the time to put a thread to sleep and wake it.
+  /// How long a helper waits for the next loop before it sleeps: longer than the gap between two
+  /// loops in a step of a small world, but not longer than it takes to put a thread to sleep and
+  /// wake it.
   static constexpr std::chrono::microseconds kLook{50};
 
   void Call(uint32_t share, Loop& loop) {
@@ -251,7 +255,7 @@ class ThreadPool::Team {
       arena_.enqueue(called_.defer([this, share, &seat] { seat.Help(share, look_); }));
     } catch (const std::bad_alloc&) {
       seat.Withdraw();
-      seat.Dismiss();  // the other threads do its share
+      seat.Dismiss();  // without this helper; the other threads do its share
     }
   }
 
@@ -259,9 +263,9 @@ class ThreadPool::Team {
     for (Seat& seat : seats_) seat.Dismiss();
   }
 
-  std::vector<Seat> seats_;  // one for each share; the caller does not use the first
+  std::vector<Seat> seats_;  // one for each share; that of the caller's share is unused
   std::atomic_flag busy_;
-  Clock::duration look_{};  // zero if there are more threads than processors
+  Clock::duration look_{};  // how long helpers wait; zero if there are more threads than processors
   tbb::task_arena arena_;
   tbb::task_group called_;
 };

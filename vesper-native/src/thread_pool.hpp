@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The threads of the laws, which their host also uses for `parallel_for`.
+// The threads on which laws run, also in `parallel_for`.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace vesper {
 /// A body of `parallel_for`, as in law.h.
 using RangeBody = void (*)(void* user, uint64_t begin, uint64_t end);
 
-/// The threads for a loop. Waking a thread that sleeps takes about 10 us.
+/// Which threads take part in a loop. Waking a thread that sleeps takes about 10 us.
 enum class Helpers { kAll, kAwake };
 
 class ThreadPool {
@@ -30,7 +30,7 @@ class ThreadPool {
   /// body.
   void ParallelFor(uint64_t count, uint64_t grain, RangeBody body, void* user,
                    Helpers helpers = Helpers::kAll);
-  /// Calls body(begin, end) in the same way.
+  /// Like above, with body(begin, end).
   template <class Body>
   void ParallelFor(uint64_t count, uint64_t grain, Body&& body, Helpers helpers = Helpers::kAll) {
     const auto call = [](void* user, uint64_t begin, uint64_t end) {
@@ -52,7 +52,7 @@ class ThreadPool {
   void RunEach(uint64_t count, void (*body)(void* user, uint64_t i), void* user);
 
   uint32_t threads_;
-  std::unique_ptr<Team> team_;  // null for one thread
+  std::unique_ptr<Team> team_;  // null if there is only one thread
 };
 
 }  // namespace vesper

@@ -14,7 +14,7 @@ namespace vesper {
 inline constexpr size_t kMaxNameLength = 47;
 
 bool SameUnit(const vesper_unit& a, const vesper_unit& b);
-/// Returns true if a factor converts values of one unit to the other.
+/// Returns true if the units have the same dimension, so that a factor converts one to the other.
 bool SameDimension(const vesper_unit& a, const vesper_unit& b);
 /// Returns true for a finite positive scale, a terminated symbol and a zero reserved byte.
 bool IsValidUnit(const vesper_unit& unit);

@@ -36,7 +36,7 @@ struct NamedUnit {
 constexpr bool k_yes = true;
 constexpr bool k_no = false;
 
-// From units/units.csv, which the world store also reads.
+// Generated from units/units.csv, from which the world store in Java has its units, too.
 constexpr NamedUnit kUnits[] = {
 #include "units.inc"
 };
@@ -258,7 +258,7 @@ class Parser {
 
   std::string_view text_;
   size_t at_ = 0;
-  /// The last power was written with ^, and nothing follows it.
+  /// True if the last power was written with ^ and is the last token so far.
   bool ends_with_exponent_ = false;
 };
 

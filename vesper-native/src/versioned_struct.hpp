@@ -15,7 +15,7 @@
 
 namespace vesper {
 
-/// Size of the struct [bytes] in the first contract that contained it, and so the minimum size.
+/// Minimum size of the struct [bytes]: that in the first version of the contract that contained it.
 /// These numbers never change.
 template <class T>
 inline constexpr uint32_t kFirstSize = 0;
@@ -62,8 +62,9 @@ void CheckStructSize(uint32_t size, const char* what) {
   }
 }
 
-/// Returns the struct in the layout of this build. Throws INVALID_ARGUMENT for an impossible size,
-/// and ABI_MISMATCH if a field of a newer contract that this build does not support is not zero.
+/// Returns the caller's struct, converted to the layout of this build. Throws INVALID_ARGUMENT for
+/// an impossible size, and ABI_MISMATCH if a field of a newer contract that this build does not
+/// support is not zero.
 template <class T>
 T ReadStruct(const T& source, const char* what) {
   const uint32_t size = source.struct_size;
@@ -83,7 +84,8 @@ T ReadStruct(const T& source, const char* what) {
   return known;
 }
 
-/// Returns an array of them; the stride of the source is the `struct_size` of its first element.
+/// Converts an array of such structs; the stride of the source is the `struct_size` of its first
+/// element.
 template <class T>
 std::vector<T> ReadStructs(const T* first, uint32_t count, const char* what) {
   std::vector<T> known;
@@ -103,7 +105,7 @@ std::vector<T> ReadStructs(const T* first, uint32_t count, const char* what) {
   return known;
 }
 
-/// Fills the caller's struct up to the size of its contract; fields unknown to this build are zero.
+/// Fills the caller's struct up to its `struct_size`; fields unknown to this build are zero.
 template <class T>
 void WriteStruct(T& out, const T& value, const char* what) {
   const uint32_t size = out.struct_size;

@@ -24,14 +24,14 @@ from reve.gym import Edit, Environment, Task
 
 Numbers = numpy.ndarray
 
-STRONGEST = 10.0  # N
-FAR = 2.4  # m
-FALLEN = 0.3  # rad
+STRONGEST = 10.0  # N, the largest force on the cart
+FAR = 2.4  # m, distance from the middle at which an episode ends
+FALLEN = 0.3  # rad, tilt at which an episode ends
 AT_MOST = 600  # steps of an episode, 10 s
 
 
 class Balance(Task):
-    """Keep the pole upright and the cart near the middle: one point per frame."""
+    """Keep the pole upright and the cart near the middle: the reward is one point per frame."""
 
     observation_space = spaces.Box(-numpy.inf, numpy.inf, (4,), numpy.float64)
     action_space = spaces.Box(-1.0, 1.0, (1,), numpy.float32)
@@ -61,7 +61,7 @@ class Balance(Task):
 
 
 def play(environment: Environment, weights: Numbers, seed: int) -> float:
-    """Returns the points of one episode."""
+    """Plays one episode and returns its points."""
     observation, _ = environment.reset(seed=seed)
     points, over, cut = 0.0, False, False
     while not (over or cut):
@@ -72,7 +72,7 @@ def play(environment: Environment, weights: Numbers, seed: int) -> float:
 
 
 def learn(environment: Environment, options: argparse.Namespace) -> Tuple[Numbers, List[float]]:
-    """Returns the weights, and the mean points of each generation."""
+    """Returns the best weights, and the mean points of each generation of tried weights."""
     random = numpy.random.default_rng(options.seed)
     mean, spread = numpy.zeros(4), numpy.full(4, 3.0)
     history: List[float] = []

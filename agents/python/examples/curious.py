@@ -4,9 +4,9 @@ next.
 
 An item is interesting if its symbol `interest` is high. Among items of equal `interest`, one that
 differs from the others is more interesting: the fewer items share the value of a symbol, the more
-it counts. An item that was pushed is boring for a while. If the agent's body has an action `roll`,
-the agent moves to the item and runs against it. If the item has an action `push`, the agent uses
-that. The last line on standard output is a JSON summary.
+it counts. An item that was pushed counts as boring for a while. If the agent's body has an action
+`roll`, the agent moves to the item and runs against it. If the item has an action `push`, the agent
+uses that. The last line on standard output is a JSON summary.
 
     ./reve serve worlds/playground --port 7777 &
     python3 curious.py --port 7777 --seconds 30
@@ -26,9 +26,9 @@ import reve
 Vector = Tuple[float, float, float]
 
 _EVERYBODY_HAS = ("name", "class", "dimensions", "interest")
-_MOVED_ENOUGH = 0.5  # m
-_PATIENCE = 8.0  # s, for one item
-_BORED_FOR = 12.0  # s
+_MOVED_ENOUGH = 0.5  # m, after which a pushed item counts as moved
+_PATIENCE = 8.0  # s, spent on one item at most
+_BORED_FOR = 12.0  # s, for which a pushed item is ignored
 
 
 def surprise(item: reve.Item, items: Sequence[reve.Item]) -> float:
@@ -53,7 +53,8 @@ def interest(item: reve.Item, items: Sequence[reve.Item]) -> Tuple[float, float,
 
 
 def along(start: Vector, end: Vector, length: float) -> List[float]:
-    """Returns a vector of that length from start towards end; along x if both are equal."""
+    """Returns a vector of the given length in the direction from start to end; along x if both are
+    equal."""
     distance = math.dist(start, end)
     if distance == 0.0:
         return [length, 0.0, 0.0]
@@ -121,8 +122,8 @@ class Curious:
                 self.pushes += 1
 
     def most_interesting(self, perception: reve.Perception) -> Optional[reve.Item]:
-        """Returns the most interesting item with a place, except the agent, grounds and boring
-        items."""
+        """Returns the most interesting item that has a location, except the agent, grounds and
+        boring items."""
         items = perception.items
         others = [
             i

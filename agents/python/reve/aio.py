@@ -73,7 +73,7 @@ async def connect(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Agent:
-    """As `reve.connect`."""
+    """Like `reve.connect`, as a coroutine."""
     greeting = protocol.hello(
         name, body, role, encoding, grace, token=token, time=time, world=world
     )
@@ -92,7 +92,7 @@ async def control(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Control:
-    """As `reve.control`."""
+    """Like `reve.control`, as a coroutine."""
     greeting = protocol.hello(name, role=protocol.CONTROL, token=token, world=world)
     boss = Control((host, port), greeting, timeout, tls)
     await boss._begin()
@@ -100,7 +100,8 @@ async def control(
 
 
 class Client:
-    """The common part of agents and controls, as `reve.Client`. For the tasks of one event loop."""
+    """The common part of agents and controls, as in `reve.Client`. Use it only from the tasks of
+    one event loop."""
 
     _talk: Conversation
     _reader: asyncio.Task[None]
@@ -186,7 +187,7 @@ class Client:
 
     @property
     def missed_events(self) -> int:
-        """The minimum number of events that the server did not send, see `missed` above.
+        """The minimum number of events that the server did not send, see `missed` in `events`.
 
         If the connection was broken, the server may not know the number, and counts one.
         """
@@ -220,7 +221,7 @@ class Client:
             self._talk.drop(number)
 
     async def _wait(self, ready: Callable[[], bool], patience: float) -> None:
-        """Waits until `ready`, the end of the connection or `patience` [s]."""
+        """Waits until `ready` is true, the connection ends, or `patience` [s] has passed."""
         loop = asyncio.get_running_loop()
         deadline = loop.time() + patience
         while not ready():
@@ -306,7 +307,8 @@ class Agent(Client):
         return self.welcome.body
 
     async def act(self, item: Union[str, Item], action: str, /, **arguments: Argument) -> Result:
-        """Requests an action of the item and waits for its result. A refusal is a result."""
+        """Requests an action of the item and waits for its result. A refusal is a result, not an
+        exception."""
         target = item if isinstance(item, str) else item.name
         return await self._ask(lambda id: protocol.act(id, target, action, arguments), Result)
 
@@ -323,7 +325,7 @@ class Agent(Client):
         return await self.observe()
 
     def ready(self, *acts: Act) -> None:
-        """In lock-step: does the acts in the next frame; the world need not wait any longer."""
+        """In lock-step: does the acts in the next frame; the world stops waiting for this agent."""
         self._send(self._talk.ready(acts))
 
     async def observe(self, frame: int = 0) -> Perception:
@@ -345,7 +347,7 @@ class Control(Client, Commands[Awaitable[Result], Awaitable[Report]]):
         return self
 
     async def foresee(self, frames: int, *changes: Mapping[str, object]) -> Perception:
-        """Returns the predicted perception that many frames from now, without further actions."""
+        """Returns the perception of a copy of the world that many frames from now, without acts."""
         return await self._answer(self._talk.fork(frames, changes), self._talk.foreseen)
 
     def _report(self, t: str, **fields: object) -> Awaitable[Report]:

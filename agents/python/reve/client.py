@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A blocking client. Its own thread reads, so pings are answered while the agent computes."""
+"""A blocking client. A thread of its own reads, so the client answers pings while the agent
+computes."""
 
 from __future__ import annotations
 
@@ -86,14 +87,12 @@ def connect(
     `body` names an item that the world lends to agents; without it the world chooses one.
     With `role` "observer" the client perceives everything and cannot act.
     `encoding` "msgpack" is faster and needs the package msgpack.
-    With a `time` the world waits for the agent, see `Agent.step`; otherwise it runs at its own
-    pace.
-    `grace` [s] is how long the server keeps the body when the connection breaks. The client
-    reconnects automatically, and calls that wait for an answer continue to wait.
-    `token` is the token that the server requires, if any.
-    `tls` encrypts the connection: True trusts the authorities of this machine, a file name only the
-    certificates in the file.
-    `timeout` [s] limits this call and every later wait for an answer.
+    With a `time` (a LockStep) the world waits for the agent, see `Agent.step`; without it, the
+    world runs in real time. `grace` [s] is how long the server keeps the body when the connection
+    breaks. The client reconnects automatically, and calls that wait for an answer continue to wait.
+    `token` is the token that the server requires, if any. `tls` encrypts the connection: True
+    trusts the authorities of this machine, a file name only the certificates in the file. `timeout`
+    [s] limits this call and every later wait for an answer.
 
     Raises OSError if no server listens at the address, and Disconnected with the server's code if
     the agent may not join.
@@ -114,7 +113,8 @@ def control(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Control:
-    """Joins a world as its controller, without a body. Arguments and errors as in `connect`."""
+    """Joins a world as its controller, without a body. Arguments and exceptions are those of
+    `connect`."""
     greeting = protocol.hello(name, role=protocol.CONTROL, token=token, world=world)
     return Control((host, port), greeting, timeout, tls)
 
@@ -132,7 +132,7 @@ class Client:
         self._address = address
         self._timeout = timeout
         self._tls = tls
-        self._sending = threading.Lock()  # acquired before the other lock
+        self._sending = threading.Lock()  # acquired before `_changed`, if both are
         self._changed = threading.Condition()
         self._wire, welcome = self._open(greeting)
         self._talk = Conversation(greeting, welcome)
@@ -179,8 +179,8 @@ class Client:
     def perceive(self, relations: bool = False) -> Perception:
         """Returns the items of the next frame.
 
-        With `relations`, the symbols of bodies with a shape also contain `near`, `on`, `inside` and
-        `touching`.
+        With `relations`, the symbols (named facts) of items with a shape also contain `near`, `on`,
+        `inside` and `touching`; each lists the names of other items.
         """
         return self._ask(lambda id: protocol.perceive(id, relations=relations), Perception)
 
@@ -224,7 +224,7 @@ class Client:
 
     @property
     def missed_events(self) -> int:
-        """The minimum number of events that the server did not send, see `missed` above.
+        """The minimum number of events that the server did not send, see `missed` in `events`.
 
         If the connection was broken, the server may not know the number, and counts one.
         """
@@ -236,7 +236,7 @@ class Client:
         try:
             with self._sending:
                 self._wire.socket.sendall(self._talk.encode(protocol.bye()))
-            self._reader.join(self._timeout)  # ends with the bye or the connection
+            self._reader.join(self._timeout)  # the reader ends after the bye or a broken connection
             self._wire.socket.shutdown(socket.SHUT_RDWR)
         except OSError:
             pass  # the connection has already ended
@@ -270,7 +270,8 @@ class Client:
                 self._talk.drop(number)
 
     def _wait(self, ready: Callable[[], bool], patience: float) -> None:
-        """Waits, with `_changed` held, until `ready`, the end of the connection or `patience`."""
+        """Waits, with `_changed` held, until `ready` is true, the connection ends, or `patience`
+        [s] has passed."""
         self._changed.wait_for(lambda: self._talk.end is not None or ready(), patience)
         if not ready():
             raise self._talk.end or not_answered(patience)
@@ -380,13 +381,14 @@ class Agent(Client):
     def step(self, *acts: Act) -> Perception:
         """In lock-step: does the acts in the next frame and returns the perception after it.
 
-        If a round has several frames, returns the perception at its end. It contains the `results`.
+        If a round has several frames, it is the perception at the end of the round. Its `results`
+        are those of the acts.
         """
         self.ready(*acts)
         return self.observe()
 
     def ready(self, *acts: Act) -> None:
-        """In lock-step: does the acts in the next frame; the world need not wait any longer."""
+        """In lock-step: does the acts in the next frame; the world stops waiting for this agent."""
         with self._sending:
             with self._changed:
                 lines = self._talk.ready(acts)
@@ -421,14 +423,15 @@ class Control(Client, Commands[Result, Report]):
         return self
 
     def foresee(self, frames: int, *changes: Mapping[str, object]) -> Perception:
-        """Returns the predicted perception that many frames from now, without further actions.
+        """Returns the perception of a copy of the world that many frames from now, without acts;
+        `changes` are made first.
 
         Raises ReveError with the server's code if it refuses a prediction of so many frames.
         """
         return self._answer(lambda: self._talk.fork(frames, changes), self._talk.foreseen)
 
     def begin_edits(self, edits: Sequence[Tuple[str, str, Argument]]) -> Callable[[], List[Result]]:
-        """Sends edits, as `edit` for each item, property and value, for the next frame.
+        """Sends edits for the next frame; each is an item, a property and a value, as in `edit`.
 
         Returns when the server has received all of them; the returned function waits for the
         results.

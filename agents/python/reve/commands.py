@@ -16,9 +16,10 @@ Q = TypeVar("Q")
 
 
 class Commands(ABC, Generic[R, Q]):
-    """The commands of the role control, each with a result, and questions about the world.
+    """The commands of the role control, each of which returns a result, and questions about the
+    world.
 
-    While the world is paused, `edit`, `load_law`, `unload_law` and `picture` wait for its next
+    While the world is paused, `edit`, `load_law`, `unload_law` and `picture` wait until its next
     frame.
     """
 
@@ -40,7 +41,7 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("speed", factor=factor)
 
     def snapshot(self, image: str) -> R:
-        """Stores the state of the world under that name, for `rewind`.
+        """Keeps the state of the world under that name until the server ends, for `rewind`.
 
         The result contains the frame of the state.
         """
@@ -67,7 +68,8 @@ class Commands(ABC, Generic[R, Q]):
     def add(
         self, *items: Mapping[str, object], prefabs: Optional[Mapping[str, object]] = None
     ) -> R:
-        """Adds items, all or none, as a world file describes them; they may be `like` prefabs.
+        """Adds items, all or none, each described as in a world file, also with `like` and the name
+        of a prefab.
 
         For example `add({"name": "ball", "physical": {"shape": "sphere", "radius": "5 cm"}})`.
         """
@@ -77,19 +79,19 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("add", **fields)
 
     def change(self, item: Union[str, Item], **to: object) -> R:
-        """Changes an item: `name`, `parent`, `physical`, `physics`, `semantic` and `access`, as in
-        a world file. None removes a value.
+        """Changes fields of an item: `name`, `parent`, `physical`, `physics`, `semantic` or
+        `access`, as in a world file. None removes a value.
 
         For example `change("spring", physics={"end2": "hook"})`.
         """
         return self._command("change", item=_name(item), to=to)
 
     def remove(self, item: Union[str, Item], cascade: bool = False) -> R:
-        """Removes an item; in cascade, also all items that refer to it or are attached to it."""
+        """Removes an item; with `cascade`, also all items that refer to it or are attached."""
         return self._command("remove", item=_name(item), cascade=cascade)
 
     def rule(self, name: str, rule: Union[str, Mapping[str, object], None]) -> R:
-        """Sets a rule, an expression or a mapping as in a world file; None removes it."""
+        """Sets a rule (an expression, or a mapping as in a world file); None removes the rule."""
         return self._command("rule", name=name, rule=rule)
 
     def batch(self, *changes: Mapping[str, object]) -> R:
@@ -98,15 +100,16 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("batch", changes=list(changes))
 
     def release(self, library: str) -> R:
-        """Permits a quarantined library of laws again."""
+        """Permits a law library again that the server has quarantined after a failure."""
         return self._command("release", library=library)
 
     def profile(self) -> R:
-        """The value of the result says how the busy time of the frames was spent."""
+        """Returns, as the value of the result, on what the frames spent their time."""
         return self._command("profile")
 
     def changes(self) -> R:
-        """The value of the result is the changes since the last call, which laws did not cause."""
+        """Returns, as the value of the result, all changes since the last call except those by
+        laws."""
         return self._command("changes")
 
     def near(
@@ -115,13 +118,15 @@ class Commands(ABC, Generic[R, Q]):
         distance: Optional[float] = None,
         most: Optional[int] = None,
     ) -> R:
-        """The value of the result is the bodies within a distance [m], or the nearest ones."""
+        """Returns, as the value of the result, the bodies within a distance [m], or the nearest
+        ones."""
         limits = {"distance": distance, "most": most}
         given = {name: limit for name, limit in limits.items() if limit is not None}
         return self._command("near", location=list(location), **given)
 
     def region(self, low: Sequence[float], high: Sequence[float]) -> R:
-        """The value of the result is the bodies in a box, given by two of its corners [m]."""
+        """Returns, as the value of the result, the bodies in a box, given by two of its corners
+        [m]."""
         return self._command("region", **{"from": list(low), "to": list(high)})
 
     def load_law(
@@ -148,7 +153,7 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("picture")
 
     def state(self) -> Q:
-        """Returns the state of the frame loop, its times, the kept images and the clients.
+        """Returns the state of the frame loop, its times, the snapshots and the clients.
 
         The roles observer and control may ask this, `inspect` and `laws`.
         """
@@ -159,14 +164,13 @@ class Commands(ABC, Generic[R, Q]):
         return self._report("inspect", item=_name(item))
 
     def laws(self) -> Q:
-        """Returns the loaded laws with uses, units, parameters and times, those in quarantine, and
-        the names that `load_law` knows."""
+        """Returns the loaded laws with the properties that they use, units, parameters and times,
+        the laws in quarantine, and the names that `load_law` knows."""
         return self._report("laws")
 
     def ledger(self, open: Optional[bool] = None) -> Q:
-        """Returns the energy and the momentum that each law added since the ledger was opened.
-
-        True opens it or starts it again, False closes it.
+        """Returns the energy and the momentum that each law added since the ledger (an account per
+        law) was opened. `open` True opens or restarts it, False closes it.
         """
         return self._report("ledger", **({} if open is None else {"open": open}))
 

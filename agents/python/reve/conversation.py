@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The protocol state of a client, without sockets and threads. Users of several threads need a
-lock.
-"""
+"""The protocol state of a client, without sockets and threads. Not thread-safe."""
 
 from __future__ import annotations
 
@@ -76,28 +74,28 @@ class Conversation:
         self._ids = itertools.count(1)
         self._waiting: Dict[int, Optional[ServerMessage]] = {}
         self._unanswered: Dict[int, bytes] = {}
-        self._ahead: Set[int] = set()  # requests about frames that are not made yet
+        self._ahead: Set[int] = set()  # requests for the perception of a future frame
         # The stream of perceptions. In lock-step it has no id and exists from the beginning.
         self._streaming = welcome.time is not None
         self._subscription: Optional[int] = None
         self._every = 0
         self._known: Optional[Perception] = None
         self._latest: Optional[Perception] = None
-        self._doing: List[int] = []  # acts of the current round
-        self._ready_frame = -1  # frame of the perception that `ready` answered
+        self._doing: List[int] = []  # numbers of this agent's acts in the current round
+        self._ready_frame = -1  # frame of the newest perception that `ready` answered
         self._observed_frame = -1
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
         self._frame_seen = welcome.frame - 1
-        # Frames of the events that came after the last frame whose events are complete.
+        # Frames of received events that are later than `_frame_seen`, up to which no event is
+        # missing.
         self._seen_after: List[int] = []
         self._known_already = 0
 
     # ---- requests ----
 
     def question(self, build: Callable[[int], Message]) -> Tuple[int, bytes]:
-        """Creates a message that will be answered. Returns its number and its bytes.
-
-        The message is sent again after a reconnection.
+        """Creates a message that will be answered. Returns its number and its bytes. Until the
+        answer arrives, it is sent again after each reconnection.
         """
         self.require_open()
         number = next(self._ids)
@@ -107,7 +105,7 @@ class Conversation:
         return number, line
 
     def fork(self, frames: int, changes: Sequence[Mapping[str, object]] = ()) -> Tuple[int, bytes]:
-        """Requests the predicted perception that many frames from now."""
+        """Requests the perception after that many frames of a copy of the world."""
         fields: dict[str, Any] = {"changes": list(changes)} if changes else {}
         number, line = self.question(
             lambda id: protocol.command(id, "fork", frames=frames, **fields)
@@ -147,7 +145,7 @@ class Conversation:
         return answer
 
     def drop(self, number: int) -> None:
-        """Cancels the wait for that answer."""
+        """Forgets that request; its answer is ignored."""
         self._waiting.pop(number, None)
         self._unanswered.pop(number, None)
         self._ahead.discard(number)
@@ -251,8 +249,8 @@ class Conversation:
     def must_say_ready(self) -> bool:
         """Returns True if a `ready` without acts is needed.
 
-        The round went on without this agent, and the next one waits for it while the agent still
-        waits for results.
+        A round ended without this agent, and the world waits in the next round while the agent
+        still waits for results of its acts.
         """
         return (
             bool(self._doing)
@@ -267,8 +265,7 @@ class Conversation:
         return self.encode(protocol.ready(self._known.frame))
 
     def patience(self) -> float:
-        """Returns how long other agents may delay the end of a round [s], beyond the time of an
-        answer."""
+        """Returns how long the server may wait for other agents before a round ends [s]."""
         time = self.welcome.time
         return 0.0 if time is None else time.deadline + time.every / self.welcome.rate
 
@@ -304,7 +301,7 @@ class Conversation:
         return None
 
     def _hear(self, event: Event) -> None:
-        if self._known_already > 0:  # sent again after a reconnection
+        if self._known_already > 0:  # the server sent this event again after the reconnection
             self._known_already -= 1
             return
         self._events.append(event)
@@ -312,7 +309,8 @@ class Conversation:
         self._seen_after.append(event.frame)
 
     def _miss(self, gap: Event) -> None:
-        """Records that the server did not send the events of some frames, up to that of the gap."""
+        """Keeps the event `gap`, which stands for events that the server did not send, and counts
+        them."""
         if self.missed_events == 0:
             _LOG.warning(
                 "%s misses events from frame %d to %d, as it reads too slowly or others cause too "

@@ -21,13 +21,13 @@ class Disconnected(ReveError):
 
 
 class ProtocolError(ReveError):
-    """The other side sent something that is not protocol version 1."""
+    """The other side sent bytes that are not a message of protocol version 1."""
 
     def __init__(self, message: str) -> None:
         super().__init__("protocol", message)
 
 
-# Errors of connections, which both clients raise.
+# Errors of connections, which the blocking and the asyncio client raise.
 
 
 def not_welcomed() -> ReveError:

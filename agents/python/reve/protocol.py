@@ -81,10 +81,9 @@ class Act:
 
 @dataclass(frozen=True)
 class LockStep:
-    """The rhythm of lock-step: the world waits for the agent after every `every`th frame.
-
-    It waits at most `deadline` [s]; if the agent has not answered by then, its body does the
-    `fallback`. With `relations`, perceptions also contain `near`, `on`, `inside` and `touching`.
+    """Settings of lock-step: the world waits for the agent after every `every`th frame, at most for
+    `deadline` [s]; if the agent has not answered by then, its body does the `fallback`. With
+    `relations`, the items' symbols also contain `near`, `on`, `inside` and `touching`.
     """
 
     every: int = 1
@@ -97,8 +96,8 @@ class LockStep:
 class Welcome:
     """The first answer: the agent's name and world.
 
-    `rate` is the world's frames per second. Only agents have a body. `time` contains the rhythm and
-    the deadline granted to an agent in lock-step.
+    `rate` is the world's frames per second. Only agents have a body. In lock-step, `time` contains
+    the interval and the deadline that the server grants.
     """
 
     id: Optional[int]
@@ -136,8 +135,8 @@ class Item:
     """One item as perceived.
 
     `location` is x, y, z [m] in the world's frame, and `orientation` a unit quaternion x, y, z, w.
-    `location` is None for an item without a place, or if no sensor reaches it. `needs` are the
-    capabilities that a body must have for an action, for actions that need any; `capabilities` are
+    `location` is None for an item without a place, or if no sensor reaches it. `needs` contains,
+    for each action that requires any, the capabilities that a body must have; `capabilities` are
     the item's own.
     """
 
@@ -152,7 +151,7 @@ class Item:
 
 @dataclass(frozen=True)
 class Perception:
-    """All items that the client perceives in one frame; `time` is the world's [s].
+    """All items that the client perceives in one frame; `time` is the world time [s].
 
     In lock-step, `results` are those of the acts in the round before, in order.
     """
@@ -210,9 +209,9 @@ class Update:
 
 @dataclass(frozen=True)
 class Result:
-    """The outcome of an act: the frame in which it took effect, or a code and a reason.
-
-    True if it was accepted. A question has a `value`: its answer.
+    """The outcome of an act: the frame in which it took effect, or a code and a reason for its
+    refusal. As a truth value, it is True if the act was accepted. After a question, `value` is the
+    answer.
     """
 
     id: int
@@ -327,7 +326,8 @@ def hello(
     time: Optional[LockStep] = None,
     world: Optional[str] = None,
 ) -> Message:
-    """`resume` is the token of a session and the last frame whose events are complete."""
+    """Returns the first message; `resume` is a session's token and the last frame whose events are
+    complete."""
     message: Message = {"t": "hello", "protocol": VERSION, "name": name}
     if role != AGENT:
         message["role"] = role
@@ -382,7 +382,8 @@ def act(id: int, item: str, action: str, arguments: Mapping[str, Argument]) -> M
 
 
 def ready(frame: Optional[int] = None) -> Message:
-    """`frame` is that of the perception on which the decision is based."""
+    """Returns the message `ready`; `frame` is that of the perception on which the agent's decision
+    is based."""
     return {"t": "ready"} if frame is None else {"t": "ready", "frame": frame}
 
 
@@ -434,7 +435,8 @@ def decode(line: bytes) -> ServerMessage:
 
 
 def decode_packed(message: bytes) -> ServerMessage:
-    """Decodes MessagePack without its length; raises ProtocolError if it is not a message."""
+    """Decodes a MessagePack message without its length prefix; raises ProtocolError if it is not a
+    message."""
     try:
         return _message(_msgpack().unpackb(message))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
@@ -449,7 +451,7 @@ class Incoming:
     def __init__(self) -> None:
         self._bytes = bytearray()
         self._start = 0  # start of the next message
-        self._searched = 0  # position up to which its end was searched
+        self._searched = 0  # position up to which the end of this message was searched
 
     def feed(self, data: bytes) -> None:
         """Appends received bytes, which may contain several messages and parts of messages."""
@@ -471,7 +473,8 @@ class Incoming:
         return None if line is None else decode(line)
 
     def _length(self) -> int:
-        """Returns the number of bytes after the length prefix; too few if it is incomplete."""
+        """Returns the length of the next message behind its prefix; too small a number if the
+        prefix is incomplete."""
         return int.from_bytes(self._bytes[self._start : self._start + 4], "big")
 
     def _take(self, end: int) -> Optional[bytes]:

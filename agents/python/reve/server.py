@@ -25,10 +25,10 @@ def serve(
     """Runs `./reve serve WORLD` on a free port; yields host and port, and ends the server
     afterwards.
 
-    The server makes frames as fast as its agents in lock-step allow. It waits an hour for them, and
-    lets them delay the others for any time. `options` are further options of `./reve serve`,
-    `launcher` is the project's launcher. Raises ReveError if the launcher cannot be run, or with
-    the server's output if the server does not start.
+    The server makes frames as fast as its agents in lock-step allow. In each round it waits for an
+    agent up to an hour. `options` are further options of `./reve serve`, `launcher` is the
+    project's launcher. Raises ReveError if the launcher cannot be run, or with the server's output
+    if the server does not start.
     """
     command = [
         os.fspath(launcher),
@@ -90,7 +90,7 @@ def _port(events: IO[str]) -> "int | None":
 
 
 def _drain(events: IO[str]) -> None:
-    """Reads and discards events, so that the server never waits for a reader."""
-    with contextlib.suppress(OSError, ValueError):  # another thread closed the stream
+    """Reads and discards the server's output, so that the server never blocks on a full pipe."""
+    with contextlib.suppress(OSError, ValueError):  # if another thread closed the stream
         while os.read(events.fileno(), 1 << 16):
             pass

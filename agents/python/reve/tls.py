@@ -78,7 +78,7 @@ class TlsSocket:
                         "the server closed the connection before it was private"
                     ) from None
             except ssl.SSLError:
-                self._flush()  # sends the TLS alert with the reason
+                self._flush()  # sends the TLS alert, which tells the server why
                 raise
         self._flush()
 

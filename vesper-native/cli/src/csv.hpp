@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writer of selected properties: one CSV line per frame and row.
+// Writer of selected properties of a run to a CSV file: one line per frame and row.
 #pragma once
 
 #include <fstream>
@@ -16,16 +16,17 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Returns the shortest text that reads back as the same number of this type, e.g. "1.5".
+/// Returns the shortest text from which the same number of this type is read back, e.g. "1.5".
 std::string FormatNumber(double number, vesper_scalar_type type);
 
-/// Returns a column name such as "mass" or "position.x"; beyond four components "name.4".
+/// Returns a column name such as "mass" or "position.x"; from the fifth component on, a number:
+/// "name.4".
 std::string CsvColumnName(const vesper_property_descriptor& property, uint32_t component);
 
 class CsvWriter {
  public:
-  /// Opens the file. `columns` belong to one kind and are borrowed. Throws FileError if the file
-  /// cannot be written.
+  /// Opens the file. `columns` must belong to one kind and outlive the writer. Throws FileError if
+  /// the file cannot be written.
   CsvWriter(const std::string& path, std::vector<const AnyColumn*> columns);
 
   void WriteFrame(uint64_t frame, double time);

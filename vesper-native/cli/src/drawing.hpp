@@ -16,21 +16,22 @@ namespace vesper::cli {
 /// sRGB bytes r, g, b and 255.
 using Colour = std::array<uint8_t, 4>;
 
-/// One colour, or a gradient of evenly spaced colours, indexed by a property of the row.
+/// One colour, or a gradient of evenly spaced colours; a property of the row selects the colour.
 struct Paint {
   std::vector<Colour> colours;
   std::string property;  // empty: one colour
-  /// Values of the property (the length of a vector) at the first and the last colour.
+  /// Values of the property (for a vector, its length) at the first and the last colour.
   double low = 0, high = 1;
 };
 
-/// Style of rows of a kind. For each row the last line that names it applies.
+/// A draw line of a scene: how rows of a kind are drawn. For each row, the last line that names it
+/// applies.
 struct DrawLine {
   std::string kind;
-  std::vector<uint64_t> rows;  // empty: all
+  std::vector<uint64_t> rows;  // empty: all rows of the kind
   Paint paint;
-  std::optional<double> radius;  // for balls [m]
-  std::optional<double> width;   // for lines [px]
+  std::optional<double> radius;  // for rows drawn as balls [m]
+  std::optional<double> width;   // for rows drawn as lines [px]
   bool unlit = false;            // no lighting, no shadow
   Place place;
 };
@@ -41,13 +42,13 @@ struct Camera {
 };
 
 struct Ground {
-  double height = 0;  // [m]
+  double height = 0;  // of the ground [m]
   Colour colour;
 };
 
 struct Drawing {
   uint32_t width = 960, height = 540;  // [px]
-  std::optional<Camera> camera;        // none: a view of everything that exists at the start
+  std::optional<Camera> camera;        // none: a view of all rows as they are at the start
   Colour top{255, 255, 255, 255}, bottom{226, 230, 235, 255};  // background colours
   std::optional<Ground> ground;
   std::vector<DrawLine> lines;  // none: every kind that can be drawn

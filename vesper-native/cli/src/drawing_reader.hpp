@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Readers of the lines of a scene that describe its pictures.
+// Readers of those lines of a scene file that describe its pictures.
 #pragma once
 
 #include "scene.hpp"

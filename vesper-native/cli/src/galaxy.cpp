@@ -13,13 +13,14 @@ namespace {
 
 using Vector = Vec3<double>;
 
-// Parameters of a galaxy, in units of its mass and of the scale length of its disc.
+// Shape of a galaxy, in units of its total mass and of the scale length of its disc.
 constexpr double kDiscMass = 0.2;
 constexpr double kDiscEdge = 5;
 constexpr double kDiscHeight = 0.1;
-constexpr double kDiscDispersion = 0.1;  // fraction of the circular speed
-constexpr double kHaloRadius = 1.5;      // radius of the Plummer sphere
-constexpr double kHaloEdge = 0.99;       // fraction of its mass that is kept
+constexpr double kDiscDispersion = 0.1;  // random velocity, as a fraction of the circular speed
+constexpr double kHaloRadius = 1.5;      // scale radius of the Plummer sphere
+constexpr double kHaloEdge = 0.99;       // fraction of the sphere's mass inside the radius at which
+                                         // it is cut off
 
 struct Body {
   Vector position, velocity;
@@ -50,10 +51,10 @@ class Random {
   std::mt19937_64 random_;
 };
 
-/// Returns the fraction of an exponential disc within r.
+/// Returns the fraction of the mass of an exponential disc within radius r.
 double DiscWithin(double r) { return 1 - (1 + r) * std::exp(-r); }
 
-/// Returns the circular speed in the field of a Plummer sphere and of the disc, treated as
+/// Returns the circular speed in the field of a Plummer sphere and of the disc, which is treated as
 /// spherical.
 double CircularSpeed(double r) {
   const double halo = (1 - kDiscMass) * r * r * std::pow(r * r + kHaloRadius * kHaloRadius, -1.5);
@@ -75,7 +76,7 @@ Body MakeDiscBody(Random& random) {
 }
 
 /// Returns a body of a Plummer sphere, by S. Aarseth, M. Henon and R. Wielen, Astron. Astrophys. 37
-/// (1974) 183. The mass of the disc is added to that of the sphere.
+/// (1974) 183. The sphere's mass includes that of the disc.
 Body MakeHaloBody(Random& random) {
   const double x = 1 / std::sqrt(std::pow(kHaloEdge * random.Uniform(), -2.0 / 3) - 1);
   double q = 0, height = 1;
@@ -88,9 +89,9 @@ Body MakeHaloBody(Random& random) {
   return {position, random.Direction() * speed};
 }
 
-/// Applies the shortest rotation from the z axis to `axis`, which has length 1.
+/// Applies the shortest rotation that takes the z axis to the unit vector `axis`.
 Vector Turned(const Vector& v, const Vector& axis) {
-  const Vector cross{-axis.y, axis.x, 0};  // z x axis
+  const Vector cross{-axis.y, axis.x, 0};  // cross product of the z axis and `axis`
   if (axis.z < -1 + 1e-12) return {v.x, -v.y, -v.z};
   return v * axis.z + Cross(cross, v) + cross * (Dot(cross, v) / (1 + axis.z));
 }
@@ -138,7 +139,8 @@ AnyColumn& Given(SceneReader& reader, Scene& scene, const char* property) {
   return found->second;
 }
 
-/// Shifts the bodies so that their centre of mass and total momentum are 0.
+/// Shifts positions and velocities of the bodies so that their centre of mass and total momentum
+/// are 0.
 void Centre(std::vector<Body>& bodies, uint64_t disc, double disc_mass, double halo_mass) {
   Body mean{};
   for (uint64_t i = 0; i < bodies.size(); ++i) {

@@ -7,8 +7,8 @@
 
 namespace vesper::cli {
 
-/// Reads `galaxy ROWS…: mass M radius R at P moving V axis N seed S` and gives these bodies mass,
-/// position and velocity. All bodies must already have these properties, and the world a
+/// Reads `galaxy ROWS…: mass M radius R at P moving V axis N seed S` and sets mass, position and
+/// velocity of these bodies. The scene must already contain these properties for all bodies, and a
 /// gravitational constant.
 void ReadGalaxy(SceneReader& reader, Scene& scene);
 

@@ -34,7 +34,7 @@ void RequirePairs(SceneReader& reader, const AnyColumn& column) {
   reader.FailLast("makes pairs of rows, but " + NameOf(column) + " has none");
 }
 
-/// Returns one number for each component, from one common number or one for each.
+/// Expands a value to one number for each component; a single number is used for all.
 Value Spread(SceneReader& reader, Value value, const AnyColumn& column) {
   const uint32_t components = column.descriptor().components;
   if (value.size() == 1) value.resize(components, value[0]);
@@ -169,7 +169,8 @@ void FillWebEdges(SceneReader& reader, const Scene&, AnyColumn& column) {
   SetPairs(reader, column, pairs);
 }
 
-/// distance [FACTOR]: FACTOR times the distance between the two positions to which a row refers.
+/// distance [FACTOR]: FACTOR times the distance between the two rows to which a row refers, such as
+/// a spring's bodies.
 void FillDistance(SceneReader& reader, const Scene& scene, AnyColumn& column) {
   const AnyColumn *endpoints = scene.Find("endpoints"), *position = scene.Find("position");
   if (!column.is_real() || column.descriptor().components != 1 || endpoints == nullptr ||

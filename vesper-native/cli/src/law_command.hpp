@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vesper law: laws as text.
+// vesper law: checks laws as text.
 #pragma once
 
 #include <string>

@@ -88,7 +88,7 @@ Json Describe(const vesper_law_desc& law) {
           {"parameters", parameters}};
 }
 
-/// Returns each law once: laws in double precision, and laws that exist in one precision only.
+/// Returns each law once: in double precision, or in single precision if it exists in that only.
 std::vector<const vesper_law_desc*> DistinctLaws(const LawFile& library) {
   std::vector<const vesper_law_desc*> laws = library.Laws(VESPER_F64);
   for (const vesper_law_desc* law : library.Laws(VESPER_F32)) {
@@ -121,7 +121,7 @@ std::vector<std::string> LibrariesIn(const std::string& folder) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::filesystem::path& path = entry.path();
-    // A name means the compiled form, if there are two.
+    // If a compiled law and a text have the same name, the name means the compiled law.
     const auto compiled = path.parent_path() / ("libvesper_law_" + path.stem().string() + ".so");
     if (path.extension() == ".so" ||
         (path.extension() == ".law" && !std::filesystem::exists(compiled)))

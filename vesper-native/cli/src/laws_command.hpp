@@ -15,7 +15,7 @@ struct LawsOptions {
 /// Prints the laws of one library.
 void DescribeLibrary(const std::string& file);
 
-/// Returns the exit code. Lists a library that cannot be loaded with the reason.
+/// Returns the exit code. A library that cannot be loaded is listed with the reason.
 int ListLaws(const LawsOptions& options);
 
 }  // namespace vesper::cli

@@ -10,7 +10,7 @@
 namespace vesper::cli {
 namespace {
 
-// Fraction of the largest number of a column below which a value is attributed to rounding.
+// Fraction of a column's largest number below which a number counts as a rounding error.
 constexpr double kRounding = 1e-12;
 
 double Length(const double* v) { return std::hypot(v[0], v[1], v[2]); }
@@ -30,7 +30,8 @@ std::string Numbers(const double* v, double largest) {
          ")";
 }
 
-/// A column of cells with comparable sizes: `size` returns that of a line, `print` its text.
+/// A column of comparable cells: `size` returns the number of a line by which cells are compared,
+/// `print` its text.
 template <class Size, class Print>
 std::vector<std::string> Cells(const std::vector<LedgerLine>& lines, Size size, Print print) {
   double largest = 0, largest_of_laws = 0;

@@ -10,7 +10,7 @@
 
 namespace vesper::cli {
 
-/// Line of one law, the client, the ground, or the total.
+/// The ledger line of one law, of the client, of the ground, or of the total.
 struct LedgerLine {
   std::string name;
   bool is_law;

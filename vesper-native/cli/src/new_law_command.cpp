@@ -13,7 +13,7 @@
 namespace vesper::cli {
 namespace {
 
-/// Converts a name: uniform_drag becomes UniformDrag.
+/// Converts a snake_case name: uniform_drag becomes UniformDrag.
 std::string ClassName(const std::string& name) {
   std::string result;
   bool begins_word = true;
@@ -42,8 +42,8 @@ bool Write(const std::filesystem::path& path, const char* text, const std::strin
   return static_cast<bool>(file);
 }
 
-/// Returns the folder with the CMake files of this program's Vesper: of a build, a release of a
-/// build, or an installation. Empty if CMake has to find it.
+/// Returns the folder with Vesper's CMake files that belongs to this program, in a build, a release
+/// or an installation. Empty if there is none and CMake has to search.
 std::filesystem::path ConfigFolder() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -54,7 +54,7 @@ std::filesystem::path ConfigFolder() {
   return {};
 }
 
-/// Returns a path as a word of a shell.
+/// Returns a path, quoted as one word of a shell command.
 std::string Quoted(const std::filesystem::path& path) {
   return "'" + Replace(path.string(), "'", "'\\''") + "'";
 }

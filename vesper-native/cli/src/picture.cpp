@@ -8,14 +8,15 @@
 namespace vesper::cli {
 namespace {
 
-constexpr uint32_t kSphere = 1, kPlane = 3, kMesh = 4;  // shapes of SCENE.md
-constexpr uint32_t kUnlit = 1, kGrid = 2, kFade = 4;    // item flags of SCENE.md
+constexpr uint32_t kSphere = 1, kPlane = 3, kMesh = 4;  // codes of shapes in SCENE.md
+constexpr uint32_t kUnlit = 1, kGrid = 2, kFade = 4;    // flags of items in SCENE.md
 constexpr uint32_t kDefaultMaterial = 0, kNoItem = 0;
 constexpr std::array<uint32_t, 2> kAllTriangles{0, 0};
 constexpr uint32_t kSamples = 4, kShadows = 1, kPerspective = 0;
-constexpr double kFitFov = 34;      // [degrees]
-constexpr double kFitFill = 0.82;   // fraction of the picture that a fitted box may fill
-constexpr double kGroundSide = 60;  // in sides of the box; greater than the visible part, because
+constexpr double kFitFov = 34;      // vertical field of view of a fitted camera [degrees]
+constexpr double kFitFill = 0.82;   // maximum fraction of the picture that a fitted box fills
+constexpr double kGroundSide = 60;  // side of the ground, in sides of the box; it may be large,
+                                    // because
                                     // the ground fades
 constexpr double kBallsPerSide = 60;
 constexpr double kLineWidth = 1.0 / 200;  // fraction of the picture's height
@@ -35,8 +36,8 @@ const AnyColumn* Positions(const Scene& scene) {
   return column != nullptr && column->is_vector() ? column : nullptr;
 }
 
-/// Returns the column of a kind whose values refer to two or three rows with positions; null if
-/// none does.
+/// Returns the column of a kind whose values are references to two or three rows with positions;
+/// null if none does.
 const AnyColumn* References(const Scene& scene, const std::string& kind) {
   const AnyColumn* positions = Positions(scene);
   if (positions == nullptr) return nullptr;
@@ -56,7 +57,8 @@ void PutRepeated(Message& message, const T& value, size_t count) {
   for (size_t i = 0; i < count; ++i) message.Put(value);
 }
 
-/// Starts an INSTANCES message for instances without rotation, of equal size along all axes.
+/// Begins an INSTANCES message for instances that are not rotated and have the same size along all
+/// axes.
 Message Instances(uint32_t shape, uint32_t mesh, const std::vector<Point>& positions,
                   const std::vector<float>& sizes, const std::vector<Colour>& colours,
                   uint32_t flags) {
@@ -83,7 +85,7 @@ Colour Mix(const std::vector<Colour>& colours, double t) {
   return mixed;
 }
 
-/// Returns the value of a row, or the length of a vector.
+/// Returns the value of a row; for a vector, its length.
 double Magnitude(const AnyColumn& column, uint64_t row) {
   const uint32_t components = column.descriptor().components;
   if (components == 1) return column.Get(row);
@@ -159,7 +161,8 @@ std::vector<PictureWriter::Layer> PictureWriter::MakeLayers() const {
   if (lines.empty()) {
     throw std::runtime_error(scene_.file + ": there is nothing to draw; expected 'position'");
   }
-  std::map<std::string, std::vector<size_t>> line_of_row;  // by kind; indices count from 1
+  std::map<std::string, std::vector<size_t>> line_of_row;  // by kind, then row: the draw line that
+                                                           // applies, counted from 1; 0: none
   for (size_t i = 0; i < lines.size(); ++i) {
     auto& line_of = line_of_row[lines[i].kind];
     line_of.resize(scene_.rows.at(lines[i].kind));
@@ -179,7 +182,7 @@ std::vector<PictureWriter::Layer> PictureWriter::MakeLayers() const {
   return layers;
 }
 
-/// Sends the messages that all pictures share.
+/// Sends the messages that are the same for all pictures.
 void PictureWriter::SetUp() {
   const Drawing& drawing = scene_.drawing;
   Message image(Message::kImage);
@@ -207,8 +210,8 @@ PictureWriter::Box PictureWriter::BoundsOf() const {
   return box;
 }
 
-/// Returns a camera that shows the whole box in a three-quarter view from above; a point counts as
-/// 1 m wide.
+/// Returns a camera that shows the whole box in a three-quarter view from above; a box without
+/// extent counts as 1 m wide.
 Camera PictureWriter::Fit(const Box& box) const {
   const Vec3<double> back = Normalized({0.48, 0.42, 1});
   const Vec3<double> right = Normalized(Cross(Vec3<double>{0, 1, 0}, back));
@@ -277,7 +280,7 @@ void PictureWriter::SendLines(const Layer& layer) {
   renderer_.Send(message);
 }
 
-/// Sends a mesh for each colour of the layer.
+/// Sends the triangles of the layer as one mesh for each colour.
 void PictureWriter::SendTriangles(const Layer& layer) {
   const AnyColumn& corners = *References(scene_, layer.line.kind);
   const std::vector<Colour> colours = ColoursOf(layer);

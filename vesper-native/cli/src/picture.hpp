@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the current state of a scene: rows with a position as balls, rows that refer to two of them
-// as lines, and rows that refer to three as triangles.
+// Draws the current state of a scene: rows with a position as balls, rows that refer to two such
+// rows as lines, and rows that refer to three as triangles.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace vesper::cli {
 
 enum class Form { kNone, kBalls, kLines, kTriangles };
 
-/// Returns the form in which rows of a kind can be drawn.
+/// Returns whether rows of a kind are drawn as balls, lines or triangles.
 Form FormOf(const Scene& scene, const std::string& kind);
 
 /// Path pattern of pictures, with a placeholder for the frame number.
@@ -33,8 +33,9 @@ class PicturePattern {
 
 class PictureWriter {
  public:
-  /// Starts the renderer `program`. `scene` is borrowed; its columns may change between pictures,
-  /// but not their sizes. Throws SceneError if a kind cannot be drawn, and RendererError.
+  /// Starts the renderer `program`. `scene` must outlive the writer; its values may change between
+  /// pictures, but not its numbers of rows. Throws SceneError if a kind cannot be drawn, and
+  /// RendererError.
   PictureWriter(const Scene& scene, PicturePattern pattern, const std::string& program);
 
   /// Draws and writes a picture. Throws FileError if it cannot be written, RendererError if it
@@ -51,7 +52,7 @@ class PictureWriter {
 
   struct Box {
     Vec3<double> low, high;
-    double Side() const;  // the longest side
+    double Side() const;  // length of the longest side
   };
 
   std::vector<Layer> MakeLayers() const;

@@ -20,12 +20,13 @@ namespace {
 
 constexpr timeval kPatience{120, 0};  // timeout for one picture [s]
 constexpr uint32_t kStreamVersion = 3;
-constexpr uint32_t kLargestAnswer = 1 << 16;  // [B]; pictures are written to files
+constexpr uint32_t kLargestAnswer = 1 << 16;  // [byte]; small, because pictures are written to
+                                              // files
 
 enum AnswerStatus : uint32_t { kOk = 0, kOutput = 2 };
 
-/// Runs `program` with `socket` as its standard input and output, in its own process group, so that
-/// Ctrl-C ends the run only after its frame and picture.
+/// Runs `program` with `socket` as its standard input and output, in its own process group: so
+/// Ctrl-C reaches only this process, which completes its frame and picture first.
 int Spawn(const std::string& program, int socket, pid_t& pid) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
@@ -70,7 +71,7 @@ RendererProcess::RendererProcess(const std::string& program) : RendererProcess()
 RendererProcess::~RendererProcess() {
   if (socket_ >= 0) close(socket_);
   if (pid_ < 0) return;
-  kill(pid_, SIGKILL);  // every picture was answered, or is no longer needed
+  kill(pid_, SIGKILL);  // no picture is in progress that is still needed
   waitpid(pid_, nullptr, 0);
 }
 
@@ -81,7 +82,8 @@ void RendererProcess::Send(Message& message) {
     if (sent >= 0) {
       rest = rest.subspan(static_cast<size_t>(sent));
     } else if (errno != EINTR) {
-      // The renderer may have sent a reason before it stopped reading.
+      // The renderer may have sent an answer with the reason before it stopped reading; Await
+      // reports it.
       if (errno == EPIPE || errno == ECONNRESET) Await();
       FailBroken(errno);
     }
@@ -124,7 +126,7 @@ void RendererProcess::FailBroken(int error) {
                         " drew no picture in 120 s; ask for a smaller one, or draw less");
   }
   int status = 0;
-  kill(pid_, SIGKILL);  // no effect if it has ended
+  kill(pid_, SIGKILL);  // no effect if the process has already ended
   waitpid(pid_, &status, 0);
   pid_ = -1;
   const std::string how = WIFSIGNALED(status)

@@ -45,7 +45,7 @@ class Message {
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     return *this;
   }
-  /// Returns header and payload.
+  /// Returns the message's header and payload.
   std::span<const std::byte> Bytes() {
     const auto length = static_cast<uint32_t>(bytes_.size() - 2 * sizeof(uint32_t));
     std::memcpy(bytes_.data() + sizeof(uint32_t), &length, sizeof length);
@@ -65,7 +65,7 @@ class RendererProcess {
   RendererProcess& operator=(const RendererProcess&) = delete;
 
   void Send(Message& message);
-  /// Draws the scene that was sent, into a PNG file. Throws FileError if the file cannot be
+  /// Draws the scene that was sent before, into a PNG file. Throws FileError if the file cannot be
   /// written.
   void Render(const std::string& path);
 

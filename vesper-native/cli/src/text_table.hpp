@@ -10,7 +10,7 @@ namespace vesper::cli {
 
 using TextTable = std::vector<std::vector<std::string>>;  // rows of cells
 
-/// Prints each row after `indent`, with two blanks between columns.
+/// Prints each row on one line after `indent`, with two blanks between columns.
 void Print(std::ostream& out, const TextTable& table, const std::string& indent = "");
 
 }  // namespace vesper::cli

@@ -9,7 +9,7 @@
 
 namespace vesper::cli {
 
-/// A place in a text file; lines and columns count from 1.
+/// A position in a text file; lines and columns count from 1.
 struct Place {
   std::string file;
   int line = 1;
@@ -33,9 +33,9 @@ struct Token {
   bool is_unit() const { return !quoted && text.starts_with('['); }
 };
 
-/// Returns the tokens of one line up to a comment, which starts with `#` at the start of a word,
-/// followed by a blank or the end of the line. Throws SceneError for an unterminated quote or unit
-/// and for control characters.
+/// Returns the tokens of one line up to a comment. A comment begins with a `#` that stands alone:
+/// at the start of a word, and before a blank or the end of the line. Throws SceneError for an
+/// unterminated quote or unit and for control characters.
 std::vector<Token> Tokenize(std::string_view line, Place place);
 
 /// Parses "1.5", "-2e3" or a fraction such as "1/240". Returns false if `text` is not a finite

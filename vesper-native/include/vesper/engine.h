@@ -7,11 +7,11 @@
  * Threads: an engine accepts one call at a time, from any thread. Engines are independent of each
  * other. During `vesper_engine_advance` the arrays belong to the engine, and every other call on
  * the same engine returns VESPER_BUSY.
- * Errors: every call that can fail returns a status and fills the optional `error`. Misuse also
- * returns a status, in release builds too. Out-parameters are unchanged on failure.
- * Memory: the engine borrows arrays from add or rebind until remove, rebind or destroy. It copies
- * strings and structs that it receives. A returned `const char*` is static, or lives as long as the
- * engine or library that it describes.
+ * Errors: every call that can fail returns a status and fills the optional `error`. Misuse, such as
+ * a null argument, also returns a status, in release builds too. Out-parameters are unchanged on
+ * failure. Memory: the engine borrows arrays from add or rebind until remove, rebind or destroy. It
+ * copies strings and structs that it receives. A returned `const char*` is static, or lives as long
+ * as the engine or library that it describes.
  */
 #ifndef VESPER_ENGINE_H_
 #define VESPER_ENGINE_H_
@@ -35,13 +35,14 @@ extern "C" {
 
 /** An engine, created by `vesper_engine_create`. */
 typedef struct vesper_engine vesper_engine;
-/** The registered arrays of an engine. */
+/** The arrays of the client that are registered with an engine. */
 typedef struct vesper_provider vesper_provider;
 /** A library that was opened and checked, but not yet loaded into an engine. */
 typedef struct vesper_prepared_library vesper_prepared_library;
 
 /** The answer of the client's own provider about one property: arrays as in
- *  `vesper_provider_add_physical_property`, borrowed until the next answer about the property. */
+ *  `vesper_provider_add_physical_property`, borrowed until the next answer about the same property.
+ *  */
 typedef struct vesper_provided_property {
   uint32_t struct_size;
   uint32_t reserved;
@@ -49,7 +50,8 @@ typedef struct vesper_provided_property {
   uint64_t value_count;    /**< Number of values in `data`. */
   const uint32_t* indices; /**< (object_count), or null: row i is value i. */
   uint64_t object_count;   /**< Number of rows of the kind. */
-  uint64_t version;        /**< Changes after values were edited in place; see touch. */
+  uint64_t version;        /**< Increase it after values were edited in place; see
+                              `vesper_provider_touch`. */
   vesper_field field;      /**< For a FIELD property, instead of arrays. */
 } vesper_provided_property;
 
@@ -64,8 +66,8 @@ typedef struct vesper_provider_callbacks {
    *  property; that call returns the message of the provider. */
   vesper_status (*find)(void* user, const char* name, vesper_provided_property* out,
                         vesper_error* error);
-  /** Returns a number that changes whenever `find` would answer differently. The engine calls it
-   *  before every advance. */
+  /** Returns a number that changes whenever the answer of `find` changes for any property. The
+   *  engine calls it before every advance. */
   uint64_t (*version)(void* user);
 } vesper_provider_callbacks;
 
@@ -80,16 +82,16 @@ typedef struct vesper_engine_config {
                                   5000. */
   const char* law_path;      /**< Folders in which bare law names are searched, separated by ':'. */
   const char* probe_path;    /**< Path of the `vesper-probe` program; null: beside the engine
-                                  library. Empty: no probe, for a client whose own process is
-                                  disposable. */
+                                  library. Empty: no probe, for a client whose own process may crash
+                                  without harm. */
   /** Receives log lines of engine and laws, on the calling thread. Null: lines are discarded. */
   void (*log)(void* user, uint32_t level, const char* message);
   void* log_user; /**< First argument of `log`. */
-  /** Handling of DEFERRED writes (see law.h). 0: `advance` synchronizes all arrays before it
-   *  returns and reads them again at its next call, so the client can ignore deferred writes. 1:
-   *  `advance` leaves deferred arrays stale. The client calls `vesper_engine_synchronize` before
-   *  it reads, copies, moves or edits an array, and touches each array that it edited. Since
-   *  1.1. */
+  /** Handling of DEFERRED writes: values that a law keeps elsewhere, for example on a GPU, until
+   *  they are needed (see law.h). 0: `advance` synchronizes all arrays before it returns and reads
+   *  them again at its next call, so the client can ignore deferred writes. 1: `advance` leaves
+   *  deferred arrays stale. The client calls `vesper_engine_synchronize` before it reads, copies,
+   *  moves or edits an array, and touches each array that it edited. Since 1.1. */
   uint32_t deferred;
   /** 1: the client touches every array that it edited, so laws may keep what they derived from
    *  the other arrays (copies on a device, reordered springs). `deferred` 1 requires the same.
@@ -104,15 +106,16 @@ typedef struct vesper_engine_config {
 /** Information about one loaded law. */
 typedef struct vesper_law_info {
   uint32_t struct_size;
-  vesper_library_id library_id; /**< Id of its library. */
-  const char* library;          /**< Name of its library. */
-  const char* name;             /**< As in `vesper_law_desc`, like all fields up to `parameters`. */
-  const char* version;          /**< major.minor.patch */
-  const char* doc;              /**< One line. */
-  vesper_phase phase;           /**< Phase of a step in which it runs. */
-  uint32_t stages;              /**< Stages of an integrator, else 0. */
-  uint32_t use_count;           /**< Length of `uses`. */
-  uint32_t parameter_count;     /**< Length of `parameters`. */
+  vesper_library_id library_id;            /**< Id of its library. */
+  const char* library;                     /**< Name of its library. */
+  const char* name;                        /**< Same as in `vesper_law_desc`, like all fields up to
+                                              `parameters`. */
+  const char* version;                     /**< major.minor.patch */
+  const char* doc;                         /**< One line. */
+  vesper_phase phase;                      /**< Phase of a step in which it runs. */
+  uint32_t stages;                         /**< Stages of an integrator, else 0. */
+  uint32_t use_count;                      /**< Length of `uses`. */
+  uint32_t parameter_count;                /**< Length of `parameters`. */
   const vesper_property_use* uses;         /**< (use_count). */
   const vesper_parameter_desc* parameters; /**< (parameter_count). */
   uint64_t calls;                          /**< Calls of its `advance` since it was loaded. */
@@ -121,8 +124,9 @@ typedef struct vesper_law_info {
                              affect the world. */
 } vesper_law_info;
 
-/** One line of the ledger, since the ledger was switched on; see docs/ledger.md. Values are in
- *  SI units, whatever units the prototype has. Since 1.1. */
+/** One line of the ledger: the contribution of a law or another source since the ledger was
+ *  switched on; see docs/ledger.md. Values are in SI units, whatever units the prototype has. Since
+ *  1.1. */
 typedef struct vesper_ledger_entry {
   uint32_t struct_size;
   uint32_t has_potential_energy;   /**< 1: the two potential-energy fields are valid. 0: both are
@@ -132,17 +136,18 @@ typedef struct vesper_ledger_entry {
                                         [kg*m^2/s]. */
   double energy;                   /**< Kinetic energy given to bodies [J]; for a force law, its
                                         work. */
-  double initial_potential_energy; /**< [J], when the ledger first read the arrays of the law. */
+  double initial_potential_energy; /**< [J], when the ledger first recorded this law. */
   double potential_energy;         /**< [J], in the present state. */
 } vesper_ledger_entry;
 
 /** Ledger lines that belong to no law; see `vesper_engine_ledger`. */
 #define VESPER_LEDGER_CLIENT 0u   /**< appliedForce, and changes by the client between calls. */
-#define VESPER_LEDGER_GROUND 1u   /**< Impulses that immovable bodies absorbed, negated. */
+#define VESPER_LEDGER_GROUND 1u   /**< Momentum that immovable bodies absorbed, negated. */
 #define VESPER_LEDGER_UNLOADED 2u /**< Laws that have been unloaded. */
 #define VESPER_LEDGER_TOTAL 3u    /**< Measured change of all bodies: the sum of all lines. */
 
-/** One row of the layout table, which describes how this build lays out the contract's structs. */
+/** One row of the layout table: size of a struct of the contract in this build, or size and offset
+ *  of one of its fields. */
 typedef struct vesper_layout_entry {
   const char* struct_name; /**< e.g. "vesper_error" */
   const char* field;       /**< Null: the row gives the size of the struct. */
@@ -156,7 +161,8 @@ VESPER_API uint32_t vesper_abi_version(void) VESPER_NOEXCEPT;
 VESPER_API const char* vesper_build_info(void) VESPER_NOEXCEPT;
 /** Returns "OK", "INVALID_ARGUMENT", …, or "UNKNOWN" for a number that is not a status. Static. */
 VESPER_API const char* vesper_status_name(vesper_status status) VESPER_NOEXCEPT;
-/** Returns sizes and offsets of all structs of the contract, so that bindings can check theirs. */
+/** Returns sizes and offsets of all structs of the contract, so that bindings in other languages
+ *  can check their own. */
 VESPER_API const vesper_layout_entry* vesper_abi_layout(uint32_t* count) VESPER_NOEXCEPT;
 
 /** Returns the standard prototype "si-f64" or "si-f32"; null for any other name. Static. */
@@ -187,8 +193,9 @@ VESPER_API vesper_status vesper_unit_parse(const char* text, vesper_unit* out,
  *  client's build. Since 1.1. */
 VESPER_API void vesper_engine_config_init_sized(vesper_engine_config* config,
                                                 uint64_t size) VESPER_NOEXCEPT;
-/** Fills the 48 bytes of the 1.0 struct with defaults; binary clients built for 1.0 call it. In
- *  source, `vesper_engine_config_init(&config)` is the macro, which passes the size. */
+/** Fills the 48 bytes of the 1.0 struct with defaults; for programs that were compiled with version
+ *  1.0. In source code, `vesper_engine_config_init(&config)` is the macro below, which passes the
+ *  size. */
 VESPER_API void vesper_engine_config_init(vesper_engine_config* config) VESPER_NOEXCEPT;
 /** Fills `config` with defaults and passes the size of the client's struct. */
 #define vesper_engine_config_init(config) \
@@ -206,10 +213,10 @@ VESPER_API vesper_provider* vesper_engine_property_provider(vesper_engine* engin
 
 /** Makes the engine query the client for arrays, instead of using registered ones. The engine
  *  queries every property of the prototype at the next load, advance, find or hash, and again
- *  when the callback `version` returns another number. It copies the callbacks. Refused with
- *  ALREADY_EXISTS while arrays are registered; afterwards the functions that add, rebind and
- *  remove arrays are refused with ACCESS_CONFLICT.
- *  `callbacks` null: unbinds all properties, and arrays can be registered again. */
+ *  whenever the callback `version` returns a different number. It copies the callbacks. Refused
+ *  with ALREADY_EXISTS while arrays are registered; afterwards the functions that add, rebind and
+ *  remove arrays are refused with ACCESS_CONFLICT. `callbacks` null: unbinds all properties, and
+ *  arrays can be registered again. */
 VESPER_API vesper_status vesper_engine_set_property_provider(
     vesper_engine* engine, const vesper_provider_callbacks* callbacks,
     vesper_error* error) VESPER_NOEXCEPT;
@@ -238,10 +245,10 @@ VESPER_API vesper_status vesper_provider_remove_physical_property(
 VESPER_API vesper_status
 vesper_provider_find_physical_property(const vesper_provider* provider, const char* name,
                                        vesper_property* out, vesper_error* error) VESPER_NOEXCEPT;
-/** Marks values as edited in place: raises versions, checks references again, expands shared
- *  values again, and lets laws rebuild their caches. Not needed for values that laws read in
- *  each step, unless the property is a reference or indexed, or `config.deferred` is 1. `names`
- *  null: all properties. */
+/** Marks values as edited in place: the engine increases the properties' versions, checks
+ *  references again and expands indexed values again, and laws rebuild their caches. Not needed for
+ *  values that laws read in each step, unless the property is a reference or indexed, or
+ *  `config.deferred` is 1. `names` null: all properties. */
 VESPER_API vesper_status vesper_provider_touch(vesper_provider* provider, const char* const* names,
                                                uint32_t count, vesper_error* error) VESPER_NOEXCEPT;
 
@@ -254,25 +261,25 @@ VESPER_API vesper_status vesper_provider_touch(vesper_provider* provider, const 
 VESPER_API vesper_status vesper_library_prepare(const vesper_engine_config* config,
                                                 const char* library, vesper_prepared_library** out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
-/** Opens a law library from its bytes, which are copied, in the same way. Bytes that are no shared
- *  object are a text, as in vesper_library_prepare_text, unless `source`, which names the library
- * in messages, ends with `.so`. Since 1.1. */
+/** Opens a law library from its bytes, which are copied, in the same way. `source` names the
+ *  library in messages. Unless it ends with `.so`, bytes that are not a shared object are read as a
+ *  text, as in vesper_library_prepare_text. Since 1.1. */
 VESPER_API vesper_status vesper_library_prepare_bytes(const vesper_engine_config* config,
                                                       const void* bytes, uint64_t size,
                                                       const char* source,
                                                       vesper_prepared_library** out,
                                                       vesper_error* error) VESPER_NOEXCEPT;
 /** Opens a law library from a text of `size` bytes, on any thread; see docs/laws-as-text.md. A text
- *  is safe by construction, so no probe process runs. `source` names the text in messages; null:
- *  "text". Finds errors of syntax; names and units are checked when the library is loaded, because
+ *  cannot harm the process, so no probe process runs. `source` names the text in messages; null:
+ *  "text". Checks only the syntax; names and units are checked when the library is loaded, because
  *  they depend on the prototype. Since 1.2. */
 VESPER_API vesper_status vesper_library_prepare_text(const char* source, const char* text,
                                                      uint64_t size, vesper_prepared_library** out,
                                                      vesper_error* error) VESPER_NOEXCEPT;
-/** Offers laws whose table a front end made, for example from a file in another language, as a
- *  prepared library. `table` is read at once; what it points to must live until `release(user)`,
- *  which is called when the library is unloaded or discarded, on success only; null: never. Since
- *  1.2. */
+/** Makes a prepared library of laws whose table another program part has built, for example from a
+ *  file in another language. `table` is copied at once; the data that it points to must live until
+ *  the library is unloaded or discarded, when `release(user)` is called. `release` may be null, and
+ *  is not called if this function fails. Since 1.2. */
 VESPER_API vesper_status vesper_library_prepare_table(const vesper_law_library* table,
                                                       void (*release)(void* user), void* user,
                                                       vesper_prepared_library** out,
@@ -285,7 +292,8 @@ VESPER_API vesper_status vesper_library_table(vesper_prepared_library* prepared,
                                               const vesper_law_library** out,
                                               vesper_error* error) VESPER_NOEXCEPT;
 /** Checks a text against a prototype and writes all problems to `report` (capacity), with the lines
- *  concerned, NUL-terminated and cut off at `capacity`. Empty if the text is right. Since 1.2. */
+ *  concerned, NUL-terminated and truncated to `capacity` bytes. Empty if the text is right. Since
+ *  1.2. */
 VESPER_API vesper_status vesper_text_check(const vesper_prototype* prototype, const char* source,
                                            const char* text, uint64_t size, char* report,
                                            uint64_t capacity, vesper_error* error) VESPER_NOEXCEPT;
@@ -319,16 +327,16 @@ VESPER_API vesper_status vesper_engine_law_info(const vesper_engine* engine,
                                                 vesper_law_info* out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
 
-/** Applies all laws for `steps` steps of `dt` [time unit]. Either all steps count, or none. If a
- *  step fails, the engine is FAULTED, its time is unchanged, and written arrays are undefined.
- *  Restore them and call `vesper_engine_clear_fault`, or unload the library named in `error`.
- *  The status for NaN or infinity shows the source: LAW_MISBEHAVED if a law wrote it,
- *  INVALID_ARGUMENT with property and row but no library if a law only read it.
- *  An error found before the first step is not a fault. Nothing was written, and the call can be
- *  repeated once the cause is removed. Such errors are a bad `dt`; arrays that disagree on their
- *  number of rows (COUNT_MISMATCH), or share memory that laws may write (ACCESS_CONFLICT); a
- *  reference out of range (INVALID_ARGUMENT); a property that a law needs but that is not bound
- *  (NOT_FOUND); a law that refuses its arrays (LAW_FAILED); a failure of the client's provider. */
+/** Applies all laws for `steps` steps of `dt` [time unit]. Either all steps take effect, or none.
+ *  If a step fails, the engine is FAULTED, its time is unchanged, and written arrays are undefined.
+ *  Restore them and call `vesper_engine_clear_fault`, or unload the library named in `error`. The
+ *  status for NaN or infinity shows the source: LAW_MISBEHAVED if a law wrote it, INVALID_ARGUMENT
+ *  with property and row but no library if a law only read it. An error found before the first step
+ *  is not a fault. Nothing was written, and the call can be repeated once the cause is removed.
+ *  Such errors are a bad `dt`; arrays that disagree on their number of rows (COUNT_MISMATCH), or
+ *  share memory that laws may write (ACCESS_CONFLICT); a reference out of range (INVALID_ARGUMENT);
+ *  a property that a law needs but that is not bound (NOT_FOUND); a law that refuses its arrays
+ *  (LAW_FAILED); a failure of the client's provider. */
 VESPER_API vesper_status vesper_engine_advance(vesper_engine* engine, double dt, uint32_t steps,
                                                vesper_error* error) VESPER_NOEXCEPT;
 /** Clears the fault of a failed step. The client must have restored the arrays. */
@@ -343,11 +351,10 @@ VESPER_API vesper_status vesper_engine_clear_fault(vesper_engine* engine,
 VESPER_API vesper_status vesper_engine_synchronize(vesper_engine* engine, const char* const* names,
                                                    uint32_t count,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Announces that the client moves row `from` of a kind to row `to` <= `from`, whose item was
- *  removed, for example when the last row fills a gap. SCRATCH values of the laws move with the
- *  row, and row `from` is reset. `from == to`: the item of that row was removed. Call it only if
- *  a row now stands for another item; the engine detects rows that were added or removed at the
- *  end. */
+/** Call this when row `from` of a kind moves to row `to` <= `from`, whose item was removed, for
+ *  example when the last row fills a gap. SCRATCH values of the laws move with the row, and row
+ *  `from` is reset. `from == to`: the item of that row was removed. Call it only if a row now
+ *  stands for another item; the engine detects rows that were added or removed at the end. */
 VESPER_API vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind,
                                                 uint64_t from, uint64_t to,
                                                 vesper_error* error) VESPER_NOEXCEPT;
@@ -368,33 +375,33 @@ VESPER_API vesper_status vesper_engine_save_state(vesper_engine* engine, void* o
 VESPER_API vesper_status vesper_engine_load_state(vesper_engine* engine, const void* state,
                                                   uint64_t size,
                                                   vesper_error* error) VESPER_NOEXCEPT;
-/** Removes the SCRATCH values of a library's laws from a saved state, in place, so that the state
- *  fits an engine without this library. `*size` becomes the new size [bytes]. INVALID_ARGUMENT if
- *  the state is damaged. Since 1.1. */
+/** Removes the SCRATCH values of a library's laws from a saved state, in place, so that an engine
+ *  without this library can load the state. `*size` becomes the new size [bytes]. INVALID_ARGUMENT
+ *  if the state is damaged. Since 1.1. */
 VESPER_API vesper_status vesper_saved_state_remove_library(void* state, uint64_t* size,
                                                            const char* library,
                                                            vesper_error* error) VESPER_NOEXCEPT;
-/** Sets the clock as if `steps` steps of `dt` [s] had been done from time 0. Use it for arrays
- *  of such a run that come without a saved state. SCRATCH values of laws are unchanged.
- *  INVALID_ARGUMENT if `dt` is not finite or not above 0. */
+/** Sets step count and time as if `steps` steps of `dt` [s] had been made from time 0. Use it if
+ *  the arrays are the result of such a run but there is no saved state. SCRATCH values of laws are
+ *  unchanged. INVALID_ARGUMENT if `dt` is not finite or not above 0. */
 VESPER_API vesper_status vesper_engine_set_step_count(vesper_engine* engine, uint64_t steps,
                                                       double dt,
                                                       vesper_error* error) VESPER_NOEXCEPT;
-/** Returns the number of steps since create, including steps that were set or loaded. */
+/** Returns the number of steps since create, including those from set_step_count or load_state. */
 VESPER_API uint64_t vesper_engine_step_count(const vesper_engine* engine) VESPER_NOEXCEPT;
 
-/** Computes XXH3-64 over the step count and then the bound properties in prototype order, with
- *  rows in row order and -0 as +0. Indexed properties are hashed as rows, not as values. */
+/** Computes XXH3-64 over the step count and then the bound properties in prototype order, with rows
+ *  in row order and -0 as +0. For an indexed property, the expanded rows are hashed. */
 VESPER_API vesper_status vesper_engine_state_hash(vesper_engine* engine, uint64_t* out,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 
 /** Switches the ledger on (1) or off (0). From the next advance on, the ledger records the
  *  momentum, angular momentum and energy that each law gives to the bodies; this costs a few
- *  passes over their columns in each step. Switching on again resets it; off costs nothing. The
- *  ledger needs the properties mass, position and velocity of the standard prototypes, all of
- *  one kind. It also uses externalForce, torque, orientation, angularVelocity and inertia where
- *  they exist. NOT_FOUND, TYPE_MISMATCH or UNIT_MISMATCH name what the prototype lacks.
- *  `advance` returns NOT_FOUND if one of the first three is not bound. */
+ *  passes over their columns in each step. Switching it on again resets it; while it is off, it
+ *  costs nothing. The ledger needs the properties mass, position and velocity of the standard
+ *  prototypes, all of one kind. It also uses externalForce, torque, orientation, angularVelocity
+ *  and inertia where they exist. NOT_FOUND, TYPE_MISMATCH or UNIT_MISMATCH name what the prototype
+ *  lacks. `advance` returns NOT_FOUND if one of the first three is not bound. */
 VESPER_API vesper_status vesper_engine_set_ledger(vesper_engine* engine, uint32_t on,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 /** Fills `out` with the ledger line of a law of a loaded library, as of the last successful

@@ -3,17 +3,17 @@
  *
  * A law library is a shared object that exports exactly one symbol, `vesper_law_library_entry`. It
  * may contain several laws (a suite) that share state, which `open` creates and `close` frees. A
- * law sees only the arrays that it declared, the step, and the host table. It keeps no evolving
- * state of its own; evolving state belongs in properties. Private memory may only cache what
- * `create` and `bind` can rebuild. Therefore snapshot, rollback, replay and hot unload need no code
- * in the law.
+ * law can access only the arrays that it declared, the step, and the host table (functions of the
+ * engine). It keeps no evolving state of its own; evolving state belongs in properties. Private
+ * memory may only cache what `create` and `bind` can rebuild. Therefore a law needs no code for
+ * snapshots, rollbacks, replays and unloading at run time.
  *
  * If the engine has several threads, laws of different libraries run concurrently unless they
  * collide. Two laws collide if one writes what the other reads or writes; both may accumulate. Laws
  * of one library never run concurrently, so a suite needs no locks. Results equal those of
  * sequential execution in load order, whatever the number of threads.
  *
- * Rules for laws: no threads, no signals, no exit or abort, no exception across the boundary, no
+ * Rules for laws: no threads, no signals, no exit or abort, no exception may leave the law, no
  * change of floating-point modes that outlives a call. Access only rows `[0, row_count)`. Equal
  * inputs give equal bits: sums have a fixed order, whatever the number of threads.
  */
@@ -46,7 +46,8 @@ typedef struct vesper_host {
   uint32_t reserved;
   void* context; /**< First argument of each host function. */
   /** Writes one line to the engine's log. Call it on the thread that called the law, not within
-   *  `parallel_for`. The client receives lines in load order, on its own thread. */
+   *  `parallel_for`. The client receives the lines of concurrent laws in load order, on its own
+   *  thread. */
   void (*log)(void* context, uint32_t level, const char* message);
   /** Calls `body(user, begin, end)` for disjoint ranges that cover [0, count), possibly
    *  concurrently, and returns when all calls have returned. Ranges have `grain` elements (the
@@ -54,14 +55,14 @@ typedef struct vesper_host {
    *  chooses the length. `body` must not throw and must not call the host. */
   void (*parallel_for)(void* context, uint64_t count, uint64_t grain,
                        void (*body)(void* user, uint64_t begin, uint64_t end), void* user);
-  const void* user; /**< The `user` of the table of the law's library. Since 1.2. */
+  const void* user; /**< `user` of the library's table (`vesper_law_library`). Since 1.2. */
 } vesper_host;
 
 /** One step, as passed to laws. Owned by the engine, valid during the call. */
 typedef struct vesper_step {
   uint32_t struct_size;
-  uint32_t stage;       /**< 0 before the first force evaluation (integrators only), then
-                             1..stage_count. */
+  uint32_t stage;       /**< 0 in the call before the first force evaluation (integrators only),
+                             then 1..stage_count. */
   uint32_t stage_count; /**< Number of force evaluations in this step. */
   uint32_t reserved;
   double dt;      /**< [time unit of the prototype], > 0. */
@@ -80,27 +81,28 @@ typedef struct vesper_step {
  *  of the library wrote it.
  *  WRITE, READ_WRITE, ACCUMULATE: `advance` writes the copy only. From then on the array is
  *  stale. The engine calls `synchronize` to write the array before any other law or the client
- *  sees it. Only DEFERRED uses of the same library see the copy. An accumulated copy also starts
- *  at zero; if other laws accumulate too, the engine has the array written at once, to sum it.
- *  When to read the array: `bind` is called before `advance` and `potential_energy` whenever the
- *  client or another library wrote the array, and then shows another `version`. The library
- *  stores, with each copy, the version from which it was made. If `bind` shows another version,
- *  the copy is stale and the array is valid; otherwise the copy is valid. */
+ *  reads it. Only DEFERRED uses of the same library can access the copy. An accumulated copy also
+ *  starts at zero; if other laws accumulate too, the engine has the array written at once, to sum
+ *  it. When to read the array: whenever the client or another library has written the array, `bind`
+ *  is called before the next `advance` or `potential_energy`, with a different `version`. The
+ *  library stores, with each copy, the version from which it was made. If `bind` passes a different
+ *  version, the copy is stale and the array is valid; otherwise the copy is valid. */
 #define VESPER_USE_DEFERRED 2u
 
 /** A property that a law uses. It is matched by name; kind, type, components and dimension must
  *  agree. If the unit of a real property differs in scale, the law receives a converted column
  *  of its own. The engine converts written values back; values that the law does not change keep
  *  their bits.
- *  SCRATCH is matched by kind only, and the law chooses the name. It belongs to this law, is
- *  committed or rolled back with the steps of an advance, and is saved with the engine's state. */
+ *  For SCRATCH, only the kind must exist, and the law chooses the name. SCRATCH belongs to this
+ *  law, is committed or rolled back with the steps of an advance, and is saved with the engine's
+ *  state. */
 typedef struct vesper_property_use {
   uint32_t struct_size;
   vesper_scalar_type scalar_type; /**< Element type. */
   const char* name;               /**< Name of the property. */
-  const char* kind;               /**< Row space. */
+  const char* kind;               /**< Kind whose rows it has, e.g. "body". */
   uint32_t components;            /**< Components per row. */
-  vesper_access access;           /**< One access, within the limits of the prototype. */
+  vesper_access access;           /**< Requested access, at most the prototype's `law_access`. */
   vesper_unit unit;               /**< Unit in which the law reads and writes. */
   uint32_t flags;                 /**< VESPER_USE_OPTIONAL and VESPER_USE_DEFERRED, or 0. */
   uint32_t reserved;
@@ -162,10 +164,10 @@ typedef struct vesper_law_desc {
    *  engine checks the values for NaN and infinity as after `advance`. May be null if no written
    *  use is DEFERRED. Since 1.1. */
   vesper_status (*synchronize)(vesper_law* law, uint32_t use, vesper_error* error);
-  /** For INTEGRATE laws and the ledger: 1 + stages weights whose sum is 1. Null: weight 0 for
-   *  the forces before the step, and equal weights for all stages. In a step, the velocity
-   *  changes by dt / mass times the weighted sum of the forces: weight [0] for those at the end
-   *  of the previous step, then one weight per stage. Since 1.1. */
+  /** For the ledger, from INTEGRATE laws: 1 + `stages` weights whose sum is 1. In a step, the
+   *  velocity changes by dt / mass times the weighted sum of the forces: weight [0] for those at
+   *  the end of the previous step, then one weight per stage. Null: weight [0] is 0, and all stages
+   *  have equal weights. Since 1.1. */
   const double* force_weights;
   /** For INTEGRATE laws: the first stage for which the law is called, 0 or 1. Use 1 if the law
    *  has no work before the forces. Other laws use 0. Since 1.1. */
@@ -182,8 +184,8 @@ typedef struct vesper_field_desc {
   vesper_unit unit;    /**< Unit of the values; converted if its scale differs from the
                             property's. */
   /** Evaluates the field as in `vesper_field`. `user` is the suite of the library, or null if it
-   *  has none. `advance` must not change data that this function reads there, because other laws
-   *  may evaluate the field concurrently. */
+   *  has none. `advance` must not change data in `user` that this function reads, because other
+   *  laws may evaluate the field concurrently. */
   void (*evaluate)(void* user, uint64_t count, const double* at, double* out);
 } vesper_field_desc;
 
@@ -196,7 +198,7 @@ typedef struct vesper_law_library {
   uint32_t law_count;   /**< Length of `laws`. */
   uint32_t reserved;
   const vesper_law_desc* laws; /**< (law_count). */
-  /** Optional pair (both or none): creates the state that the library's laws share, one per
+  /** Optional pair (both or none): creates the state that the library's laws share, once for each
    *  engine. */
   vesper_status (*open)(const vesper_host* host, vesper_suite** out, vesper_error* error);
   /** Frees the state created by `open`, after the library's laws. */
@@ -205,14 +207,14 @@ typedef struct vesper_law_library {
   uint32_t field_count;
   uint32_t reserved1;
   const vesper_field_desc* fields; /**< (field_count). */
-  /** Passed to the laws in `vesper_host`; for tables that are made while a program runs, such as
+  /** Passed to the laws as `vesper_host.user`; for tables that are created at run time, such as
    *  those of laws as text. Since 1.2. */
   const void* user;
 } vesper_law_library;
 
 /** The only exported symbol of a law library. The engine calls it once for each copy of the
- *  library that it maps, and copies the tables at that time. Later results or changes of the
- *  tables have no effect. The names and functions to which the tables point must stay unchanged. */
+ *  library that it maps, and copies the tables at that time. Later changes of the tables have no
+ *  effect. The strings and functions to which the tables point must stay valid and unchanged. */
 #define VESPER_LAW_LIBRARY_ENTRY "vesper_law_library_entry"
 #if defined(__GNUC__)
 /** Marks the symbol that a law library exports. */

@@ -78,8 +78,8 @@ enum Claim : uint32_t {
 };
 
 /** A number in the declared unit, constant while the law is loaded. The engine refuses values
- *  outside [minimum, maximum]. Holds its default until the law is loaded, and its actual value
- *  from Bind on. */
+ *  outside [minimum, maximum]. Before the law is loaded it has its default; from Bind on, the value
+ *  that the client gave. */
 class Parameter {
  public:
   /** Stores name, one line of documentation and unit, and default and range in that unit. */

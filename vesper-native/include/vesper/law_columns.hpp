@@ -105,9 +105,9 @@ class Instance;
 
 }  // namespace detail
 
-/** A column that a law uses: (rows x components of Row), borrowed from the client until the next
- *  Bind. Row is float, double, int32_t, uint32_t, Vec3 of a real, or std::array of a scalar.
- *  Elements are const if the access is read-only. Use it through the aliases below. */
+/** A column that a law uses: (rows x components of Row), memory of the client that stays valid
+ *  until the next Bind. Row is float, double, int32_t, uint32_t, Vec3 of a real, or std::array of a
+ *  scalar. Elements are const if the access is read-only. Use it through the aliases below. */
 template <class Row, vesper_access access, uint32_t flags>
 class Column {
  public:
@@ -126,7 +126,7 @@ class Column {
   Element* data() const { return data_; }
   /** Returns the first row. */
   Element* begin() const { return data_; }
-  /** Returns the end, after the last row. */
+  /** Returns the position behind the last row. */
   Element* end() const { return data_ + size_; }
   /** Returns the number of rows; 0 if an optional property is absent. */
   uint64_t size() const { return size_; }
@@ -181,8 +181,8 @@ template <class Row>
 using Write = Column<Row, VESPER_WRITE, 0>;
 template <class Row>
 using ReadWrite = Column<Row, VESPER_READ_WRITE, 0>;
-/** A column to add to, in phase kForce. It starts at zero for each law; the engine sums over
- *  laws. */
+/** A column to which the law adds, in phase kForce only. Each law's column starts at zero; the
+ *  engine sums over all laws. */
 template <class Row>
 using Accumulate = Column<Row, VESPER_ACCUMULATE, 0>;
 /** Memory that the engine keeps for this law: one Row for each row of the kind, initially zero,
@@ -199,10 +199,10 @@ using OptionalReadWrite = Column<Row, VESPER_READ_WRITE, VESPER_USE_OPTIONAL>;
 template <class Row>
 using OptionalAccumulate = Column<Row, VESPER_ACCUMULATE, VESPER_USE_OPTIONAL>;
 
-/** Columns of which the laws of a library keep one copy in their Suite, for example on a device.
- *  Bind reads the array if version() differs from the version of the copy; otherwise the copy is
- *  valid and may be newer than the array. Advance works on the copy only. To get written values,
- *  the engine calls law.Synchronize(column), which must fill the whole column; see
+/** Columns of which the laws of a library keep one copy in their Suite, for example on a GPU. Bind
+ *  reads the array if version() differs from the version of the copy; otherwise the copy is
+ *  valid and may be newer than the array. Advance works on the copy only. When the engine needs the
+ *  written values, it calls law.Synchronize(column), which must fill the whole column; see
  *  VESPER_USE_DEFERRED. */
 template <class Row>
 using DeferredRead = Column<Row, VESPER_READ, VESPER_USE_DEFERRED>;

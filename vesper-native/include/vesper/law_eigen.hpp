@@ -10,8 +10,8 @@
  * By default Eigen chooses the order of its sums by the target's vector unit. This header disables
  * Eigen's own vectorisation, in every Eigen header that follows it, and Eigen's threads. Therefore
  * results depend neither on the CPU nor on compiler flags; the compiler still vectorises loops
- * where that keeps the bits. A failed assertion of Eigen (builds without NDEBUG) throws, which
- * becomes LAW_FAILED.
+ * where this does not change the results. In builds without NDEBUG, a failed assertion of Eigen
+ * throws an exception; the engine reports LAW_FAILED.
  *
  * Whole-column expressions allocate no memory unless Eigen needs a temporary: fixed-size vectors
  * and element-wise arithmetic need none, products of dynamic matrices do.
@@ -28,7 +28,7 @@ what makes bits depend on the CPU"
 #include <stdexcept>
 
 #ifndef EIGEN_DONT_VECTORIZE
-/** Eigen's vectors would make bits depend on the CPU. */
+/** With Eigen's vectorisation, the bits of results would depend on the CPU. */
 #define EIGEN_DONT_VECTORIZE
 #endif
 #ifndef EIGEN_DONT_PARALLELIZE
@@ -36,7 +36,7 @@ what makes bits depend on the CPU"
 #define EIGEN_DONT_PARALLELIZE
 #endif
 #if !defined(NDEBUG) && !defined(eigen_assert)
-/** An assertion of Eigen fails the law instead of ending the process. */
+/** A failed assertion of Eigen makes the law fail instead of ending the process. */
 #define eigen_assert(condition) \
   ((condition) ? static_cast<void>(0) : throw std::logic_error("Eigen: expected " #condition))
 #endif
@@ -66,7 +66,7 @@ struct ComponentOf<std::array<T, n>> {
   using Type = T;
 };
 
-/** Const if the elements of the column are. */
+/** T, const if the elements of the column are const. */
 template <class Column, class T>
 using ConstAs =
     std::conditional_t<std::is_const_v<typename Column::Element>, std::add_const_t<T>, T>;

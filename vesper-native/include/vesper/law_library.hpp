@@ -42,7 +42,7 @@ vesper_status Guard(vesper_error* error, Action&& action) noexcept {
   }
 }
 
-/** Precision of a law: the argument of its class template. */
+/** The real type of a law: the argument of its class template. */
 template <class Law>
 struct RealOf;
 template <template <class> class Law, class Real>
@@ -77,7 +77,7 @@ template <class... Columns>
 inline constexpr bool kAccumulates<std::tuple<Columns&...>> =
     ((Columns::kAccess == VESPER_ACCUMULATE) || ...);
 
-/** True for a column that the law writes in its own memory. */
+/** True for a column in which the law writes to memory of its own. */
 template <class Column>
 inline constexpr bool kDefersWrite = false;
 template <class Row, vesper_access access, uint32_t flags>
@@ -88,7 +88,7 @@ inline constexpr bool kDefersWrites = false;
 template <class... Columns>
 inline constexpr bool kDefersWrites<std::tuple<Columns&...>> = (kDefersWrite<Columns> || ...);
 
-/** The C callbacks and the C declarations of a law. */
+/** Converts a law class to the callbacks and declarations of law.h. */
 template <class Law>
 class Instance {
  public:
@@ -135,7 +135,7 @@ class Instance {
   static vesper_status Synchronize(vesper_law* law, uint32_t use, vesper_error* error) noexcept {
     return Guard(error, [&] {
       Law& self = From(law).law_;
-      uint32_t i = 0;  // of the column
+      uint32_t i = 0;  // index of the column
       std::apply([&](auto&... column) { (SynchronizeIf(i++ == use, self, column), ...); },
                  self.Properties());
     });
@@ -145,7 +145,7 @@ class Instance {
 
   explicit Instance(const vesper_host& host) : host_(host) {}
 
-  /** The declarations in C form, in the static data of the library. */
+  /** The declarations of a law in C form; part of the library's static data. */
   class Table {
    public:
     Table() {
@@ -266,7 +266,7 @@ class Library {
 }  // namespace vesper::detail
 
 /** Defines the library: VESPER_LAW_LIBRARY("name", Law, MoreLaws...), once, in one source file,
- *  at global scope. The file is libvesper_law_NAME.so with the same name. */
+ *  at global scope. The library file must be libvesper_law_NAME.so with the same name. */
 #define VESPER_LAW_LIBRARY(name, ...)                                                 \
   extern "C" VESPER_LAW_EXPORT const vesper_law_library* vesper_law_library_entry() { \
     try {                                                                             \

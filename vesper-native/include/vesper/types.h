@@ -2,12 +2,12 @@
 /* Types that the engine, its clients and the laws share.
  *
  * The C layer is the contract: fixed-width integers, no enum types, no bools and no bit fields in
- * structs. Every struct that crosses the boundary begins with `struct_size`, set by the side that
- * fills the struct. Minor versions only append fields. Neither side reads or writes beyond the
- * `struct_size` of the other; a missing field counts as zero. A field that the engine does not know
- * must be zero (ABI_MISMATCH). Therefore a law or client built for a later minor version works as
- * long as it uses no new feature. The stride of an array of such structs is the `struct_size` of
- * its first element. Fields named `reserved` are zero.
+ * structs. Every struct that engine and client or law exchange begins with `struct_size`, which the
+ * side that fills the struct sets. Minor versions only append fields. Neither side reads or writes
+ * beyond the `struct_size` of the other; a missing field counts as zero. A field that the engine
+ * does not know must be zero (ABI_MISMATCH). Therefore a law or client built for a later minor
+ * version works as long as it uses no new feature. The stride of an array of such structs is the
+ * `struct_size` of its first element. Fields named `reserved` are zero.
  *
  * Frozen within a major version: `vesper_error`, `vesper_unit` and `vesper_layout_entry`, which
  * contain no size; `vesper_property`, which laws receive in arrays; and `vesper_field`, which is
@@ -25,7 +25,8 @@ extern "C" {
 /** Version of this contract: laws and engine must have the same major version (see
  *  `vesper_law_library`). */
 #define VESPER_ABI_MAJOR 1u
-/** Raised when a field or function is appended; a law may be older or newer than the engine. */
+/** Increases when a field or function is appended. Laws and engines of different minor versions
+ *  work together. */
 #define VESPER_ABI_MINOR 2u
 /** Major and minor version in one number, the major one in the upper 16 bits. */
 #define VESPER_ABI_VERSION ((VESPER_ABI_MAJOR << 16) | VESPER_ABI_MINOR)
@@ -85,7 +86,8 @@ typedef uint32_t vesper_library_id;
 
 /** A physical unit: SI exponents and a scale. Frozen: 32 bytes.
  *  One unit = `scale` * m^e[0] * kg^e[1] * s^e[2] * A^e[3] * K^e[4] * mol^e[5] * cd^e[6].
- *  `symbol` is for messages only, NUL-terminated; equality is exponents and scale. */
+ *  `symbol` is for messages only, NUL-terminated. Two units are equal if exponents and scale are
+ *  equal. */
 typedef struct vesper_unit {
   int8_t exponent[7]; /**< Exponents of m, kg, s, A, K, mol and cd. */
   uint8_t reserved;
@@ -93,8 +95,9 @@ typedef struct vesper_unit {
   char symbol[16]; /**< NUL-terminated. */
 } vesper_unit;
 
-/** Description of a failure. Caller-owned, optional (null) everywhere, written on failure only.
- *  Frozen: 256 bytes. `message` is one line with the name of the object, what was found, and
+/** Description of a failure. The caller owns it, may pass null in every call, and finds it written
+ *  only after a failure. Frozen: 256 bytes. `message` is one line with the name of the object, what
+ *  was found, and
  *  what was expected. */
 typedef struct vesper_error {
   vesper_status status;         /**< The status that the call returned. */
@@ -115,7 +118,7 @@ typedef struct vesper_parameter {
 } vesper_parameter;
 
 /** A function of position, such as wind or a magnetic field: the `data` of a bound FIELD
- *  property. Always f64, whatever the real type of the prototype. */
+ *  property. Its numbers are always f64, whatever the real type of the prototype. */
 typedef struct vesper_field {
   uint32_t struct_size;
   uint32_t reserved;
@@ -131,7 +134,7 @@ typedef struct vesper_property_descriptor {
   uint32_t struct_size;
   vesper_scalar_type scalar_type; /**< Element type. */
   const char* name;               /**< Unique within the prototype, at most 47 bytes. */
-  const char* kind;    /**< Row space: all properties of a kind have the same number of rows. */
+  const char* kind;    /**< E.g. "body". All properties of a kind have the same number of rows. */
   uint32_t components; /**< Components per row, at least 1. */
   vesper_access law_access; /**< Maximum access that a law may request. */
   vesper_unit unit;         /**< Unit of every component. */
@@ -140,14 +143,14 @@ typedef struct vesper_property_descriptor {
                                  from which the sum of each stage starts; null: it starts from
                                  zero. */
   const char* doc;          /**< One line, may be null. */
-  uint32_t has_minimum;     /**< 1: `minimum` applies. Only for numbers that laws READ. Since
-                                 1.1. */
+  uint32_t has_minimum;     /**< 1: `minimum` is used. Only for numbers that laws can only READ.
+                                 Since 1.1. */
   uint32_t reserved;
   double minimum; /**< Minimum [unit] of every component. The engine checks the client's arrays
                        against it at add, rebind and touch. Since 1.1. */
 } vesper_property_descriptor;
 
-/** The set of properties of one use of the engine. The engine copies it at create; types and
+/** The set of properties that an engine is created for. The engine copies it at create; types and
  *  units never change after that. */
 typedef struct vesper_prototype {
   uint32_t struct_size;
@@ -164,14 +167,14 @@ typedef struct vesper_property {
   uint32_t struct_size;
   vesper_scalar_type scalar_type; /**< Element type of `data`. */
   const char* name;               /**< As in the prototype. */
-  const char* kind;               /**< Row space. */
+  const char* kind;               /**< Kind whose rows it has. */
   uint32_t components;            /**< Components per row. */
   vesper_access access; /**< For a law: its declared access. From the provider: the maximum
                              access of any law. */
   void* data;           /**< May be null if `row_count` is 0 or the property is absent. For a
                              FIELD: its `const vesper_field*`. */
   uint64_t row_count;   /**< Number of rows of `data`. */
-  uint64_t version;     /**< Raised when the client touches or rebinds the property; for a
+  uint64_t version;     /**< Increases when the client touches or rebinds the property; for a
                              DEFERRED use, also when another law writes the array. */
 } vesper_property;
 

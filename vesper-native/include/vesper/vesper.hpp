@@ -182,12 +182,13 @@ struct EngineConfig {
   std::string probe_path = {};
   /** If true, deferred writes reach the arrays only at Synchronize; see vesper_engine_config. */
   bool deferred = false;
-  /** If true, the client touches every array that it edited. */
+  /** If true, the client calls Touch for every array that it edited, so laws may keep derived data.
+   *  */
   bool touches = false;
   /** Receives log lines (VESPER_LOG_..., text) on the calling thread. Must not throw. */
   std::function<void(uint32_t, const char*)> log = {};
 
-  /** Returns the C form; it points into this object. */
+  /** Returns the configuration as the C struct; it points into this object. */
   vesper_engine_config View() const {
     vesper_engine_config config;
     vesper_engine_config_init(&config);
@@ -311,7 +312,8 @@ class CustomPropertyProvider {
   /** Returns the arrays of a property (struct_size may stay 0), or nothing if the client has no
    *  such property. An exception fails the engine call that needed the property. */
   virtual std::optional<vesper_provided_property> FindPhysicalProperty(std::string_view name) = 0;
-  /** Returns a number that changes whenever FindPhysicalProperty would answer differently. */
+  /** Returns a number that changes whenever the answer of FindPhysicalProperty changes for any
+   *  property. */
   virtual uint64_t Version() const noexcept = 0;
 
  private:
@@ -383,8 +385,8 @@ class PhysicsEngine {
   }
 
   /** Makes the engine query `provider` for arrays, instead of using registered ones; see
-   *  vesper_engine_set_property_provider. `provider` must outlive the engine or its own
-   *  replacement. Null: arrays are registered again. */
+   *  vesper_engine_set_property_provider. `provider` must live until the engine is destroyed or
+   *  another provider is set. Null: arrays must be registered again. */
   void SetPropertyProvider(CustomPropertyProvider* provider) {
     const vesper_provider_callbacks callbacks{sizeof callbacks, 0, provider,
                                               CustomPropertyProvider::Find,
@@ -470,13 +472,13 @@ class PhysicsEngine {
     vesper_error error{};
     detail::Check(vesper_engine_clear_fault(engine_.get(), &error), error);
   }
-  /** Moves row `from` of the kind to row `to`, whose item was removed; see
+  /** Announces that row `from` of the kind moves to row `to`, whose item was removed; see
    *  vesper_engine_move_row. */
   void MoveRow(const std::string& kind, uint64_t from, uint64_t to) {
     vesper_error error{};
     detail::Check(vesper_engine_move_row(engine_.get(), kind.c_str(), from, to, &error), error);
   }
-  /** Returns step count, time and the SCRATCH values of laws, to continue from; see
+  /** Returns step count, time and the SCRATCH values of laws, from which a run can continue; see
    *  vesper_engine_save_state. */
   std::vector<std::byte> SaveState() {
     uint64_t size = 0;
@@ -492,8 +494,8 @@ class PhysicsEngine {
     detail::Check(vesper_engine_load_state(engine_.get(), state.data(), state.size(), &error),
                   error);
   }
-  /** Switches the ledger on or off, and resets it; it records what each law gives to the bodies.
-   *  See vesper_engine_set_ledger. */
+  /** Switches the ledger on or off, and resets it. It records the momentum and energy that each law
+   *  gives to the bodies. See vesper_engine_set_ledger. */
   void SetLedger(bool on) {
     vesper_error error{};
     detail::Check(vesper_engine_set_ledger(engine_.get(), on ? 1 : 0, &error), error);
@@ -516,13 +518,13 @@ class PhysicsEngine {
                   error);
     return energy;
   }
-  /** Sets the clock as if so many steps of `dt` [s] had been done; see
+  /** Sets step count and time as if `steps` steps of `dt` [s] had been made; see
    *  vesper_engine_set_step_count. */
   void SetStepCount(uint64_t steps, double dt) {
     vesper_error error{};
     detail::Check(vesper_engine_set_step_count(engine_.get(), steps, dt, &error), error);
   }
-  /** Returns the number of steps since creation, including steps that were set or loaded. */
+  /** Returns the number of steps since creation, including those from SetStepCount or LoadState. */
   uint64_t StepCount() const { return vesper_engine_step_count(engine_.get()); }
   /** Returns the hash of the state; equal states have equal hashes. See
    *  vesper_engine_state_hash. */
@@ -534,8 +536,8 @@ class PhysicsEngine {
   }
 
  private:
-  /** Data to which the engine or its provider points; it keeps its address when the engine
-   *  moves. */
+  /** Data to which the engine or its provider points; it keeps its address when the PhysicsEngine
+   *  object is moved. */
   struct State {
     EngineConfig config;
     detail::Shapes shapes;

@@ -15,9 +15,9 @@ constexpr const char* kModule =
 #include "vesper_module.inc"
     ;
 
-PyObject* module = nullptr;  // `vesper`, for the rest of the process
+PyObject* module = nullptr;  // the module `vesper`; kept as long as the process lives
 
-/// parse_unit(text): the bytes of a vesper_unit.
+/// parse_unit(text): returns the bytes of a vesper_unit.
 PyObject* ParseUnit(PyObject*, PyObject* argument) {
   const char* text = PyUnicode_AsUTF8(argument);
   if (text == nullptr) return nullptr;
@@ -36,7 +36,8 @@ PyModuleDef definition = {
 
 PyObject* InitModule() { return PyModule_Create(&definition); }
 
-/// Libraries of linear algebra would start threads, whose number changes the order of sums.
+/// Prevents libraries for linear algebra from starting threads, whose number would change the order
+/// of sums.
 void KeepToOneThread() {
   for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS",
                            "BLIS_NUM_THREADS", "NUMEXPR_NUM_THREADS"}) {
@@ -44,8 +45,8 @@ void KeepToOneThread() {
   }
 }
 
-/// Starts Python without the user's variables, packages and byte code, and with fixed hashes of
-/// texts, so that a law depends on its file and the installed packages only.
+/// Starts Python without the user's environment variables, packages and byte code, and with fixed
+/// hashes of strings. So a law depends only on its file and the installed packages.
 void Initialize() {
   KeepToOneThread();
   PyImport_AppendInittab("_vesper", InitModule);
@@ -78,7 +79,7 @@ std::string TextOf(PyObject* object) {
   return text == nullptr ? "" : text;
 }
 
-/// Takes the pending exception.
+/// Returns Python's pending exception and clears it.
 Object Fetch() {
   PyObject *type = nullptr, *value = nullptr, *trace = nullptr;
   PyErr_Fetch(&type, &value, &trace);
@@ -100,9 +101,9 @@ void Start() {
   try {
     Initialize();
     RunModule();
-    PyEval_SaveThread();  // each call takes the interpreter's lock
+    PyEval_SaveThread();  // releases the interpreter's lock, which each call acquires again
   } catch (const Failure& failure) {
-    refused = failure;  // a second attempt in the same process is not possible
+    refused = failure;  // Python cannot be started again in the same process
     throw;
   }
 }

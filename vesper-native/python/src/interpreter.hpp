@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Python in this process: one interpreter, whose lock each call holds.
+// Python in this process: one interpreter; each call holds its lock (the GIL).
 #pragma once
 
 #define PY_SSIZE_T_CLEAN
@@ -13,11 +13,11 @@
 
 namespace vesper::python {
 
-/// A counted reference to a Python object. Used with the interpreter's lock only.
+/// A counted reference to a Python object. Use it only while holding the interpreter's lock.
 class Object {
  public:
   Object() = default;
-  /// Takes a new reference; null stays null.
+  /// Takes over a reference that the caller owns; null stays null.
   explicit Object(PyObject* owned) : object_(owned) {}
   Object(Object&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
   Object& operator=(Object&& other) noexcept {
@@ -34,7 +34,7 @@ class Object {
   PyObject* object_ = nullptr;
 };
 
-/// Holds the interpreter's lock.
+/// Holds the interpreter's lock as long as this object lives.
 class Turn {
  public:
   Turn() : state_(PyGILState_Ensure()) {}

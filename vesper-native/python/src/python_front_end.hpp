@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only function of libvesper_python.so.
+// The only function that libvesper_python.so exports.
 #pragma once
 
 #include <cstdint>

@@ -15,7 +15,7 @@
 namespace vesper::python {
 namespace {
 
-constexpr size_t kMaxLaws = 16;  // of one file
+constexpr size_t kMaxLaws = 16;  // maximum number of laws in one file
 
 vesper_unit UnitOf(PyObject* bytes) {
   vesper_unit unit{};
@@ -26,17 +26,17 @@ vesper_unit UnitOf(PyObject* bytes) {
   return unit;
 }
 
-/// A law of the file: what it declares, and the object that makes its instances.
+/// A law of the file: what it declares, and the Python object that creates its instances.
 struct Declared {
   std::string name, version, doc;
   vesper_law_desc desc{};
-  std::vector<std::string> texts;  // which uses and parameters point to
+  std::vector<std::string> texts;  // strings to which uses and parameters point
   std::vector<vesper_property_use> uses;
   std::vector<vesper_parameter_desc> parameters;
-  PyObject* law = nullptr;  // a vesper._Law
+  PyObject* law = nullptr;  // a Python object of class vesper._Law
 };
 
-/// The laws of one file. Freed by the engine, after its laws.
+/// The laws of one file. The engine frees it, after its laws.
 class Library {
  public:
   Library(const vesper_prototype& prototype, std::string source, const char* text, uint64_t size);
@@ -63,7 +63,7 @@ class Library {
   vesper_law_library table_{};
 };
 
-/// A law between `create` and `destroy`.
+/// A law in an engine: the `vesper_law` between `create` and `destroy`.
 class Instance {
  public:
   Instance(const Library& library, const Declared& law, const double* parameters)
@@ -88,8 +88,8 @@ class Instance {
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
-  /// Makes an array on the memory of each column; that of a column that is only read refuses
-  /// writes.
+  /// Makes a NumPy array on the memory of each column; the array of a column that the law only
+  /// reads refuses writes.
   void Bind(const vesper_property* properties) {
     const Turn turn;
     const Object columns(PyList_New(0));

@@ -22,11 +22,11 @@ _SHORT_NAMES = {"force": "externalForce"}
 _LARGEST = sys.float_info.max
 
 _versions = f"Python {sys.version.split()[0]}, NumPy {numpy.__version__}"
-_declared = []  # by the file that runs
+_declared = []  # the laws that the running file has declared so far
 
 
 class _Refused(Exception):
-    """A mistake of the file; its message needs no type."""
+    """A mistake in the law's file; shown without the name of the exception's type."""
 
 
 def _unit(text):
@@ -50,7 +50,7 @@ def _number(name, value):
 
 class _Column:
     access = 0
-    needed = 0  # bits that the property must permit
+    needed = 0  # access bits that the property must permit
 
     def __init__(self, kind, unit="1"):
         if not isinstance(kind, str):
@@ -79,14 +79,15 @@ class ReadWrite(_Column):
 
 
 class Accumulate(_Column):
-    """A column of zeros to which the law adds; the engine sums over laws. Phase force only."""
+    """A column of zeros to which the law adds; the engine sums over all laws. Only in phase
+    "force"."""
 
     access = needed = _ACCUMULATE
 
 
 class Scratch(_Column):
-    """Memory of the law's own, one row for each row of the kind, zero at first; the engine saves it
-    and rolls it back with the world."""
+    """Private memory of the law: one row for each row of the kind, initially zero; the engine saves
+    it and rolls it back with the world."""
 
     access = _SCRATCH
 
@@ -114,7 +115,7 @@ class Parameter:
 
 
 def law(phase, *, claims=(), version="1.0.0"):
-    """Declares the function that follows as a law of a phase: @vesper.law(phase="force")."""
+    """Declares the function below as a law of a phase: @vesper.law(phase="force")."""
     if phase not in _PHASES:
         found = "@vesper.law without brackets" if callable(phase) else f"phase={phase!r}"
         raise _Refused(
@@ -137,7 +138,7 @@ def law(phase, *, claims=(), version="1.0.0"):
 
 
 class _File:
-    """The text of the file, for the places of problems."""
+    """The text of the law's file, to find the lines of problems."""
 
     def __init__(self, source, text):
         self.source = source
@@ -163,7 +164,7 @@ def _near(name, names):
 
 
 class _Law:
-    """A function with what it declares, checked against the properties of the world."""
+    """A law: a function with its declarations, checked against the properties of the world."""
 
     def __init__(self, declared, file, real_type, properties):
         self.function, self.phase, self.claims, self.version = declared
@@ -244,7 +245,8 @@ class _Law:
         return argument.arg, (name, use.kind, scalar_type, components, use.access, use.unit)
 
     def forbid_rebinding(self):
-        """Refuses `force = …`, which makes another array and leaves the column unchanged."""
+        """Refuses an assignment such as `force = …`, which would make a new array instead of
+        changing the column."""
         columns = {name for name, _ in self.uses}
         for node in ast.walk(self.node):
             targets = node.targets if isinstance(node, ast.Assign) else []
@@ -277,7 +279,7 @@ class _Law:
 
 
 class _Instance:
-    """A loaded law: its function with its arguments."""
+    """A loaded law: its function, with the columns and parameters as arguments."""
 
     def __init__(self, law, values):
         self.law = law
@@ -305,7 +307,7 @@ class _Instance:
 
 
 def _open(source, text, real_type, properties, most):
-    """Runs a file and returns the descriptions of its laws."""
+    """Runs a law file and returns the descriptions of its laws."""
     _declared.clear()
     module = types.ModuleType(source.removesuffix(".py"))
     module.__file__ = source
@@ -323,7 +325,8 @@ def _open(source, text, real_type, properties, most):
 
 
 def _describe(exception, source):
-    """Returns one line: the line of the file that raised an exception, and its text."""
+    """Describes an exception in one line: the line of the file at which it was raised, and its
+    message."""
     if isinstance(exception, SyntaxError) and exception.filename == source:
         return f"{source}:{exception.lineno}:{exception.offset}: {exception.msg}"
     text = str(exception)

@@ -32,10 +32,11 @@ float Radius(Shape shape, const Vector3f& size, float mesh_reach) {
   return 0;
 }
 
-/// Returns the level of the coarsest sphere whose outline is within a quarter of a pixel of the
-/// true circle.
+/// Returns the level of detail of the coarsest sphere whose outline deviates from a circle by at
+/// most a quarter of a pixel.
 uint32_t SphereLevel(float radius_pixels) {
-  // Maximum radius [px] of each level: the sagitta of the edges shrinks fourfold per level.
+  // Maximum radius [px] of each level: each level divides the deviation by four, so the radius may
+  // be four times as large.
   float reach = 1.5F;
   int level = kCoarsestSphere;
   for (; level < kFinestSphere && radius_pixels > reach; ++level) reach *= 4;
@@ -43,7 +44,7 @@ uint32_t SphereLevel(float radius_pixels) {
 }
 
 InstanceRecord ToRecord(const Instance& instance, Shape shape, const Vector3f& origin) {
-  // No side is exactly 0, because the shader divides by the sides to rotate normals.
+  // The shader divides by the sizes to transform normals, so no size may be exactly 0.
   Vector3f size = instance.size.cwiseMax(1e-6F * instance.size.maxCoeff());
   if (shape == Shape::kPlane) size.y() = size.maxCoeff();
   const Eigen::Matrix3f turn = instance.orientation.normalized().toRotationMatrix();

@@ -60,7 +60,7 @@ struct Gl {
 
   int Integer(GLenum name) const;
   std::string Text(GLenum name) const;
-  /// Throws GraphicsError if GL recorded an error since the last call.
+  /// Throws GraphicsError if GL has recorded an error since the last check.
   void Check(const char* while_doing) const;
 };
 

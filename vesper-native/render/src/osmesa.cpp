@@ -41,7 +41,7 @@ struct OsMesaContext::State {
   decltype(&OSMesaDestroyContext) destroy =
       Resolve<decltype(destroy)>(library.get(), "OSMesaDestroyContext");
   OSMesaContext context = nullptr;
-  // OSMesa requires a window buffer; pictures are drawn into framebuffer objects instead.
+  // OSMesa requires a window buffer, but pictures are drawn into framebuffer objects.
   std::array<unsigned char, 16 * 16 * 4> window{};
 };
 

@@ -17,7 +17,7 @@ void EncodePng(const Pixels& pixels, std::vector<std::byte>& png) {
   image.width = pixels.width;
   image.height = pixels.height;
   image.format = PNG_FORMAT_RGB;
-  image.flags = PNG_IMAGE_FLAG_FAST;  // half the time, but about 10 % more bytes
+  image.flags = PNG_IMAGE_FLAG_FAST;  // half the time for about 10 % more bytes
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
   png.resize(size);
   const auto row_bytes = static_cast<png_int_32>(pixels.width * 3);

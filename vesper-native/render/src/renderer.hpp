@@ -19,13 +19,13 @@
 
 namespace vesper::render {
 
-/// Properties of the graphics library.
+/// Limits and versions of the graphics library.
 struct GraphicsInfo {
   std::string vendor, renderer, version;
   int max_samples, max_side;  ///< samples per pixel; [px]
 };
 
-/// Item and depth at the centre of each pixel, rows from bottom to top.
+/// What each pixel shows: item and depth at its centre, rows from bottom to top.
 struct Seen {
   uint32_t width = 0, height = 0;  ///< [px]
   std::vector<uint32_t> item;      ///< (height x width), 0 for no item
@@ -46,17 +46,19 @@ class Renderer {
   /// until the next call. Throws GraphicsError; the renderer remains usable.
   const Pixels& Render(const Scene& scene);
 
-  /// Returns item and depth of each pixel of the picture, without multisampling and blending. Depth
-  /// is meaningless for an orthographic camera. Validity and failures are those of Render.
+  /// Returns item and depth of each pixel of the picture, without multisampling and blending. With
+  /// an orthographic camera, the depth has no meaning. The result is valid until the next call.
+  /// Throws GraphicsError; the renderer remains usable.
   const Seen& Sense(const Scene& scene);
 
  private:
-  /// Variant of the shaders that draws a surface.
+  /// Key of the shader variant that draws a surface.
   struct Surface {
     bool plane, sphere, textured, shadows;
     auto operator<=>(const Surface&) const = default;
   };
-  /// Colour and depth buffers of one size; with multisampling, also a buffer for the average.
+  /// Colour and depth buffers of one size; with multisampling, also a buffer for the averaged
+  /// pixels.
   struct Target {
     uint32_t width, height, samples;
     GlObject colour, depth, framebuffer, averaged, averaged_framebuffer;
@@ -68,12 +70,13 @@ class Renderer {
   struct ShadowMap {
     GlObject depth, framebuffer;
   };
-  /// A mesh in graphics memory. Its attributes are bound together with the instances of each draw.
+  /// A mesh in graphics memory. Its vertex attributes are bound together with those of the
+  /// instances in each draw.
   struct GpuMesh {
     GlObject vertices, indices;
     GLsizei index_count = 0;
     uint64_t revision = 0;
-    bool closed = false;  ///< back faces are never visible
+    bool closed = false;  ///< the mesh is closed, so its back faces are never visible
   };
   /// A texture in graphics memory.
   struct GpuTexture {
@@ -115,7 +118,7 @@ class Renderer {
   uint32_t max_samples_;
   GlObject vertex_array_, instance_buffer_, line_buffer_, line_indices_;
   Program background_, shadow_program_, line_program_, sense_program_, sense_line_program_;
-  std::map<Surface, Program> surfaces_;  ///< created on demand
+  std::map<Surface, Program> surfaces_;  ///< compiled when first needed
   std::map<MeshKey, GpuMesh> meshes_;
   std::map<uint32_t, GpuTexture> textures_;
   std::optional<Target> target_;

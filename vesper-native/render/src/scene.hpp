@@ -14,7 +14,7 @@ namespace vesper::render {
 
 using Eigen::Vector3f;
 
-/// sRGB bytes r, g, b and an unused a.
+/// sRGB bytes r, g, b, and an unused fourth byte.
 using Colour = std::array<uint8_t, 4>;
 
 enum class Shape : uint32_t { kSphere = 1, kBox = 2, kPlane = 3, kMesh = 4 };
@@ -36,13 +36,14 @@ struct Camera {
 
 struct Environment {
   Colour top{255, 255, 255, 255}, bottom{226, 230, 235, 255};
-  Vector3f to_light{-0.5F, 1, 0.4F};  ///< any length but 0
+  Vector3f to_light{-0.5F, 1, 0.4F};  ///< any length except 0
   float light = 0.65F, ambient = 0.48F;
 };
 
 struct Mesh {
   std::vector<Vector3f> positions;
-  std::vector<Vector3f> normals;                  ///< one per position, or none; 0: a flat triangle
+  std::vector<Vector3f> normals;                  ///< one per position, or none; the normal 0 makes
+                                                  ///< its triangles flat
   std::vector<std::array<float, 2>> coordinates;  ///< one per position, or none
   std::vector<Colour> colours;                    ///< one per position, or none: white
   std::vector<uint32_t> indices;                  ///< three per triangle
@@ -74,13 +75,13 @@ struct InstanceBatch {
   Shape shape;
   uint32_t mesh;                            ///< id, for Shape::kMesh
   uint32_t material;                        ///< id, or 0 for the default
-  uint32_t first_triangle, triangle_count;  ///< the visible part of a mesh; count 0: all
+  uint32_t first_triangle, triangle_count;  ///< the part of a mesh that is drawn; count 0: all
   std::vector<Instance> instances;
 };
 
 struct Triangle {
   std::array<Vector3f, 3> corners;  ///< [m]
-  std::array<Colour, 3> colours;    ///< of the corners
+  std::array<Colour, 3> colours;    ///< one per corner
   uint32_t item;                    ///< as in Instance
 };
 

@@ -58,7 +58,7 @@ bool AllWithin(const std::array<float, n>& values) {
                      [](float value) { return std::abs(value) <= kMaxMagnitude; });
 }
 
-/// Reader of the payload of one message, from start to end.
+/// Sequential reader of the payload of one message.
 class Payload {
  public:
   Payload(const char* name, std::span<const std::byte> bytes) : name_(name), rest_(bytes) {}

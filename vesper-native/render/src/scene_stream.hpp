@@ -57,13 +57,13 @@ struct Request {
   uint32_t layers = 0;  ///< for kPixels: Layers
 };
 
-/// Decoder of messages into a scene, which collects items until the picture is drawn.
+/// Decodes messages into a scene, which collects the items of a picture until it is drawn.
 class SceneDecoder {
  public:
   /// Checks a header before its payload is read. Throws MalformedStream.
   void CheckHeader(const MessageHeader& header) const;
 
-  /// Decodes one message. The payload is borrowed during the call only. Throws MalformedStream; the
+  /// Decodes one message. The payload is used during the call only. Throws MalformedStream; the
   /// scene is unusable then.
   Request Decode(MessageType type, std::span<const std::byte> payload);
 

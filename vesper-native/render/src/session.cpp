@@ -14,7 +14,8 @@ namespace vesper::render {
 
 namespace {
 
-/// Growth of the payload buffer [B] as bytes arrive; a large length alone allocates no memory.
+/// Growth of the payload buffer [B] as bytes arrive, so that a message that claims a large length
+/// does not allocate memory.
 constexpr size_t kGrowth = 1 << 20;
 
 using Clock = std::chrono::steady_clock;
@@ -103,7 +104,8 @@ void Session::CollectPixels(uint32_t layers) {
   answer_.clear();
   const auto append = [this](const void* rows, size_t row_bytes, size_t height) {
     const auto* first = static_cast<const std::byte*>(rows);
-    for (size_t row = height; row-- > 0;) {  // from the top row
+    for (size_t row = height; row-- > 0;) {  // `pixels` begins with the bottom row, the output with
+                                             // the top row
       answer_.insert(answer_.end(), first + row * row_bytes, first + (row + 1) * row_bytes);
     }
   };

@@ -27,7 +27,8 @@ out vec4 pixel;
 void main() { pixel = vec4(background(), 1.0); }
 )";
 
-/// Attributes of every instanced mesh, and the transformation of an instance.
+/// Vertex attributes of all instanced meshes, and the function that transforms a vertex of an
+/// instance.
 inline const std::string kInstanceAttributes = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -200,7 +201,7 @@ void main() {
 
 inline const std::string kShadowFragment = "void main() {}\n";
 
-/// Draws item and depth at the centre of each pixel.
+/// Shaders that write the item and the depth at the centre of each pixel.
 inline const std::string kSenseVertex = R"(
 uniform mat4 clip;
 flat out uint item;

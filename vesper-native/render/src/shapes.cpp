@@ -24,7 +24,7 @@ std::vector<Vector3f> IcosahedronCorners() {
   return corners;
 }
 
-/// Returns the 20 faces: all triples of corners with edges between each pair.
+/// Returns the 20 faces of an icosahedron: all triples of corners with an edge between each two.
 std::vector<uint32_t> IcosahedronFaces(const std::vector<Vector3f>& corners) {
   const auto adjacent = [&](uint32_t a, uint32_t b) {
     return (corners[a] - corners[b]).norm() < 1.1F;

@@ -14,9 +14,9 @@ namespace vesper::render {
 
 struct Vertex {
   Vector3f position, normal;
-  std::array<float, 2> coordinates{0, 0};  ///< texture coordinates, from the upper left
+  std::array<float, 2> coordinates{0, 0};  ///< texture coordinates; (0, 0) is the upper left
   std::array<float, 3> colour{1, 1, 1};    ///< linear
-  uint32_t item = 0;                       ///< for a loose triangle
+  uint32_t item = 0;                       ///< item of a loose triangle; otherwise 0
 };
 
 /// Triangles whose corners run counter-clockwise as seen from outside.
@@ -38,7 +38,7 @@ TriangleMesh UnitPlane();
 /// corners has no normal, or the normal 0.
 TriangleMesh ToTriangles(const Mesh& mesh);
 
-/// Returns loose triangles, all flat, relative to `origin`.
+/// Returns loose triangles (of no mesh), all flat, with positions relative to `origin`.
 TriangleMesh ToTriangles(std::span<const Triangle> triangles, const Vector3f& origin);
 
 /// Returns the linear value of an sRGB byte, 0 to 1.

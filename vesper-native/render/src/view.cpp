@@ -11,7 +11,7 @@ namespace vesper::render {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-/// Minimum ratio of near to far distance at which a depth buffer of 24 bits resolves a pixel.
+/// Minimum ratio of the near to the far distance for which a 24-bit depth buffer is precise enough.
 constexpr float kNearestToFarthest = 5e-4F;
 
 struct Interval {

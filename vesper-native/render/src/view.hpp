@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Projection of the world to the picture. All positions here are relative to the camera's target,
-// where f32 is then most precise, at any distance from the world's origin.
+// so that f32 is precise near the target, however far it is from the world's origin.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,12 +22,12 @@ struct Ball {
   float radius;
 };
 
-/// Balls that bound the depth and the shadows of the picture.
+/// Balls around the items of a picture, which limit its depth range and its shadow map.
 struct Extent {
   std::vector<Ball> items;    ///< items of finite size, except planes
   std::vector<Ball> casters;  ///< those of `items` that cast shadows
   std::vector<Ball> planes;   ///< planes that do not fade
-  bool fades = false;         ///< there are planes that fade
+  bool fades = false;         ///< true if there are planes that fade
   /// Returns the distance [m] from the target to the far side of the farthest item; 0 without
   /// items.
   float Radius() const;
@@ -38,10 +38,10 @@ class View {
   View(const Camera& camera, const Image& image, const Extent& extent);
 
   const Vector3f& origin() const { return origin_; }    ///< the target, in world coordinates
-  const Vector3f& forward() const { return forward_; }  ///< unit vector
+  const Vector3f& forward() const { return forward_; }  ///< unit vector to the target
   const Matrix4f& clip() const {
     return clip_;
-  }  ///< transformation of a position to clip
+  }  ///< transforms a position to clip
      ///< coordinates
   float near() const { return near_; }                    ///< depth of the near plane [m]
   float target_height() const { return target_height_; }  ///< height of the view at the target [m]
@@ -51,9 +51,10 @@ class View {
 
   /// Returns the eye with w = 1, or, for an orthographic view, the direction to it with w = 0.
   Vector4f Eye() const;
-  /// Returns the depth [m] in front of the eye.
+  /// Returns the depth of a position: its distance [m] in front of the eye, along the view
+  /// direction.
   float Depth(const Vector3f& position) const { return forward_.dot(position - eye_); }
-  /// Returns the size [px] of 1 m at a depth, which is limited to the near plane.
+  /// Returns the size [px] of 1 m at a depth; depths before the near plane count as the near plane.
   float PixelsPerMetre(float depth) const;
 
  private:
@@ -62,7 +63,7 @@ class View {
 
   Vector3f origin_, eye_, forward_;
   bool orthographic_;
-  float half_height_;  ///< half height of the view: [m], or [m] per [m] of depth
+  float half_height_;  ///< half height of the view: [m] if orthographic, else [m] per [m] of depth
   float image_height_, target_height_, fade_radius_, near_ = 0, far_ = 1;
   Matrix4f clip_;
 };
@@ -78,8 +79,9 @@ struct LineVertex {
   uint32_t item;
 };
 
-/// Converts segments to rectangles of four vertices (triangles 0-1-2, 2-1-3) with their width in
-/// pixels. Clips parts nearer than the near plane. Replaces the content of `out`.
+/// Converts segments to rectangles of four vertices (triangles 0-1-2, 2-1-3) that have the
+/// segments' widths in pixels. Parts before the near plane are cut off. Replaces the content of
+/// `out`.
 void ExpandSegments(std::span<const Segment> segments, const View& view, const Image& image,
                     std::vector<LineVertex>& out);
 

@@ -8,7 +8,8 @@
 
 namespace vesper::text {
 
-/// A vector register that crosses a cache line is stored slowly, and reading it back stalls.
+/// Alignment, because storing a vector register across two cache lines is slow, and reading it back
+/// stalls.
 inline constexpr std::size_t kLine = 64;
 
 template <class T>

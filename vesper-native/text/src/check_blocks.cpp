@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blocks and statements of a law text.
+// Checks of the blocks and statements of a law text.
 #include <algorithm>
 
 #include "checker.hpp"
@@ -120,7 +120,8 @@ void Checker::OpenPairs(const Block& block) {
   pass_->within = within.node[0];
 }
 
-/// Prepares distance and direction of two participants, if their kind has positions.
+/// Defines the values `distance` and `direction` of a block's two participants, if their kind has
+/// positions.
 void Checker::OpenSeparation(const Block& block) {
   const uint32_t property = FindProperty(participants_[0].second, "position");
   const auto fail = [&](Span span) {
@@ -167,7 +168,8 @@ void Checker::CheckStatements(const std::vector<Statement>& statements, Effects&
     try {
       CheckStatement(statement, effects);
     } catch (const Abandon&) {
-      // The other statements are checked as well. A name that failed here would be unknown there.
+      // Further statements are checked after an error, too, except after a failed `let`: its name
+      // would be reported as unknown.
       if (statement.kind == StatementKind::kLet) break;
     }
   }
@@ -218,7 +220,7 @@ void Checker::CheckIf(const Statement& statement, Effects& effects) {
   const auto branch = [&](const std::vector<Statement>& statements) {
     Effects inner;
     inner.stored = effects.stored;
-    // Sums so far stay visible, so that reading them is refused here too.
+    // The copy contains the sums so far, so that reading them is refused here, too.
     CheckStatements(statements, inner);
     return inner;
   };
@@ -491,7 +493,8 @@ NodeId Checker::EnergyAtEdge(const Block& block, NodeId energy, Span span) {
   if (block.edge != Edge::kSmooth) {
     return graph_.Subtract(energy, graph_.Substitute(energy, {{distance_, pass_->within}}));
   }
-  // Falls from 1 at 0.9 R to 0 at R, with first and second derivatives 0 at both ends.
+  // A smooth cutoff for `within R`: a factor that falls from 1 at 0.9 R to 0 at R; its first and
+  // second derivatives are 0 at both ends.
   const NodeId begin = graph_.Multiply(graph_.Constant(0.9), pass_->within);
   const NodeId t = graph_.Binary(
       Operation::kMax, graph_.Constant(0),
@@ -504,7 +507,7 @@ NodeId Checker::EnergyAtEdge(const Block& block, NodeId energy, Span span) {
       energy, graph_.Add(graph_.Constant(1), graph_.Multiply(graph_.WholePower(t, 3), inner)));
 }
 
-/// Derives forces from the energy of the block.
+/// Derives the forces of a block from its energy.
 void Checker::FinishEnergy(const Block& block, Effects& effects) {
   if (effects.energy == kNoNode) return;
   const Span span = effects.energy_span;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of the language.
+// The functions of the language, such as sqrt.
 #include <algorithm>
 #include <iterator>
 
@@ -8,7 +8,7 @@
 namespace vesper::text {
 namespace {
 
-/// How the unit of a result follows from those of the arguments.
+/// Rule by which the unit of a function's result follows from those of its arguments.
 enum class Units { kPlain, kSame, kSqrt, kIgnored, kAngle };
 
 struct Function {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Units and kinds of values of expressions.
+// Checks of the units and kinds of values in expressions.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,7 +10,8 @@
 namespace vesper::text {
 namespace {
 
-constexpr int kLargestPower = 64;  // by multiplications; beyond it by logarithms
+constexpr int kLargestPower = 64;  // largest exponent that is computed by multiplications; larger
+                                   // ones by logarithms
 
 std::string KindOfValue(const Value& value) {
   if (value.condition) return "a condition";
@@ -26,7 +27,7 @@ std::string KindAndUnit(const Value& value) {
   return (value.IsVector() ? "a vector in " : "") + Describe(value.dimension);
 }
 
-/// Returns the exponent in twelfths, if it is a fraction of small whole numbers.
+/// Sets `twelfths` to 12 times the exponent, and returns true, if that is a small whole number.
 bool Twelfths(double exponent, int& twelfths) {
   const double scaled = exponent * Dimension::kWhole;
   if (!(std::abs(scaled) < 1e6) || std::abs(scaled - std::round(scaled)) > 1e-9) return false;
@@ -531,7 +532,7 @@ Value Checker::LengthOf(const Value& vector, Span span) {
   return Number(graph_.Sqrt(DotOf(vector, vector)), vector.dimension, span);
 }
 
-/// Returns the vector of length 1; the zero vector for the zero vector.
+/// Returns a vector divided by its length; zero for the zero vector.
 Value Checker::DirectionOf(const Value& vector, Span span) {
   const NodeId length = graph_.Sqrt(DotOf(vector, vector));
   const NodeId zero = graph_.Constant(0);

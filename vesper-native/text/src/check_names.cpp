@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names in a law text.
+// Resolution of names in a law text.
 #include <algorithm>
 #include <iterator>
 
@@ -11,7 +11,7 @@
 namespace vesper::text {
 namespace {
 
-/// Names that readers use for properties of the engine.
+/// A common name for a property of the engine, for suggestions.
 struct UsualName {
   std::string_view usual;
   std::string_view kind;
@@ -24,7 +24,7 @@ constexpr UsualName kUsualNames[] = {
     {"damping", "spring", "dampingConstant"},
 };
 
-/// Letters of textbooks for properties and constants.
+/// Letters by which textbooks denote properties and constants, for suggestions.
 constexpr std::pair<std::string_view, std::string_view> kLetters[] = {
     {"m", "mass"},          {"M", "mass"},           {"v", "velocity"},
     {"x", "position"},      {"q", "charge"},         {"Q", "charge"},
@@ -268,7 +268,7 @@ void Checker::FailUnknown(const std::string& name, Span span) {
         "write " + participant + "." + name);
   }
   const std::vector<std::string> names = NamesInScope();
-  // Of two letters, another one says nothing.
+  // For a name of one or two letters, a similar name is not a useful suggestion.
   const std::string* nearest = name.size() > 2 ? NearestName(name, names) : nullptr;
   const std::vector<std::string> functions = FunctionNames();
   if (name.size() > 2 && text_.substr(span.end).starts_with("(")) {
@@ -321,7 +321,8 @@ void Checker::FailUnknown(const std::string& name, Span span) {
   problems_.Fail(span, "nothing here is called '" + name + "'", hint);
 }
 
-/// Returns what `which` can be multiplied with or divided by to get the expected unit.
+/// Returns a hint for messages: by which quantity to multiply or divide `which` to get the expected
+/// unit.
 std::string Checker::FactorHint(const std::string& which, const Dimension& found,
                                 const Dimension& expected) const {
   const Dimension missing = expected / found;
@@ -334,7 +335,7 @@ std::string Checker::FactorHint(const std::string& which, const Dimension& found
       candidates.emplace_back(parameter.name, parameter.value.dimension);
     }
   }
-  const size_t own = candidates.size();  // names of the law come first
+  const size_t own = candidates.size();  // number of the law's own names, which come first
   candidates.emplace_back("dt", kTime);
   for (const uint32_t kind : {row_kind_, world_kind_}) {
     if (kind == kNone) continue;

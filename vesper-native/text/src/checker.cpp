@@ -26,7 +26,7 @@ Checker::Checker(std::string_view text, const LawTree& tree, const Prototype& pr
       prototype_(prototype),
       problems_(problems),
       world_kind_(prototype.FindKind("world")) {
-  if (world_kind_ == kNone) world_kind_ = UINT32_MAX - 1;  // equals no kind of a property
+  if (world_kind_ == kNone) world_kind_ = UINT32_MAX - 1;  // equals no property's kind
 }
 
 LawCode Checker::Run() {
@@ -269,7 +269,8 @@ void Checker::FinishProperties() {
       if (output.add) {
         (use.accumulator ? use.added : use.modified) = true;
       } else {
-        // Another component, or another call, may leave the row as it is.
+        // If this pass does not store all components of every row, other values stay as they are:
+        // the property is modified, not stored.
         const size_t components = static_cast<size_t>(
             std::count_if(pass.outputs.begin(), pass.outputs.end(), [&](const Output& other) {
               return other.to.property == output.to.property && !other.add;

@@ -18,7 +18,7 @@ struct Value {
   Dimension dimension{};
   uint32_t components = 1;
   bool condition = false;
-  bool any_unit = false;  // a literal zero
+  bool any_unit = false;  // true for the literal 0, which fits every unit
   std::array<NodeId, 4> node{kNoNode, kNoNode, kNoNode, kNoNode};
   Span span{};
 
@@ -26,7 +26,7 @@ struct Value {
   bool IsRotation() const { return components == 4; }
 };
 
-/// What a block has computed so far. Statements below `if` work on a copy.
+/// The results of a block's statements so far. Statements inside `if` work on a copy.
 struct Effects {
   std::map<Load, std::pair<NodeId, Span>> stored;
   std::map<Load, std::pair<NodeId, Span>> added;
@@ -98,13 +98,14 @@ class Checker {
   void CheckUnitSymbols(const Expression& tree);
 
   // --- names (check_names.cpp)
-  /// Returns the place of a property in the list of the law, and adds it if it is new.
+  /// Returns the index of a property in the law's list; adds it to the list if it is new.
   uint16_t UseProperty(uint32_t property);
   uint16_t UseOwned(size_t owned);
-  /// Finds a property of a kind by its name or its usual name; kNone if there is none.
+  /// Finds a property of a kind by its name or a common name for it; kNone if there is none.
   uint32_t FindProperty(uint32_t kind, std::string_view name) const;
   size_t FindOwned(uint32_t kind, std::string_view name) const;
-  /// Resolves a property of a participant; fails if it is none. Returns its place in the law.
+  /// Returns the index, in the law's list, of the property `name` of a participant; fails if the
+  /// participant has no such property.
   uint16_t Resolve(uint16_t participant, const std::string& name, Span span);
   bool IsProperty(uint32_t kind, const std::string& name) const;
   Value ReadProperty(uint16_t participant, uint16_t property, Span span);
@@ -119,7 +120,7 @@ class Checker {
   std::string Source(Span span) const {
     return std::string(text_.substr(span.begin, span.end - span.begin));
   }
-  /// Returns the part of the text in quotation marks, shortened.
+  /// Returns a part of the text in quotation marks, shortened if it is long.
   std::string Quoted(Span span) const;
   std::string Plural(uint32_t kind) const;
 
@@ -145,7 +146,8 @@ class Checker {
     Dimension dimension;
   };
   std::vector<Owned> owned_;
-  std::vector<std::pair<std::string, uint16_t>> used_;  // "kind.name" of properties in code_
+  std::vector<std::pair<std::string, uint16_t>> used_;  // "kind.name" of each property, and its
+                                                        // index in code_
 
   // The block that is being checked.
   const Block* block_ = nullptr;
@@ -153,9 +155,10 @@ class Checker {
   Effects* effects_ = nullptr;
   std::vector<std::pair<std::string, Value>> lets_;
   static constexpr size_t kMostLets = 2000;
-  size_t checked_lets_ = 0;    // of the whole law, once for each block
-  uint32_t row_kind_ = kNone;  // kNone: no row of its own
-  std::vector<std::pair<std::string, uint32_t>> participants_;  // name and kind
+  size_t checked_lets_ = 0;    // number of `let` statements checked so far, counting each block of
+                               // the law
+  uint32_t row_kind_ = kNone;  // kind of the block's rows; kNone if it has no row of its own
+  std::vector<std::pair<std::string, uint32_t>> participants_;  // name and kind of each participant
   std::array<NodeId, 3> separation_{kNoNode, kNoNode, kNoNode};
   NodeId distance_ = kNoNode;
   std::array<NodeId, 3> direction_{kNoNode, kNoNode, kNoNode};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a law claims, derived from its formulas.
+// The claims of a law (such as conserved momentum), derived from its formulas.
 #include <map>
 #include <optional>
 #include <vector>
@@ -11,8 +11,9 @@ namespace {
 
 bool IsPosition(const PropertyCode& use) { return use.name == "position" && use.components == 3; }
 
-/// How often a node contains the origin: 1 for a position, 0 for a difference of positions. Nothing
-/// for a node that depends on the origin in another way.
+/// How the value of each node changes if the origin is shifted: 1 if it shifts with the origin,
+/// like a position; 0 if it does not change, like a difference of positions; nothing if it changes
+/// in another way.
 class Origins {
  public:
   explicit Origins(const LawCode& law) : law_(law) {
@@ -23,7 +24,7 @@ class Origins {
   const std::optional<double>& Of(NodeId id) const { return origins_[id]; }
 
  private:
-  /// Operands have smaller ids, so they are there already.
+  /// The operands of a node have smaller ids, so their results are known.
   std::optional<double> Compute(NodeId id) const {
     const Node& node = law_.graph[id];
     if (node.operation == Operation::kLoad) {
@@ -61,7 +62,7 @@ class Origins {
   std::vector<std::optional<double>> origins_;
 };
 
-/// Writes a node as a factor times `by`; kNoNode if it is no such product.
+/// Writes a node as a product of a factor and `by`; kNoNode if that is not possible.
 class Factors {
  public:
   Factors(Graph& graph, NodeId by) : graph_(graph), by_(by) {}
@@ -123,7 +124,7 @@ class Factors {
   std::map<NodeId, NodeId> known_;
 };
 
-/// The forces of a pass by participant.
+/// Returns the forces of a pass, by participant.
 std::map<uint16_t, std::vector<NodeId>> ForcesOf(LawCode& law, const PassCode& pass) {
   std::map<uint16_t, std::vector<NodeId>> forces;
   for (const Output& output : pass.outputs) {
@@ -145,7 +146,7 @@ bool SumsToZero(LawCode& law, const std::map<uint16_t, std::vector<NodeId>>& for
   return true;
 }
 
-/// Returns true if equal and opposite forces act along the line between the two.
+/// Returns true if equal and opposite forces act along the line between the two participants.
 bool IsCentral(LawCode& law, const PassCode& pass, const std::vector<NodeId>& force) {
   Graph& graph = law.graph;
   if (pass.kind == BlockKind::kRows || pass.participant_names.size() != 2) return false;

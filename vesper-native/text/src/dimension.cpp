@@ -14,7 +14,8 @@ struct Known {
   const char* quantity;
 };
 
-// Units and quantities that readers know. The first entry of a dimension names it.
+// Names of units and quantities, for messages. If several entries have the same dimension, the
+// first one is used.
 constexpr Known kKnown[] = {
     {Metres(1, 0, 0), "m", "a length"},
     {Metres(0, 1, 0), "kg", "a mass"},

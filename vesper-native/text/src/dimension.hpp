@@ -10,7 +10,8 @@
 
 namespace vesper::text {
 
-/// Exponents of m, kg, s, A, K, mol and cd, in twelfths, so that roots have dimensions too.
+/// Exponents of m, kg, s, A, K, mol and cd, in twelfths, so that the results of roots have
+/// dimensions, too.
 struct Dimension {
   static constexpr int kWhole = 12;
   static constexpr int kMost = 100 * kWhole;
@@ -19,24 +20,24 @@ struct Dimension {
 
   bool operator==(const Dimension&) const = default;
   bool IsOne() const { return *this == Dimension{}; }
-  /// Returns true if a unit of the engine can express it.
+  /// Returns true if all exponents are whole numbers, as in units of the engine.
   bool IsWhole() const;
-  /// Returns true if exponents are within limits.
+  /// Returns true if the exponents are within the limits of the engine's units.
   bool IsPossible() const;
 };
 
 Dimension DimensionOf(const vesper_unit& unit);
 Dimension operator*(const Dimension& a, const Dimension& b);
 Dimension operator/(const Dimension& a, const Dimension& b);
-/// Returns the dimension to the power of `twelfths` / 12. Exponents that are no twelfths are
-/// reported by `exact`.
+/// Returns the dimension to the power of `twelfths` / 12. Sets `exact` to false if an exponent of
+/// the result is no multiple of a twelfth.
 Dimension Power(const Dimension& base, int twelfths, bool& exact);
 
 /// Returns the SI unit: "N", "kg/s", "1".
 std::string UnitName(const Dimension& dimension);
 /// Returns unit and quantity: "N (a force)", "a plain number".
 std::string Describe(const Dimension& dimension);
-/// Returns the unit for the tables of a law; the dimension is whole.
+/// Returns the unit for the tables of a law; IsWhole must be true.
 vesper_unit ToUnit(const Dimension& dimension);
 
 inline constexpr Dimension Metres(int m, int kg, int s, int a = 0, int k = 0) {

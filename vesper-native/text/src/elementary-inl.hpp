@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Elementary functions on vectors of doubles, for each Highway target that includes this file. They
-// use multiplications and additions only, never fused, so that all targets give the same bits.
-// Polynomials and constants: Sun Microsystems, fdlibm, 1993 (public constants of its algorithms).
+// never fuse multiplication and addition, so that all targets give the same bits. Polynomials and
+// constants: Sun Microsystems, fdlibm, 1993 (public constants of its algorithms).
 #if defined(VESPER_TEXT_ELEMENTARY) == defined(HWY_TARGET_TOGGLE)
 #ifdef VESPER_TEXT_ELEMENTARY
 #undef VESPER_TEXT_ELEMENTARY
@@ -61,7 +61,7 @@ HWY_INLINE V64<D> Exp(D d, V64<D> x) {
   const auto k = hn::Round(hn::Mul(within, hn::Set(d, 1.4426950408889634)));
   auto r = hn::Sub(within, hn::Mul(k, hn::Set(d, 6.93147180369123816490e-01)));
   r = hn::Sub(r, hn::Mul(k, hn::Set(d, 1.90821492927058770002e-10)));
-  // In two steps, because 2^k may be below the smallest normal number.
+  // Multiplies by 2^k in two steps, because 2^k may be below the smallest normal number.
   const auto half = hn::Floor(hn::Mul(k, hn::Set(d, 0.5)));
   auto value = hn::Mul(Polynomial(d, r, kSeries), PowerOfTwo(d, half));
   value = hn::Mul(value, PowerOfTwo(d, hn::Sub(k, half)));
@@ -80,7 +80,7 @@ HWY_INLINE V64<D> Ln(D d, V64<D> x) {
   const hn::RebindToSigned<D> di;
   const auto tiny = hn::Lt(x, hn::Set(d, 2.2250738585072014e-308));
   const auto scaled = hn::IfThenElse(tiny, hn::Mul(x, hn::Set(d, 0x1p54)), x);
-  // The exponent of x / sqrt(1/2), so that the rest is from sqrt(1/2) to sqrt(2).
+  // Takes the exponent of x / sqrt(1/2), so that x / 2^exponent is between sqrt(1/2) and sqrt(2).
   const auto bits = hn::BitCast(di, scaled);
   const auto above = hn::Sub(bits, hn::Set(di, int64_t{0x3fe6a09e667f3bcd}));
   const auto exponent = hn::ShiftRight<52>(above);
@@ -103,7 +103,7 @@ HWY_INLINE V64<D> Ln(D d, V64<D> x) {
   return hn::IfThenElse(hn::Or(hn::Lt(x, hn::Zero(d)), hn::IsNaN(x)), nan, value);
 }
 
-/// Sine and cosine; to the last digits for |x| below 1e6.
+/// Sine and cosine; accurate to the last digits for |x| below 1e6.
 template <class D>
 HWY_INLINE void SinCos(D d, V64<D> x, V64<D>& sine, V64<D>& cosine) {
   static constexpr double kSine[] = {-1.66666666666666324348e-01, 8.33333333332248946124e-03,
@@ -179,7 +179,7 @@ HWY_INLINE V64<D> Atan2(D d, V64<D> y, V64<D> x) {
   const auto far = hn::Abs(y), near = hn::Abs(x);
   const auto steep = hn::Gt(far, near);
   const auto larger = hn::Max(far, near), smaller = hn::Min(far, near);
-  // Max and Min of NaN differ between instruction sets.
+  // Needed because Max and Min of NaN differ between instruction sets.
   const auto nan = hn::Or(hn::IsNaN(x), hn::IsNaN(y));
   const auto ratio = hn::IfThenElse(hn::Eq(larger, zero), zero, hn::Div(smaller, larger));
   auto angle = AtanOfPositive(d, ratio);
@@ -210,7 +210,7 @@ HWY_INLINE V64<D> Tanh(D d, V64<D> x) {
   return hn::IfThenElse(hn::IsNaN(x), x, hn::CopySign(value, x));
 }
 
-/// Computes a^b. A negative base needs a whole exponent.
+/// Computes a^b. For a negative base, the exponent must be a whole number.
 template <class D>
 HWY_INLINE V64<D> Pow(D d, V64<D> a, V64<D> b) {
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0);

@@ -10,7 +10,7 @@
 namespace vesper::text {
 namespace {
 
-constexpr uint64_t kGrain = 4096;  // rows of a chunk of a thread, at least
+constexpr uint64_t kGrain = 4096;  // minimum number of rows in a chunk of a thread
 
 template <class Body>
 void ParallelFor(const vesper_host& host, uint64_t count, uint64_t grain, Body& body) {
@@ -104,7 +104,8 @@ uint64_t Evaluator<Real>::RowsOf(const std::string& kind) const {
   return 0;
 }
 
-/// Points the registers to the memory of the place and fills those that are the same for all rows.
+/// Points the registers to the memory of the workspace, and fills those that have the same value
+/// for all rows.
 template <class Real>
 void Evaluator<Real>::Prepare(Place& place, const Program& program) const {
   for (size_t i = 0; i < place.registers.size(); ++i) {
@@ -180,7 +181,8 @@ void Evaluator<Real>::LoadRows(const Program& program, uint64_t begin, size_t co
     const Real* from = column.data + begin * column.components;
     if (column.components == 1) {
       if (count == kBlock && !group.written) {
-        place.registers[group.to[0]] = const_cast<Real*>(from);  // loads are never overwritten
+        place.registers[group.to[0]] = const_cast<Real*>(from);  // no instruction writes to
+                                                                 // registers of loads
       } else {
         place.registers[group.to[0]] = place.memory.data() + group.to[0] * (kBlock + kPadding);
         std::copy_n(from, count, place.registers[group.to[0]]);
@@ -312,7 +314,8 @@ void Evaluator<Real>::NoteFault(std::optional<Fault> fault) {
   fault_taken_.clear(std::memory_order_release);
 }
 
-/// Computes what is the same for all rows. Returns false if there is nothing to do.
+/// Computes the values that are the same for all rows. Returns false if there are no rows to
+/// process.
 template <class Real>
 bool Evaluator<Real>::Begin(const PassCode& pass, const Program& program, const vesper_step& step,
                             Place& place) {
@@ -347,7 +350,7 @@ template <class Real>
 std::optional<Fault> Evaluator<Real>::RunRows(Pass& pass) {
   const Program& program = pass.program;
   const uint64_t count = RowsOf(pass.code->rows);
-  // At most as many chunks as there are places to work at.
+  // There are at most as many chunks as workspaces.
   const uint64_t blocks = (count + kPlaces * kBlock - 1) / (kPlaces * kBlock);
   const uint64_t grain = std::max(kGrain, blocks * kBlock);
   auto body = [&](uint64_t begin, uint64_t end) {
@@ -370,8 +373,8 @@ std::optional<Fault> Evaluator<Real>::RunRows(Pass& pass) {
   return std::move(fault_);
 }
 
-/// Rows with those that they refer to, and pairs within a distance: several of them may add to one
-/// row, so they do it in order.
+/// Runs passes over rows that refer to other rows, and over pairs within a distance. They may add
+/// several times to the same row, so they run in order, on one thread.
 template <class Real>
 std::optional<Fault> Evaluator<Real>::RunScattered(Pass& pass) {
   const Program& program = pass.program;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One law of a text at work on the columns of an engine.
+// Executes one law of a text on the columns of an engine.
 #pragma once
 
 #include <array>
@@ -19,10 +19,10 @@
 
 namespace vesper::text {
 
-/// Rows that one row may refer to.
+/// Maximum number of rows to which one row may refer.
 inline constexpr size_t kMostParticipants = 8;
 
-/// A value that is not finite: where the formula made it.
+/// A value that is not finite, and the part of the formula that produced it.
 struct Fault {
   std::string message;
   std::string property;
@@ -33,29 +33,30 @@ struct Fault {
 template <class Real>
 class Evaluator {
  public:
-  /// `source` and `text` name the text in messages; all arguments outlive the object.
+  /// `source` and `text` name the text in messages; all arguments must outlive the object.
   Evaluator(const LawCode& law, std::string_view source, std::string_view text,
             const vesper_host& host, const double* parameters,
             const Kernels<Real>& kernels = AvailableKernels<Real>().front());
 
   void Bind(const vesper_property* properties);
-  /// Applies the law; returns the first value that is not finite although its operands are.
+  /// Applies the law; returns the first value that is not finite although its operands are finite.
   std::optional<Fault> Advance(const vesper_step& step);
   double PotentialEnergy();
 
  private:
   struct Column {
-    Real* data = nullptr;            // null: absent, zero everywhere
-    const uint32_t* rows = nullptr;  // of a reference
+    Real* data = nullptr;            // null: an absent property, which is zero everywhere
+    const uint32_t* rows = nullptr;  // rows to which a reference points
     uint64_t count = 0;
     uint32_t components = 1;
   };
 
-  /// Memory of one thread at work.
+  /// Workspace of one thread: its registers and rows.
   struct Place {
     LineVector<Real> memory;
     std::vector<Real*> registers;
-    std::array<std::vector<uint32_t>, kMostParticipants> rows;  // of each participant in a block
+    std::array<std::vector<uint32_t>, kMostParticipants> rows;  // the rows of each participant in a
+                                                                // block
     std::vector<Real> uniforms;
   };
   struct Pass {
@@ -70,7 +71,7 @@ class Evaluator {
   uint64_t RowsOf(const std::string& kind) const;
   void LoadRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
   void LoadParticipants(const Program& program, size_t count, Place& place) const;
-  /// Writes the results of own rows; returns true if all are finite.
+  /// Writes results to the rows of the block itself; returns true if all are finite.
   bool StoreRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
   void AddToParticipants(const Program& program, size_t count, Place& place) const;
   bool ResultsAreFinite(const Program& program, size_t count, const Place& place) const;
@@ -85,7 +86,7 @@ class Evaluator {
   void RunShare(Pass& pass, uint64_t share, uint64_t shares);
   void AddShares(const Pass& pass, uint64_t shares);
   /// Evaluates a program on all rows or pairs of a pass in a fixed order, on the calling thread.
-  /// Calls `use(begin, count)` behind each block.
+  /// Calls `use(begin, count)` after each block.
   template <class Use>
   void ForEachBlock(const PassCode& pass, const Program& program, Place& place, Use&& use);
   template <class Use>
@@ -115,7 +116,7 @@ class Evaluator {
   std::optional<Fault> fault_;
 
   Neighbours<Real> neighbours_;
-  // All pairs: components of the second of a pair as columns, and sums of each share.
+  // All pairs: the components of the second row of a pair as columns, and the sums of each share.
   std::vector<LineVector<Real>> split_;
   std::vector<LineVector<Real>> sums_;
   uint64_t shares_ = 0;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// All pairs of rows, and the explanation of values that are not finite. Part of evaluator.cpp.
+// All pairs of rows, and the search for the origin of values that are not finite. Part of
+// evaluator.cpp.
 #pragma once
 
 namespace vesper::text {
 
 // --- all pairs --------------------------------------------------------------------------------
 
-/// Splits the properties of the second of a pair into columns of one component.
+/// Splits the properties of the second row of a pair into columns of one component each.
 template <class Real>
 void Evaluator<Real>::SplitSecond(const Program& program, uint64_t rows) {
   for (size_t g = 0; g < program.loads.size(); ++g) {
@@ -24,7 +25,7 @@ void Evaluator<Real>::SplitSecond(const Program& program, uint64_t rows) {
   }
 }
 
-/// Computes the values that depend on the first of a pair.
+/// Computes the values that depend only on the first row of a pair.
 template <class Real>
 void Evaluator<Real>::LoadFirst(const Program& program, uint64_t row, Place& place) const {
   for (const LoadGroup& group : program.loads_of_first) {
@@ -56,7 +57,7 @@ void Evaluator<Real>::LoadFirst(const Program& program, uint64_t row, Place& pla
   }
 }
 
-/// Evaluates one row with all rows behind it.
+/// Evaluates one row with all later rows.
 template <class Real>
 template <class Use>
 void Evaluator<Real>::ForEachRowOfSecond(const Program& program, uint64_t first, uint64_t rows,
@@ -65,7 +66,8 @@ void Evaluator<Real>::ForEachRowOfSecond(const Program& program, uint64_t first,
   const auto clear = [&](uint16_t result, size_t count) {
     if (result != kNothing) std::fill_n(place.registers[result], count, Real(0));
   };
-  // Blocks begin at cache lines; rows up to the first one add nothing.
+  // Blocks begin at cache lines, so the first block may contain rows up to `first`; the results of
+  // these are cleared.
   for (uint64_t begin = (first + 1) / kPadding * kPadding; begin < rows; begin += kBlock) {
     const auto count = static_cast<size_t>(std::min<uint64_t>(kBlock, rows - begin));
     for (size_t g = 0; g < program.loads.size(); ++g) {
@@ -90,7 +92,7 @@ template <class Real>
 void Evaluator<Real>::RunShare(Pass& pass, uint64_t share, uint64_t shares) {
   const Program& program = pass.program;
   const uint64_t rows = RowsOf(pass.code->rows);
-  // Shares have about the same number of pairs.
+  // Divides the rows so that all shares have about the same number of pairs.
   const auto begin_of = [&](uint64_t s) {
     const double part = 1 - std::sqrt(1 - static_cast<double>(s) / static_cast<double>(shares));
     return s == shares ? rows : static_cast<uint64_t>(part * static_cast<double>(rows));
@@ -162,13 +164,13 @@ std::optional<Fault> Evaluator<Real>::RunAllPairs(Pass& pass) {
 
 // --- faults -----------------------------------------------------------------------------------
 
-/// Finds the part of a formula that made a value that is not finite, for the first row that has
-/// one. Nothing if the value came from a column.
+/// Finds the part of a formula that produced a value that is not finite, for the first row with
+/// such a result. Returns nothing if the value came from a column.
 template <class Real>
 std::optional<Fault> Evaluator<Real>::Explain(const PassCode& pass, const Program& program,
                                               size_t count, uint64_t begin,
                                               const Place& place) const {
-  // The first row and the result.
+  // Search for the first row with such a result, and for the result.
   size_t at = count;
   Load to{};
   for (const ResultGroup& group : program.results) {
@@ -184,7 +186,7 @@ std::optional<Fault> Evaluator<Real>::Explain(const PassCode& pass, const Progra
   const auto output = std::find_if(pass.outputs.begin(), pass.outputs.end(),
                                    [&](const Output& each) { return each.to == to; });
   if (at == count || output == pass.outputs.end()) return std::nullopt;
-  // All values of that row again, one by one.
+  // Computes all values of that row again, one by one.
   const Graph& graph = law_.graph;
   std::vector<Real> values(graph.size());
   for (size_t i = 0; i < program.constants.size(); ++i)
@@ -226,7 +228,7 @@ std::optional<Fault> Evaluator<Real>::Explain(const PassCode& pass, const Progra
     if (cause == kNoNode) break;
     made = cause;
   }
-  if (graph[made].a == kNoNode) return std::nullopt;  // it was in a column or a parameter
+  if (graph[made].a == kNoNode) return std::nullopt;  // the value came from a column or a parameter
   std::vector<uint64_t> rows;
   if (pass.kind != BlockKind::kPairs) rows.push_back(begin + at);
   for (size_t k = 0; k < pass.participant_names.size(); ++k) rows.push_back(place.rows[k][at]);

@@ -13,13 +13,13 @@ namespace {
 
 constexpr int kMaxDepth = 64;
 constexpr int kMaxParts = 600;
-constexpr int kMaxUnitDepth = 16;  // of brackets, as in unit_parser.cpp
+constexpr int kMaxUnitDepth = 16;  // maximum nesting of brackets in a unit, as in unit_parser.cpp
 
-// Letters that stand alone for units beyond ASCII.
+// Non-ASCII letters that are units.
 constexpr std::string_view kUnitLetters[] = {"\u00b0", "\u03a9", "\u00b5", "\u03bc"};
 constexpr std::string_view kTimes[] = {"*", "·", "⋅"};
 constexpr std::string_view kRaisedSigns[] = {"⁻", "⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-// Names of the language that would also read as units.
+// Words of the language that could also be read as units.
 constexpr std::string_view kBuiltIn[] = {"dt", "pi", "time", "stage"};
 
 bool IsUnit(std::string_view symbol) {
@@ -31,13 +31,13 @@ bool IsUnit(std::string_view symbol) {
   }
 }
 
-/// Finds the longest unit at a place of a text: symbols with exponents, joined without spaces.
+/// Finds the longest unit at a position of a text: symbols with exponents, joined without spaces.
 class UnitScanner {
  public:
   UnitScanner(std::string_view text, size_t at, int depth = 0)
       : text_(text), at_(at), depth_(depth) {}
 
-  /// Returns the end of the unit; its begin if there is none.
+  /// Returns the position behind the unit; the start position if there is no unit.
   size_t Run() {
     if (!Term()) return at_;
     while (true) {
@@ -149,7 +149,7 @@ class ExpressionParser {
   }
 
  private:
-  /// Counts nested calls.
+  /// Counts nested calls of the parser, to limit the recursion.
   struct Depth {
     explicit Depth(ExpressionParser& parser) : parser_(parser) {
       if (++parser_.depth_ > kMaxDepth) {
@@ -199,7 +199,8 @@ class ExpressionParser {
     return left;
   }
 
-  /// Takes an operator that has another spelling in other languages, and refuses that one.
+  /// Accepts an operator in this language's spelling, and refuses its spelling in other languages
+  /// with a hint.
   void Spelled(std::string_view foreign, std::string_view ours) {
     const Token token = reader_.Take();
     if (token.word != foreign) return;
@@ -334,7 +335,7 @@ class ExpressionParser {
     return next.Is("(") || next.Is("√") || (next.Is("|") && !in_length_);
   }
 
-  /// Parses factors that stand side by side: 4 epsilon (a - b).
+  /// Parses factors that stand side by side and are multiplied: 4 epsilon (a - b).
   std::vector<ExpressionTree> Factors() {
     std::vector<ExpressionTree> factors;
     factors.push_back(Signed());
@@ -417,14 +418,14 @@ class ExpressionParser {
     reader_.FailHere("a value: a number, a name or '('");
   }
 
-  /// Takes a unit behind a number or a tuple, if there is one.
+  /// Reads the unit behind a number or a tuple, if there is one.
   void TakeUnit(Expression& tree) {
     const std::string_view text = reader_.text();
     size_t begin = tree.span.end;
     while (begin < text.size() && text[begin] == ' ') ++begin;
     const Token& next = reader_.Peek();
     if (next.span.begin != begin || next.kind == TokenKind::kEnd) return;
-    // 3 1/s
+    // for units such as 1/s, as in 3 1/s
     const size_t inverse = text.substr(begin).starts_with("1/") ? begin + 2 : begin;
     UnitScanner scanner(text, inverse);
     const size_t end = scanner.Run();
@@ -502,7 +503,7 @@ class ExpressionParser {
   TokenReader& reader_;
   int depth_ = 0;
   int parts_ = 0;
-  bool in_length_ = false;  // a '|' now closes a length
+  bool in_length_ = false;  // true if a '|' would close a length
 };
 
 }  // namespace

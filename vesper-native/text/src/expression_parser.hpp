@@ -18,12 +18,12 @@ class TokenReader {
   const Token& Peek(size_t ahead = 0) const;
   Token Take();
   bool Takes(std::string_view word);
-  /// Takes a word or sign, or fails: "found …, expected …".
+  /// Consumes a word or sign; if the next token is another one, fails: "found …, expected …".
   Token Expect(std::string_view word, std::string_view where);
   Name ExpectName(std::string_view what);
   [[noreturn]] void FailHere(const std::string& expected, std::string hint = {});
   bool AtLineEnd() const;
-  /// Moves behind everything that begins before `offset`.
+  /// Moves behind all tokens that begin before `offset`.
   void SkipTo(uint32_t offset);
 
   std::string_view text() const { return text_; }
@@ -36,7 +36,7 @@ class TokenReader {
   size_t at_ = 0;
 };
 
-/// Parses one expression; throws Abandon after a problem.
+/// Parses one expression; reports a problem by throwing Abandon.
 ExpressionTree ParseExpression(TokenReader& reader);
 
 /// Parses the unit that begins at the next token, up to its end. Throws Abandon if there is none.

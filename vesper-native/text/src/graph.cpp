@@ -114,7 +114,8 @@ NodeId Graph::Binary(Operation operation, NodeId a, NodeId b) {
       if (negated(a)) return Negate(Add(nodes_[a].a, b));
       break;
     case Operation::kMultiply:
-      // 0 is exact only for finite factors; the others are faults, which stay visible elsewhere.
+      // 0 times a factor that is not finite would not be 0, but such a factor is a fault that is
+      // reported elsewhere.
       if (IsConstant(a, 0) || IsConstant(b, 0)) return Constant(0);
       if (a == b && nodes_[a].operation == Operation::kSqrt) return nodes_[a].a;
       if (IsConstant(a, 1)) return b;
@@ -160,7 +161,7 @@ NodeId Graph::Select(NodeId condition, NodeId a, NodeId b) {
   if (a == b) return a;
   if (IsConstant(condition)) return nodes_[condition].value != 0 ? a : b;
   if (nodes_[condition].operation == Operation::kNot) return Select(nodes_[condition].a, b, a);
-  // Signs outside, so that equal and opposite sums stay recognisable.
+  // Moves signs outside of products, so that equal and opposite sums are recognised.
   const auto negated = [&](NodeId id) { return nodes_[id].operation == Operation::kNegate; };
   if (negated(a) && (negated(b) || IsConstant(b, 0))) {
     return Negate(Select(condition, nodes_[a].a, negated(b) ? nodes_[b].a : b));
@@ -184,7 +185,7 @@ NodeId Graph::WholePower(NodeId a, int n) {
 }
 
 std::vector<NodeId> Graph::Ordered(NodeId root) const {
-  // Operands have smaller ids than their users, so ids are an order of evaluation.
+  // Ids increase from operands to results, so their order is an order of evaluation.
   std::vector<bool> needed(root + 1);
   needed[root] = true;
   std::vector<NodeId> order;
@@ -271,13 +272,14 @@ std::map<Load, NodeId> Graph::Gradient(NodeId root, const std::vector<Load>& wan
   return gradient;
 }
 
-/// Goes backwards from `root` and adds `adjoint` times its derivatives. A choice is differentiated
-/// branch by branch, so that the branch that is not taken cannot spoil the other one.
+/// Differentiates backwards from `root`, and adds `adjoint` times its derivatives to the results.
+/// The branches of a choice are differentiated separately, so that NaN or infinity in the branch
+/// that is not taken does not affect the other one.
 void Graph::Differentiate(NodeId root, NodeId adjoint, const std::vector<Load>& wanted,
                           std::map<Load, NodeId>& gradient, int depth) {
   if (depth > 24) throw TooLarge{};
   std::map<NodeId, NodeId> adjoints{{root, adjoint}};
-  // Nodes that depend on a wanted load; the others need no derivative.
+  // The nodes that depend on a wanted load; other nodes need no derivative.
   const std::vector<NodeId> order = Ordered(root);
   steps_ += order.size();
   if (steps_ > kMostSteps) throw TooLarge{};
@@ -346,7 +348,8 @@ void Graph::Differentiate(NodeId root, NodeId adjoint, const std::vector<Load>& 
       case Operation::kNegate:
         add(a, Negate(by));
         break;
-      case Operation::kSqrt:  // 0 at 0, where the length of a vector has no direction
+      case Operation::kSqrt:  // the derivative at 0 is set to 0: there the length of a vector has
+                              // no direction
         add(a, Select(Binary(Operation::kEqual, a, Constant(0)), Constant(0),
                       Divide(Multiply(Constant(0.5), by), id)));
         break;
@@ -401,7 +404,7 @@ void Graph::Differentiate(NodeId root, NodeId adjoint, const std::vector<Load>& 
         }
         if (depends[b]) add(b, Multiply(by, Multiply(id, Unary(Operation::kLn, a))));
         break;
-      default:  // constant almost everywhere
+      default:  // piecewise constant: the derivative is 0
         break;
     }
   }

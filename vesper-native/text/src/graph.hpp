@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Formulas as a graph of operations on numbers. Equal operations are one node, and constants are
-// folded; vectors are three nodes.
+// Formulas as a graph of operations on numbers. Equal operations share one node, and constants are
+// folded. A vector is three nodes.
 #pragma once
 
 #include <cstdint>
@@ -56,8 +56,9 @@ enum class Operation : uint8_t {
 using NodeId = uint32_t;
 inline constexpr NodeId kNoNode = UINT32_MAX;
 
-/// Rows that a formula reads or writes: the row of the block itself, a row that it refers to, one
-/// of a pair, or the one row of kind world.
+/// A component of a property of a participant. A participant is a row that a formula uses: the row
+/// of the block itself, a row that it refers to, one row of a pair, or the one row of the kind
+/// `world`.
 struct Load {
   uint16_t participant;
   uint16_t property;  // index in the law's list of properties
@@ -67,24 +68,25 @@ struct Load {
   auto operator<=>(const Load&) const = default;
 };
 
-/// Participants of a block.
+/// Numbers of the participants of a block.
 inline constexpr uint16_t kOwnRow = 0;    // the row of the block
-inline constexpr uint16_t kFirst = 1;     // of a pair or of references; the others follow
+inline constexpr uint16_t kFirst = 1;     // first row of a pair or of references; the others have
+                                          // the next numbers
 inline constexpr uint16_t kWorld = 0xff;  // the one row of kind world
 
 struct Node {
   Operation operation;
-  bool uniform;  // the same for all rows
-  Span span;     // part of the text that made it first
+  bool uniform;  // true if the value is the same for all rows
+  Span span;     // part of the text that first produced this node
   NodeId a = kNoNode;
   NodeId b = kNoNode;
   NodeId c = kNoNode;
-  double value = 0;    // kConstant
-  uint32_t index = 0;  // kParameter
-  Load load{};         // kLoad
+  double value = 0;    // of kConstant
+  uint32_t index = 0;  // of kParameter
+  Load load{};         // of kLoad
 };
 
-/// Thrown when a formula is too large.
+/// Thrown if a formula exceeds the maximum number of nodes.
 struct TooLarge {};
 
 class Graph {
@@ -94,7 +96,7 @@ class Graph {
 
   const Node& operator[](NodeId id) const { return nodes_[id]; }
   size_t size() const { return nodes_.size(); }
-  /// Sets the place that later nodes are made for.
+  /// Sets the part of the text to which later nodes belong.
   void At(Span span) { span_ = span; }
 
   NodeId Constant(double value);
@@ -119,17 +121,18 @@ class Graph {
     return IsConstant(id) && nodes_[id].value == value;
   }
 
-  /// Copies `root` with some nodes replaced.
+  /// Returns a copy of `root` in which some nodes are replaced.
   NodeId Substitute(NodeId root, const std::map<NodeId, NodeId>& replacements);
 
-  /// Replaces several divisions by one number, and divisions by what is the same for all rows, by
-  /// multiplications with its inverse.
+  /// Replaces divisions by multiplications with the inverse of the divisor, if several divisions
+  /// have the same divisor, or if it is the same for all rows.
   void ShareDivisions(const std::vector<NodeId*>& roots);
 
-  /// Adds the derivatives of `root` with respect to the loads for which `wanted` is true.
+  /// Adds nodes for the derivatives of `root` with respect to the loads in `wanted`, and returns
+  /// them.
   std::map<Load, NodeId> Gradient(NodeId root, const std::vector<Load>& wanted);
 
-  /// Returns the loads on which `root` depends; does not look behind node `behind`.
+  /// Returns the loads on which `root` depends; ignores operands of the node `behind`.
   std::vector<Load> LoadsOf(NodeId root, NodeId behind = kNoNode) const;
 
  private:
@@ -148,10 +151,10 @@ class Graph {
   std::vector<Node> nodes_;
   std::unordered_map<Node, NodeId, Hash, Same> known_;
   Span span_{};
-  size_t steps_ = 0;  // of differentiation
+  size_t steps_ = 0;  // number of steps of differentiation so far
 };
 
-/// Computes an operation on doubles, as the evaluator does.
+/// Computes an operation on doubles, with the same result as the evaluator.
 double Compute(Operation operation, double a, double b, double c);
 
 }  // namespace vesper::text

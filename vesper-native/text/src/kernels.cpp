@@ -53,7 +53,7 @@ struct Operands {
   Same<Real> One(uint16_t operand) const {
     return {hn::Set(Lanes<Real>(), uniforms[operand - kUniform])};
   }
-  /// Calls `body` with the operands as blocks or single values. Not both are single.
+  /// Calls `body` with the operands as blocks or single values. At least one is a block.
   template <class Body>
   HWY_INLINE void Two(uint16_t a, uint16_t b, Body&& body) const {
     if (IsUniform(a)) {
@@ -134,7 +134,8 @@ HWY_INLINE void InDouble(const Operands<Real>& all, const Instruction& step, siz
     if constexpr (sizeof(Real) == sizeof(double)) {
       hn::StoreU(value, d, to + i);
     } else {
-      // One by one, because DemoteTo of some sets replaces infinity by the largest number.
+      // Converts values one by one, because DemoteTo of some instruction sets replaces infinity by
+      // the largest number.
       HWY_ALIGN double values[8];
       hn::Store(value, d, values);
       for (size_t k = 0; k < lanes; ++k) to[i + k] = static_cast<Real>(values[k]);
@@ -204,7 +205,7 @@ void Run(std::span<const Instruction> program, Real* const* registers, const Rea
         Unary(all, step, count, [](auto, auto a) { return hn::Abs(a); });
         break;
       case Operation::kFloor:
-        // Plus 0, because some sets lose the sign of -0.
+        // Adding 0 turns -0 into +0 on all instruction sets, because Floor of some does so anyway.
         Unary(all, step, count, [](auto d, auto a) { return hn::Add(hn::Floor(a), hn::Zero(d)); });
         break;
       case Operation::kMin:
@@ -267,13 +268,14 @@ void Split3(const Real* rows, size_t count, Real* x, Real* y, Real* z) {
   }
 }
 
-/// Notes values that are not finite: their difference from themselves is NaN.
+/// Detects values that are not finite: the difference of such a value from itself is NaN.
 template <class Real>
 struct Watch {
   hn::Vec<Lanes<Real>> difference;
   bool finite = true;
 
-  // An implicit constructor would be compiled for the baseline.
+  // Explicit, because the compiler would compile an implicit constructor for the baseline
+  // instruction set.
   HWY_INLINE Watch() : difference(hn::Zero(Lanes<Real>())) {}
   HWY_INLINE hn::Vec<Lanes<Real>> See(hn::Vec<Lanes<Real>> value) {
     difference = hn::Add(difference, hn::Sub(value, value));
@@ -343,7 +345,8 @@ bool Add1(Real* rows, size_t count, const Real* x) {
 
 template <class Real>
 Real Sum(Real* values, size_t count) {
-  constexpr size_t kLanes = 16;  // for all sets
+  constexpr size_t kLanes = 16;  // number of partial sums; the same for all instruction sets, so
+                                 // that sums have the same bits
   const Lanes<Real> d;
   const size_t lanes = hn::Lanes(d);
   const size_t padded = (count + kLanes - 1) / kLanes * kLanes;

@@ -12,13 +12,13 @@
 
 namespace vesper::text {
 
-/// Rows of a block. Blocks of registers stay in the first-level cache.
+/// Number of rows in a block: so few that all registers of a block fit into the first-level cache.
 inline constexpr size_t kBlock = 64;
-/// Rows beyond a block that loops may read and write.
+/// Number of rows behind a block that loops may read and write.
 inline constexpr size_t kPadding = 16;
 
-/// One operation on registers. Operands from kUniform on are numbers that are the same for all rows
-/// of the block.
+/// One operation on registers. An operand below kUniform is a register; others are indices of
+/// uniform values, which are the same for all rows of the block.
 struct Instruction {
   Operation operation;
   uint16_t to;
@@ -35,11 +35,11 @@ struct Kernels {
   /// Executes a program on `count` rows; registers are (kBlock + kPadding) long.
   void (*run)(std::span<const Instruction> program, Real* const* registers, const Real* uniforms,
               size_t count);
-  /// Splits rows of three components.
+  /// Splits rows of three components into three arrays.
   void (*split3)(const Real* rows, size_t count, Real* x, Real* y, Real* z);
-  /// Joins rows of three components. Returns true if all are finite, like the next two.
+  /// Joins three arrays to rows of three components. Returns true if all values are finite.
   bool (*join3)(Real* rows, size_t count, const Real* x, const Real* y, const Real* z);
-  /// Adds to rows of three components.
+  /// Adds three arrays to rows of three components. Returns true if all results are finite.
   bool (*add3)(Real* rows, size_t count, const Real* x, const Real* y, const Real* z);
   bool (*add1)(Real* rows, size_t count, const Real* x);
   /// Returns the sum of values, in an order that is the same for all sets.
@@ -48,15 +48,15 @@ struct Kernels {
   bool (*finite)(const Real* values, size_t count);
 };
 
-/// Returns the loops for the sets that this processor supports, the best first.
+/// Returns the loops for the sets that this processor supports, the fastest first.
 template <class Real>
 const std::vector<Kernels<Real>>& AvailableKernels();
 
-/// Computes one operation in the precision of `Real`, with the bits of the loops.
+/// Computes one operation in the precision of `Real`, with the same bits as the loops.
 template <class Real>
 Real ComputeIn(Operation operation, Real a, Real b, Real c);
 
-/// Computes an elementary function with the bits of the loops.
+/// Computes an elementary function with the same bits as the loops.
 double Elementary(Operation operation, double a, double b);
 
 }  // namespace vesper::text

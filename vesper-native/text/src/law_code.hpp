@@ -16,20 +16,20 @@
 
 namespace vesper::text {
 
-/// A property that a law uses, or memory of its own for each row of a kind.
+/// A property that a law uses, or memory of its own (SCRATCH) for each row of a kind.
 struct PropertyCode {
   std::string name;
   std::string kind;
   uint32_t components = 1;
   Dimension dimension{};
-  bool is_reference = false;  // u32 rows of another kind
-  bool own = false;           // SCRATCH
+  bool is_reference = false;  // its values are u32 rows of another kind
+  bool own = false;           // memory of the law: SCRATCH
   bool optional = false;
   bool accumulator = false;
   bool read = false;      // a formula depends on it
-  bool stored = false;    // `=`, every row in every call
-  bool modified = false;  // written otherwise
-  bool added = false;     // `+=` into an accumulator
+  bool stored = false;    // assigned by `=` in every row and every call
+  bool modified = false;  // written in another way
+  bool added = false;     // an accumulator to which `+=` adds
   Span set_at{};          // first statement that changes it
 
   vesper_access Access() const;
@@ -52,7 +52,7 @@ struct Output {
   Span span;
 };
 
-/// One pass over rows, pairs of rows, or rows with those that they refer to.
+/// One pass of a law over rows, pairs of rows, or rows together with the rows that they refer to.
 struct PassCode {
   BlockKind kind;
   Span span;
@@ -60,7 +60,7 @@ struct PassCode {
   /// For each participant from kFirst on, the reference of the row: property and component.
   std::vector<Load> references;
   std::vector<std::string> participant_names;
-  NodeId within = kNoNode;  // uniform
+  NodeId within = kNoNode;  // the distance of `within`; the same for all rows
   uint16_t position = 0;    // property of the positions that `within` compares
   std::optional<uint32_t> stage;
   std::vector<Output> outputs;
@@ -79,20 +79,20 @@ struct LawCode {
   bool has_energy = false;
   std::vector<ParameterCode> parameters;
   std::vector<PropertyCode> properties;
-  /// Places in `properties` in the order of the law's table: own memory comes last, so that a value
-  /// that is not finite is blamed on a property of the world first.
+  /// Indices into `properties` in the order of the law's table. Own memory comes last, so that a
+  /// message about a value that is not finite names a property of the world if possible.
   std::vector<uint32_t> table_order;
   std::vector<PassCode> passes;
   Graph graph;
 };
 
-/// Checks a law of a text against the properties of a world. Adds what is wrong to `problems`; the
-/// result is meaningful only if there are none.
+/// Checks a law of a text against the properties of a world. Adds problems to `problems`; the
+/// result is valid only if there are none.
 LawCode Check(std::string_view text, const LawTree& law, const Prototype& prototype,
               Problems& problems);
 
-/// Derives VESPER_CLAIM_… of a law from its formulas. `uses_axes`: a formula names a direction of
-/// the world's axes.
+/// Derives VESPER_CLAIM_… of a law from its formulas. `uses_axes`: true if a formula contains a
+/// direction of the world's axes, so that the law cannot claim rotation.
 uint32_t DeriveClaims(LawCode& law, bool uses_axes);
 
 }  // namespace vesper::text

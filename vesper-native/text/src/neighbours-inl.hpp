@@ -43,7 +43,8 @@ void Neighbours<Real>::Sort(const Real* positions, uint64_t rows, double within)
     uint64_t cell = 0;
     for (size_t k = 3; k-- > 0;) {
       const double at = std::floor((static_cast<double>(positions[3 * i + k]) - middle[k]) / side);
-      // From 1 on, so that a neighbour's number is not below 0. NaN is in cell 1, and no neighbour.
+      // Cell numbers begin at 1, so that a neighbour's number is not below 0. NaN gets cell 1, and
+      // no neighbours.
       const auto number =
           at > -kHalf ? static_cast<uint64_t>(std::min(at, kHalf) + kHalf) + 1 : uint64_t{1};
       cell = cell << kBits | number;
@@ -77,9 +78,10 @@ void Neighbours<Real>::ForEach(const Real* positions, uint64_t rows, double with
       found = 0;
     }
   };
-  // Half of the neighbours: later cells of this line, and four lines of three cells.
+  // Half of the neighbouring cells, so that each pair is found once: later cells of this line, and
+  // four lines of three cells.
   struct Line {
-    int64_t first, last;  // offsets of cell numbers
+    int64_t first, last;  // first and last cell of the line, as offsets to the cell's number
     size_t begin = 0, end = 0;
   };
   const auto offset = [](int64_t dx, int64_t dy, int64_t dz) {

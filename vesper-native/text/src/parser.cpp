@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws, declarations, blocks and statements of a law text.
+// Parser of the laws, declarations, blocks and statements of a law text.
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
@@ -32,7 +32,7 @@ class Parser {
 
   std::vector<LawTree> Run() {
     std::vector<LawTree> laws;
-    if (!reader_.problems().empty()) return laws;  // their consequences would only confuse
+    if (!reader_.problems().empty()) return laws;  // further ones would be confusing
     while (reader_.Peek().kind != TokenKind::kEnd && !reader_.problems().full()) {
       Guarded([&] {
         if (!reader_.Peek().Is("law")) {
@@ -50,7 +50,7 @@ class Parser {
   }
 
  private:
-  /// Runs `body`; after a problem, continues behind the line and its block.
+  /// Runs `body`; after a problem, continues with the text behind the line and its indented block.
   template <class Body>
   void Guarded(Body&& body) {
     const uint32_t begin = reader_.Peek().span.begin;

@@ -26,7 +26,7 @@ std::string_view LineAt(std::string_view text, uint32_t offset) {
   return text.substr(begin, end - begin);
 }
 
-/// Control characters would spoil the report.
+/// Replaces control characters, which would damage the layout of the report.
 std::string Printable(std::string_view line) {
   std::string printable(line);
   for (char& c : printable) {

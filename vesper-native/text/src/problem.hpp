@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Problems of a law text, with their places.
+// Problems of a law text, with their positions.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ inline Span Join(Span a, Span b) {
   return {a.begin < b.begin ? a.begin : b.begin, a.end > b.end ? a.end : b.end};
 }
 
-/// A place in a text, counted from 1; columns count characters.
+/// A position in a text, counted from 1; columns count characters.
 struct Place {
   uint32_t line;
   uint32_t column;
@@ -28,17 +28,17 @@ struct Place {
 
 Place PlaceOf(std::string_view text, uint32_t offset);
 
-/// What is wrong with a text, and what would make it right.
+/// A problem of a text, and how to correct it.
 struct Problem {
   Span span;
   std::string message;  // what was found and what was expected
   std::string hint;     // what to do; may be empty
 };
 
-/// Thrown at a problem after which the reader cannot continue in the same statement.
+/// Thrown after a problem that prevents the reader from continuing in the same statement.
 struct Abandon {};
 
-/// The problems of one text, at most `kMost`, one for each line.
+/// The problems of one text, at most `kMost`, and one per line.
 class Problems {
  public:
   static constexpr size_t kMost = 20;

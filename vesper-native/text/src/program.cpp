@@ -6,7 +6,8 @@
 namespace vesper::text {
 namespace {
 
-/// How often a value changes.
+/// How often a value changes: never in a call of the law, for each first row of a pair, or for each
+/// row.
 enum class Level : uint8_t { kConstant, kOfFirst, kEach };
 
 class Compiler {
@@ -103,7 +104,7 @@ class Compiler {
     return groups.back();
   }
 
-  /// Loaded registers are never overwritten, because they may be the columns themselves.
+  /// Registers of loads are never overwritten, because they may be the columns themselves.
   void PlaceLoads() {
     for (NodeId id = 0; id < graph_.size(); ++id) {
       const Node& node = graph_[id];
@@ -138,8 +139,8 @@ class Compiler {
     program_.code.push_back(step);
   }
 
-  /// Returns the register of a result. All pairs clear parts of results, so there they are neither
-  /// columns nor filled registers.
+  /// Returns the register of a result. In passes over all pairs, parts of results are set to zero,
+  /// so there a result needs a register of its own.
   uint16_t ResultRegister(NodeId id) {
     const uint16_t found = RegisterOf(id);
     const bool own = levels_[id] == Level::kEach && graph_[id].operation != Operation::kLoad;
@@ -176,7 +177,7 @@ class Compiler {
   const bool all_pairs_;
   Program program_;
   std::vector<Level> levels_;
-  std::vector<uint16_t> place_;  // register, or kUniform + index
+  std::vector<uint16_t> place_;  // by node: a register, or kUniform + the index of a uniform value
   std::vector<NodeId> last_use_;
   std::vector<bool> needed_;
   std::vector<uint16_t> free_;

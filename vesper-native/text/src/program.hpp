@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pass of a law as instructions on registers.
+// A pass of a law, compiled to instructions on registers.
 #pragma once
 
 #include <array>
@@ -13,12 +13,13 @@ namespace vesper::text {
 
 inline constexpr uint16_t kNothing = 0xffff;
 
-/// Components of one property of one participant, read at the begin of a block.
+/// Components of one property of one participant, read at the beginning of a block.
 struct LoadGroup {
   uint16_t participant;
   uint16_t property;
-  std::array<uint16_t, 4> to{kNothing, kNothing, kNothing, kNothing};  // registers
-  bool written = false;  // the pass writes the property too, so registers need a copy
+  std::array<uint16_t, 4> to{kNothing, kNothing, kNothing, kNothing};  // registers of the
+                                                                       // components
+  bool written = false;  // the pass also writes the property, so registers need a copy
 };
 
 /// Components of one property of one participant, written at the end of a block.
@@ -26,25 +27,29 @@ struct ResultGroup {
   uint16_t participant;
   uint16_t property;
   bool add;
-  std::array<uint16_t, 4> from{kNothing, kNothing, kNothing, kNothing};  // registers
+  std::array<uint16_t, 4> from{kNothing, kNothing, kNothing, kNothing};  // registers of the
+                                                                         // components
 };
 
 /// A register that contains the same number in every row.
 struct Fill {
   uint16_t to;
-  uint16_t from;  // index of the uniform value
+  uint16_t from;  // index of its uniform value
 };
 
 struct Program {
-  std::vector<NodeId> constants;  // uniform values of a call of the law, operands first
-  std::vector<NodeId> of_first;   // all pairs: values of the first of a pair, after the constants
+  std::vector<NodeId> constants;  // uniform values that are computed once per call of the law,
+                                  // operands first
+  std::vector<NodeId> of_first;   // all pairs: uniform values of the first row of a pair, behind
+                                  // the constants
   std::vector<LoadGroup> loads;
-  std::vector<LoadGroup> loads_of_first;  // all pairs: `to` are indices of uniform values
+  std::vector<LoadGroup> loads_of_first;  // all pairs: loads of the first row; `to` are indices of
+                                          // uniform values
   std::vector<Fill> fills;
   std::vector<Instruction> code;
   std::vector<ResultGroup> results;
-  uint16_t energy = kNothing;  // register
-  uint16_t within = kNothing;  // index of the uniform value
+  uint16_t energy = kNothing;  // register of the energy
+  uint16_t within = kNothing;  // index of the uniform value of the distance
   uint16_t registers = 0;
 
   size_t uniforms() const { return constants.size() + of_first.size(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A law text as a tree. It knows nothing of worlds and units of properties.
+// A law text as a tree. It does not depend on the properties of a world and their units.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ struct Expression {
   double number = 0;
   std::optional<vesper_unit> unit = {};
   std::vector<std::string> unit_symbols =
-      {};  // names inside the unit, which might be meant as names
+      {};  // names inside the unit, which the author may have meant as variables
   std::vector<std::unique_ptr<Expression>> parts = {};
 };
 using ExpressionTree = std::unique_ptr<Expression>;
@@ -49,7 +49,7 @@ struct Statement {
   StatementKind kind;
   Span span;
   Name name = {};                   // kLet
-  ExpressionTree target = nullptr;  // kAssign, kAdd, kSubtract: a name or members of one
+  ExpressionTree target = nullptr;  // kAssign, kAdd, kSubtract: a name, or a member of one
   ExpressionTree value = nullptr;   // kIf: the condition
   std::vector<Statement> then = {};
   std::vector<Statement> otherwise = {};
@@ -57,12 +57,13 @@ struct Statement {
 
 enum class BlockKind { kRows, kJoined, kPairs };
 
-/// What happens to an energy at the distance of `within`.
+/// How an energy ends at the distance of `within`: not specified, cut off, shifted to 0, or
+/// smoothly reduced to 0.
 enum class Edge { kUnsaid, kCut, kShifted, kSmooth };
 
 struct Block {
   BlockKind kind;
-  Span span;  // of its heading
+  Span span;  // of the block's first line
   Name rows;  // kind of the rows, as written
   std::vector<Name> participants =
       {};  // kJoined: names of the references; kPairs: two names, or none
@@ -71,7 +72,7 @@ struct Block {
   std::optional<Name> direction = {};
   Edge edge = Edge::kUnsaid;
   Span edge_span = {};
-  std::optional<uint32_t> stage = {};  // `at stage 1:`
+  std::optional<uint32_t> stage = {};  // from `at stage 1:`
   std::vector<Statement> statements = {};
 };
 
@@ -83,7 +84,7 @@ struct ParameterTree {
   std::string doc = {};
 };
 
-/// `each KIND has NAME in UNIT`, or `may have`.
+/// A declaration `each KIND has NAME in UNIT`, or `may have`.
 struct Ownership {
   Name rows;
   Name name;
@@ -106,7 +107,7 @@ struct LawTree {
   std::vector<Block> blocks = {};
 };
 
-/// Parses a text; adds what is wrong to `problems`. The result is complete only if there are none.
+/// Parses a text; adds problems to `problems`. The result is complete only if there are none.
 std::vector<LawTree> Parse(std::string_view text, Problems& problems);
 
 /// Returns true for the name of a function, such as "sqrt".
@@ -114,7 +115,7 @@ bool IsFunction(std::string_view name);
 
 /// Returns the names of all functions.
 std::vector<std::string> FunctionNames();
-/// Returns true for a word that the language keeps for itself.
+/// Returns true for a reserved word, which cannot be a name.
 bool IsReserved(std::string_view name);
 
 }  // namespace vesper::text

@@ -13,7 +13,7 @@
 namespace vesper::text {
 namespace {
 
-/// A law between `create` and `destroy`.
+/// A law in an engine: the `vesper_law` between `create` and `destroy`.
 class Instance {
  public:
   virtual ~Instance() = default;
@@ -62,7 +62,7 @@ void Destroy(vesper_law* law) { delete &InstanceOfLaw(law); }
 
 }  // namespace
 
-/// The table of a text for one prototype, with each law in both precisions.
+/// The table of a text, compiled for one prototype, with each law in both precisions.
 class CompiledText {
  public:
   CompiledText(std::string_view source, std::string_view text, std::vector<LawCode> laws)

@@ -13,12 +13,12 @@
 
 namespace vesper::text {
 
-inline constexpr size_t kMaxText = 65536;  // bytes
-inline constexpr size_t kMaxLaws = 16;     // of one text
+inline constexpr size_t kMaxText = 65536;  // maximum size of a text [byte]
+inline constexpr size_t kMaxLaws = 16;     // maximum number of laws in one text
 
 class CompiledText;
 
-/// A text without syntax errors. `TableFor` checks it against a world.
+/// A text without syntax errors. `TableFor` checks it against the properties of a world.
 class TextLibrary {
  public:
   /// Parses a text; `source` is its name for messages. Throws LIBRARY_LOAD_FAILED with the first
@@ -41,7 +41,7 @@ class TextLibrary {
   std::vector<std::unique_ptr<CompiledText>> compiled_;
 };
 
-/// Returns all problems of a text in a world, each with its line; empty if there are none.
+/// Returns all problems of a text for a prototype, each with its line; empty if there are none.
 std::string Report(std::string_view source, std::string_view text, const Prototype& prototype);
 
 }  // namespace vesper::text

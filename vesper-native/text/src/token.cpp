@@ -92,7 +92,7 @@ class Lexer {
     if (at_ < text_.size()) ++at_;
   }
 
-  /// Returns true if the line goes on with the previous one.
+  /// Returns true if the line continues the previous one.
   bool Continues() {
     if (OpensLine()) return false;
     if (brackets_ > 0) return true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words, numbers and signs of a law text.
+// Tokenizer of a law text: its words, numbers and signs.
 #pragma once
 
 #include <string>
@@ -15,7 +15,8 @@ enum class TokenKind { kName, kNumber, kText, kSign, kLineEnd, kIndent, kDedent,
 struct Token {
   TokenKind kind;
   Span span;
-  std::string word;  // name, text or sign; Greek letters and signs of print in ASCII
+  std::string word;  // name, text or sign; Greek letters and typographic signs are converted to
+                     // ASCII
   double number = 0;
 
   bool Is(std::string_view expected) const {
@@ -24,11 +25,11 @@ struct Token {
 };
 
 /// Splits a text into tokens. Blocks are marked by kIndent and kDedent; a line that begins with an
-/// operator, and lines inside brackets, continue the previous line. Raised digits become the signs
-/// "^" and a number.
+/// operator, and lines inside brackets, continue the previous line. Superscript digits become the
+/// sign "^" and a number.
 std::vector<Token> Tokens(std::string_view text, Problems& problems);
 
-/// Returns "'force'", "the end of the line" and the like.
+/// Describes a token for messages: "'force'", "the end of the line" and so on.
 std::string Found(const Token& token);
 
 }  // namespace vesper::text

@@ -13,8 +13,8 @@ from .task import Task
 
 
 class Environment(gymnasium.Env[Any, Any]):
-    """An agent's task in a world that waits for it. While it is open, it needs the world
-    exclusively.
+    """An agent's task in a world that waits for the agent. While the environment is open, no other
+    client may act in this world.
 
     `address` is host and port of a server, such as that of `reve.serve(...)`. `world` names one of
     its worlds, if it has several. A step has `frames` frames, and an episode at most `steps` steps.

@@ -17,8 +17,8 @@ from .task import Task
 class ParallelEnvironment(ParallelEnv[str, Any, Any]):
     """Tasks of several agents, by agent name, in a world that waits for all of them.
 
-    Arguments as in `Environment`. An agent whose task is over stays in the world without acts until
-    the episode has ended for all.
+    The arguments are those of `Environment`. An agent whose task is over stays in the world without
+    acts until the episode has ended for all.
     """
 
     metadata: Dict[str, Any] = {"render_modes": RENDER_MODES, "name": "reve_v1"}

@@ -88,8 +88,8 @@ class Stage:
             ) from error
 
     def _view(self, address: Address, item: str) -> Agent:
-        """Returns the agent whose body carries the camera; joins another one if it is no task's
-        body."""
+        """Returns the agent whose body carries the camera; if no task has this body, joins with
+        another agent."""
         for agent in self._agents.values():
             if agent.body == item:
                 return agent

@@ -4,8 +4,8 @@ package reve.pe;
 /**
  * A parameter that a law declares.
  *
- * @param unit that the law expects, also of the numbers below
- * @param standard value if none is given
+ * @param unit that the law expects; the numbers below are in this unit
+ * @param standard default value
  * @param minimum inclusive
  * @param maximum inclusive
  */

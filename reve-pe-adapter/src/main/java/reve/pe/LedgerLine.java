@@ -8,12 +8,12 @@ import java.util.List;
  * SI units.
  *
  * @param name of the law; otherwise "client", "ground", "unloaded" or "total"
- * @param law whether the source is a law
+ * @param law true if the source is a loaded law
  * @param momentum x, y, z [kg*m/s]
  * @param angularMomentum x, y, z about the origin [kg*m^2/s]
- * @param energy kinetic [J]: the work of a force law
+ * @param energy change of kinetic energy [J]: the work of a force law
  * @param hasPotentialEnergy whether the law reports potential energy; otherwise the next two are 0
- * @param initialPotentialEnergy when the ledger first saw the law's arrays [J]
+ * @param initialPotentialEnergy potential energy when the ledger first recorded this law [J]
  * @param potentialEnergy of the present state [J]
  */
 public record LedgerLine(

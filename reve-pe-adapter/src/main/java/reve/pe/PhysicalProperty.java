@@ -4,12 +4,12 @@ package reve.pe;
 import java.util.Set;
 
 /**
- * A property as bound in an engine.
+ * A property together with its array in an engine.
  *
  * @param components values per row
  * @param lawAccess maximum access of any law
  * @param rowCount number of rows that laws see
- * @param version increases when the client touches or rebinds the property
+ * @param version increases with each {@link PhysicalPropertyProvider#touch} or rebind
  */
 public record PhysicalProperty(
         String name,

@@ -7,13 +7,13 @@ import java.lang.foreign.MemorySegment;
 
 /**
  * The interface through which a client lends arrays to an engine. Arrays are native memory. They
- * must stay alive and unmoved from add or rebind until remove, rebind or close of the engine. Same
- * thread rule as the engine. Every method throws {@link PhysicsException} if the engine refuses the
- * call.
+ * must stay alive and unmoved from add or rebind until remove, rebind or close of the engine. The
+ * thread rule of {@link PhysicsEngine} applies. Every method throws {@link PhysicsException} if the
+ * engine refuses the call.
  */
 public interface PhysicalPropertyProvider {
     /**
-     * Registers the array of a property of the prototype.
+     * Registers the array of one of the prototype's properties.
      *
      * @param data (valueCount x components) of the prototype's type, tightly packed
      * @param indices null: row i is value i and valueCount equals objectCount. Otherwise U32
@@ -48,7 +48,7 @@ public interface PhysicalPropertyProvider {
         rebindPhysicalProperty(name, data, objectCount, null, objectCount);
     }
 
-    /** Removes an array; refused with ACCESS_CONFLICT while a loaded law needs it. */
+    /** Removes an array. While a loaded law needs it, the engine refuses with ACCESS_CONFLICT. */
     void removePhysicalProperty(String name);
 
     /** Returns the bound property. */
@@ -57,7 +57,7 @@ public interface PhysicalPropertyProvider {
     /**
      * Notifies the engine that values were edited in place. The engine checks references and
      * minimum values again, and laws update data derived from the values, such as a copy on a
-     * device. Edits without this call may be missed.
+     * device. Without this call, the engine and the laws may keep using old values.
      */
     void touch(String name);
 }

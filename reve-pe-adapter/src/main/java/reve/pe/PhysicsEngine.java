@@ -9,9 +9,9 @@ import java.util.Map;
 
 /**
  * An engine that applies laws to named property arrays of a client. Each law is an independently
- * compiled library. Thread-compatible: one call at a time, from any thread ({@code prepare}
- * excepted). Every method throws {@link PhysicsException} if the engine refuses the call, and
- * {@link IllegalStateException} after close.
+ * compiled library. Thread-compatible: one call at a time, from any thread; only {@code prepare}
+ * may run concurrently. Every method throws {@link PhysicsException} if the engine refuses the
+ * call, and {@link IllegalStateException} after close.
  */
 public interface PhysicsEngine extends AutoCloseable {
     /** Returns the engine's property provider, which lives as long as the engine. */
@@ -32,9 +32,9 @@ public interface PhysicsEngine extends AutoCloseable {
     PreparedLibrary prepare(Path file);
 
     /**
-     * Opens a law library from a text, see docs/laws-as-text.md. Finds errors of syntax; {@link
-     * #loadPhysicsLaw} checks names and units. The message of a refusal has a line for each
-     * problem, with the lines of the text. Any thread.
+     * Opens a law library from a text, see docs/laws-as-text.md. Checks only the syntax; {@link
+     * #loadPhysicsLaw} checks names and units. The message of a refusal has one line for each
+     * problem, with its line number in the text. Any thread.
      *
      * @param source name of the text for messages, such as "wind.law"
      * @param text in UTF-8
@@ -43,7 +43,7 @@ public interface PhysicsEngine extends AutoCloseable {
 
     /**
      * Checks a text against the prototype of this engine, without loading it, and returns all
-     * problems with their lines; empty if there are none. Any thread.
+     * problems with their line numbers; empty if there are none. Any thread.
      */
     String checkText(String source, byte[] text);
 
@@ -71,10 +71,11 @@ public interface PhysicsEngine extends AutoCloseable {
     }
 
     /**
-     * Activates a prepared library, between frames. Takes ownership of it on success only.
+     * Activates a prepared library; call it between frames. The engine owns the library afterwards;
+     * if it refuses, the caller still does.
      *
-     * @param parameters by {@code parameter} or {@code law.parameter}; the others keep their
-     *     default
+     * @param parameters by {@code parameter} or {@code law.parameter}; omitted parameters have
+     *     their default
      * @return id of the library within this engine; at least 1, never reused
      */
     int loadPhysicsLaw(PreparedLibrary prepared, Map<String, Double> parameters);
@@ -96,10 +97,10 @@ public interface PhysicsEngine extends AutoCloseable {
     List<PhysicsLaw> laws();
 
     /**
-     * Applies all laws for {@code steps} steps of {@code dt}; all steps count, or none. After a
-     * failure the engine is faulted, its time has not advanced, and properties that laws may write
-     * are undefined. Restore them and call {@link #clearFault}, or unload the library that the
-     * exception names.
+     * Applies all laws for {@code steps} steps of {@code dt}; if one step fails, none counts. After
+     * a failure the engine is faulted, its time has not advanced, and properties that laws may
+     * write are undefined. The client restores them and calls {@link #clearFault}, or unloads the
+     * library that the exception names.
      *
      * @param dt length of a step [time unit of the prototype], above 0
      */
@@ -110,7 +111,7 @@ public interface PhysicsEngine extends AutoCloseable {
 
     /**
      * Notifies the engine that the client moves rows of a kind, one after the other: row {@code
-     * from} to row {@code to <= from}, whose own item was removed. The state of laws for the item
+     * from} to row {@code to <= from}, whose item was removed. The laws' state for the moved item
      * moves with it, and row {@code from} is then a new row. {@code from == to} means that the item
      * of that row was removed.
      *
@@ -119,8 +120,7 @@ public interface PhysicsEngine extends AutoCloseable {
     void moveRows(String kind, long[] moves);
 
     /**
-     * Sets the step count, as if steps of this length had been made from time 0, for arrays of such
-     * a run.
+     * Sets the step count, as if the arrays were the result of this many steps from time 0.
      *
      * @param steps 0 or more
      * @param dtSeconds length of each [s]
@@ -128,15 +128,15 @@ public interface PhysicsEngine extends AutoCloseable {
     void setStepCount(long steps, double dtSeconds);
 
     /**
-     * Returns the number of steps since the engine was created, including steps that were set or
-     * loaded.
+     * Returns the number of steps since the engine was created, including those from {@link
+     * #setStepCount} or {@link #loadState}.
      */
     long stepCount();
 
     /**
      * Returns a copy of the state that is in no array of the client: the step count, and the state
-     * of laws for each row. With the arrays it continues a run to the bit, in any process. Between
-     * frames.
+     * of laws for each row. Together with the arrays, it continues a run with equal bits, in any
+     * process. Call it between frames.
      */
     byte[] saveState();
 
@@ -153,15 +153,16 @@ public interface PhysicsEngine extends AutoCloseable {
     long stateHash();
 
     /**
-     * Opens or closes the ledger; opening an open ledger restarts it. From the next advance on, the
-     * engine records the contribution of each law to the bodies, at the cost of a few passes over
-     * them in each step. Needs the properties mass, position and velocity.
+     * Opens or closes the ledger, an account of the momentum and energy that each law adds. Opening
+     * an open ledger restarts it. From the next advance on, the engine records these contributions,
+     * at the cost of a few passes over the bodies in each step. Needs the properties mass, position
+     * and velocity.
      */
     void setLedger(boolean on);
 
     /**
-     * Returns the open ledger after the last successful advance: the laws in the order of {@link
-     * #laws}, then client, ground, unloaded and total.
+     * Returns the ledger, which must be open, as of the last successful advance: first the laws in
+     * the order of {@link #laws}, then the lines client, ground, unloaded and total.
      */
     List<LedgerLine> ledger();
 

@@ -5,7 +5,7 @@ import java.util.OptionalLong;
 
 /**
  * The refusal of a call by an engine, or the failure of a law. The message has one line for each
- * problem: the object, what was found, and what was expected.
+ * problem: the object concerned, what was found, and what was expected.
  */
 public final class PhysicsException extends RuntimeException {
     private static final long serialVersionUID = 1L;

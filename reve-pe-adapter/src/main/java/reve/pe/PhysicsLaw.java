@@ -8,7 +8,7 @@ import java.util.List;
  *
  * @param libraryId its library within the engine; at least 1, never reused
  * @param library name of that library
- * @param stages force evaluations per step of an integrator; otherwise 0
+ * @param stages force evaluations per step, if the law is an integrator; otherwise 0
  * @param uses properties in the order in which the law declares them
  * @param parameters in the order in which the law declares them
  * @param calls number of calls since the law was loaded

@@ -5,8 +5,8 @@ import java.nio.charset.StandardCharsets;
 
 /**
  * A law library that is opened and checked, and can be activated quickly. The caller owns it until
- * an engine takes it. If no engine takes it, the caller closes it (any thread, before the engine
- * that prepared it).
+ * {@link PhysicsEngine#loadPhysicsLaw} takes it. A library that no engine took is closed by the
+ * caller, on any thread, before the engine that prepared it is closed.
  */
 public interface PreparedLibrary extends AutoCloseable {
     /** Maximum size of a law library [bytes]. */
@@ -15,18 +15,18 @@ public interface PreparedLibrary extends AutoCloseable {
     /** Maximum size of a law as text [bytes]. */
     int MAX_TEXT_BYTES = 65_536;
 
-    /** End of the names of files with a law as text. */
+    /** Suffix of file names of laws as text. */
     String TEXT_ENDING = ".law";
 
-    /** End of the names of files with laws in Python. */
+    /** Suffix of file names of laws in Python. */
     String PYTHON_ENDING = ".py";
 
-    /** Beginning of a line that each file with laws in Python has, and no text can have. */
+    /** Every file with laws in Python has a line that begins with this; a law as text never has. */
     String PYTHON_SIGN = "@vesper.law";
 
     /**
-     * Returns whether a library is a text, which is safe by construction. Native code begins with
-     * the sign of ELF files; code in Python has its own sign.
+     * Returns whether a library is a law as text, which cannot harm the process. Native code begins
+     * with the magic bytes of ELF; Python code contains {@link #PYTHON_SIGN}.
      */
     static boolean isText(byte[] library) {
         return !isNative(library) && !isPython(library);

@@ -7,7 +7,7 @@ import java.util.Set;
  * The use of a property by one law.
  *
  * @param components values per row
- * @param optional whether the law also runs without the property
+ * @param optional true if the law also runs in a world without the property
  */
 public record PropertyUse(
         String name,

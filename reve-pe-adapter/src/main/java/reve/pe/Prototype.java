@@ -8,7 +8,7 @@ import java.util.Optional;
  * The set of properties of an engine. The engine copies it; types and units never change
  * afterwards.
  *
- * @param realType F32 or F64; selects the variant of each law
+ * @param realType F32 or F64; the floating-point type in which all laws compute
  * @param timeUnit unit of {@code dt}
  */
 public record Prototype(

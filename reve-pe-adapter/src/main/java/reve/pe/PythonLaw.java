@@ -5,7 +5,7 @@ import java.nio.charset.StandardCharsets;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
-/** A file with laws in Python: its name in messages, and the reasons to refuse it. */
+/** Checks of a file with laws in Python, before an engine loads it. */
 public final class PythonLaw {
     private static final Pattern FIRST =
             Pattern.compile(
@@ -13,13 +13,16 @@ public final class PythonLaw {
 
     private PythonLaw() {}
 
-    /** Returns a name for a file of which only the bytes are known, by its first law. */
+    /** Returns a name for a file whose path is unknown: the name of its first law. */
     public static String nameOf(byte[] file) {
         Matcher first = FIRST.matcher(new String(file, StandardCharsets.UTF_8));
         return (first.find() ? first.group(1) : "law") + PreparedLibrary.PYTHON_ENDING;
     }
 
-    /** Returns the refusal of an engine that runs in the process of its client. */
+    /**
+     * Returns the exception of an engine that runs in the client's own process, where Python laws
+     * are not permitted.
+     */
     public static PhysicsException refusedHere(String file) {
         return new PhysicsException(
                 Status.LIBRARY_LOAD_FAILED,

@@ -11,7 +11,7 @@ public enum ScalarType {
     I32(Integer.BYTES),
     /** An unsigned whole number of 4 bytes, or a reference to a row. */
     U32(Integer.BYTES),
-    /** Not a column but a function of position, which a law library provides. */
+    /** A function of position instead of a column; a law library provides it. */
     FIELD(0);
 
     private final int bytes;

@@ -7,9 +7,9 @@ import java.util.Arrays;
  * A physical unit: {@code scale} times the product of powers of the SI base units. Equality
  * compares exponents and scale; the symbol is for messages.
  *
- * @param metre exponent of the metre; likewise the next six, in the order of the SI base units
+ * @param metre exponent of the metre; the next six are the exponents of the other SI base units
  * @param scale size of the unit in SI, finite and above 0
- * @param symbol at most 15 bytes of UTF-8 reach the engine
+ * @param symbol for messages; the engine receives at most 15 bytes of UTF-8
  */
 public record SiUnit(
         byte metre,

@@ -7,7 +7,7 @@ import java.util.Optional;
 /**
  * An action of an item, with its arguments.
  *
- * @param item empty for the agent's own body, whatever its name is
+ * @param item name of the item; empty for the agent's own body
  * @param arguments by parameter name: a Number, a double[] or List of Numbers, a String or a
  *     Boolean, in the units that the action declares
  */

@@ -23,10 +23,11 @@ import java.util.function.Supplier;
  * thread.
  *
  * <p>With {@link Join#withGrace} the client reconnects by itself when its connection breaks:
- * pending calls receive their answers, and no action is executed twice.
+ * pending calls still receive their answers, and the server executes no action twice.
  *
  * <p>Every call throws {@link DisconnectedException} after the connection has ended, and {@link
- * AgentException} with code {@code no-answer} if the server does not answer within the patience.
+ * AgentException} with code {@code no-answer} if the server does not answer within {@link
+ * Join#patience}.
  */
 public final class AgentClient implements AutoCloseable {
 
@@ -35,7 +36,7 @@ public final class AgentClient implements AutoCloseable {
 
     private static final Duration RETRY = Duration.ofMillis(200);
 
-    /** Code of a refused resume that may be repeated later. */
+    /** Code with which the server refuses to resume the session for now; the client tries again. */
     private static final String TOO_OFTEN = "resumed-too-often";
 
     private final InetSocketAddress address;
@@ -43,13 +44,16 @@ public final class AgentClient implements AutoCloseable {
     private final Welcome welcome;
     private final Thread reader;
 
-    /** Lock for sending; acquired before this object's own lock. */
+    /**
+     * Lock for sending. A thread that needs both locks acquires this one before this object's own
+     * lock.
+     */
     private final Object sending = new Object();
 
-    /** Replaced by the reader's thread, with {@link #sending} held. */
+    /** Written by the reader's thread after a reconnection, with {@link #sending} held. */
     private volatile Wire wire;
 
-    // Guarded by this.
+    // Guarded by this object's lock.
     private final Conversation talk;
     private @Nullable AgentException end;
 
@@ -97,8 +101,9 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Returns the items of the next frame; the symbols of bodies with a shape also contain {@code
-     * near}, {@code on}, {@code inside} and {@code touching}.
+     * Returns the items of the next frame. The symbols (named facts) of items with a shape then
+     * also contain the relations {@code near}, {@code on}, {@code inside} and {@code touching};
+     * each lists the names of other items.
      */
     public Perception perceiveWithRelations() {
         return ask(Protocol::perceiveWithRelations, Perception.class);
@@ -121,8 +126,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Waits for the newest perception that was not returned yet; a slow agent misses some, and
-     * never receives old ones.
+     * Waits for the newest perception that this method has not returned yet. If the agent is slow,
+     * older perceptions are skipped.
      *
      * @throws IllegalStateException without {@link #perceiveEvery}
      */
@@ -178,8 +183,9 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Asks a question about the world: state, inspect or laws for the roles observer and control,
-     * ledger for the role control, with the fields that the protocol defines.
+     * Asks a question about the world, with the fields that the protocol defines: {@code state},
+     * {@code inspect} or {@code laws} in the roles observer and control, {@code ledger} in the role
+     * control only.
      *
      * @throws AgentException with the server's code if it refuses the question
      */
@@ -196,8 +202,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Returns the perception after that many frames of a copy of the world without further acts;
-     * for the role control.
+     * Returns the perception that would follow after that many frames if nobody acts. The server
+     * computes it in a copy of the world. For the role control.
      *
      * @throws AgentException with the server's code if the number of frames is too large
      */
@@ -206,10 +212,9 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Returns what follows if items are changed first, like {@link #foresee(int)}.
+     * Like {@link #foresee(int)}, but first changes items in the copy of the world.
      *
-     * @param changes messages {@code add}, {@code change} and {@code remove} without id, made in a
-     *     copy of the world
+     * @param changes messages {@code add}, {@code change} and {@code remove} without id
      */
     public Perception foresee(int frames, List<? extends Map<String, ?>> changes) {
         return switch (ask(() -> talk.fork(frames, changes), ServerMessage.class)) {
@@ -224,8 +229,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * In lock-step: performs the acts in the next frame and returns the perception after it, or at
-     * the end of a round of several frames, with the results.
+     * In lock-step: performs the acts in the next frame and returns the perception at the end of
+     * the round (which may have several frames), with the results of the acts.
      *
      * @throws IllegalStateException if the agent is not in lock-step
      */
@@ -241,14 +246,14 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * In lock-step: waits for the newest perception that was not returned yet, after which the
-     * world waits for the agent. The first one is of the frame in which the agent joined.
+     * In lock-step: waits for the newest perception that was not returned yet; after its frame, the
+     * world waits for the agent. The first perception shows the frame in which the agent joined.
      */
     public Perception observe() {
         return observe(0);
     }
 
-    /** Waits like {@link #observe()}, for the perception of that frame or a later one. */
+    /** Waits like {@link #observe()}, but for the perception of the given frame or a later one. */
     public Perception observe(long frame) {
         LockStep time = requireLockStep();
         Duration longest =
@@ -308,7 +313,7 @@ public final class AgentClient implements AutoCloseable {
             synchronized (sending) {
                 wire.write(talk.encode(Protocol.bye()));
             }
-            reader.join(patience); // the reader ends with the server's bye, or with the connection
+            reader.join(patience); // the reader ends after the server's bye or a broken connection
         } catch (IOException e) {
             // The connection is gone already.
         } catch (InterruptedException e) {
@@ -363,8 +368,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Waits, with this object's lock held, until ready, the end of the connection, or the end of
-     * the patience.
+     * Waits, with this object's lock held, until {@code ready} is true, the connection ends, or
+     * {@code longest} has passed.
      */
     private void await(BooleanSupplier ready, Duration longest) {
         long deadline = System.nanoTime() + longest.toNanos();
@@ -385,8 +390,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Sends with {@link #sending} held. Does nothing on a broken connection: the next connection
-     * repeats what matters.
+     * Sends with {@link #sending} held. Does nothing on a broken connection: after a reconnection,
+     * the messages still without answer are sent again.
      */
     private void send(byte[] lines) {
         try {
@@ -447,7 +452,7 @@ public final class AgentClient implements AutoCloseable {
     /**
      * Reconnects until the time of grace is over.
      *
-     * @return true if that succeeded
+     * @return true if the client is connected again
      * @throws AgentException if the server refuses the session
      */
     private boolean resume() {
@@ -505,7 +510,7 @@ public final class AgentClient implements AutoCloseable {
         try {
             old.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even if it fails.
+            // Ignored: close frees the descriptor even if it fails.
         }
     }
 }

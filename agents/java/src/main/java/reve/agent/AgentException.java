@@ -5,8 +5,8 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * The server refused a message, ended the connection, or did not answer. The code is for programs;
- * the message, which ends with the hint if there is one, is for people.
+ * The server refused a message, ended the connection, or did not answer. Programs read the code;
+ * people read the message, which ends with the hint, if there is one.
  */
 public class AgentException extends RuntimeException {
 
@@ -49,7 +49,7 @@ public class AgentException extends RuntimeException {
         return code;
     }
 
-    /** Returns what to do about it. */
+    /** Returns the server's advice how to avoid the error. */
     public Optional<String> hint() {
         return hint;
     }

@@ -23,8 +23,8 @@ import java.util.function.LongFunction;
 
 /**
  * The state of one session, over one or several connections. Has no sockets and no threads: methods
- * return the bytes to send, and {@link #take} receives messages. Callers that share one hold a
- * lock.
+ * return the bytes to send, and {@link #take} receives messages. Threads that share a conversation
+ * need a lock.
  */
 final class Conversation {
 
@@ -35,10 +35,10 @@ final class Conversation {
     private long lastId;
     private final Map<Long, Optional<ServerMessage>> answers = new HashMap<>();
 
-    /** Requests without an answer, in order; they are repeated after a break. */
+    /** Requests without an answer, in order; they are sent again after a reconnection. */
     private final Map<Long, byte[]> unanswered = new LinkedHashMap<>();
 
-    /** Requests about future frames. */
+    /** Ids of requests for the perception of a future frame, which {@link #fork} sent. */
     private final Set<Long> ahead = new HashSet<>();
 
     /** Id of the stream of perceptions; 0 if there is none. In lock-step it has no id. */
@@ -48,7 +48,7 @@ final class Conversation {
     private @Nullable Perception known;
     private @Nullable Perception latest;
 
-    /** Acts of the round, in lock-step. */
+    /** Ids of this agent's acts in the current round of lock-step. */
     private List<Long> roundActs = List.of();
 
     private long readyFrame = NO_FRAME;
@@ -56,7 +56,10 @@ final class Conversation {
     private final Deque<WorldEvent> events = new ArrayDeque<>();
     private long frameSeen;
 
-    /** Frames of the events after the last frame whose events are all known. */
+    /**
+     * Frame numbers of received events that are later than {@link #frameSeen}, up to which no event
+     * is missing.
+     */
     private final List<Long> seenAfter = new ArrayList<>();
 
     private int knownAlready;
@@ -83,7 +86,7 @@ final class Conversation {
         return new Question(id, line);
     }
 
-    /** Requests the perception of a future frame. */
+    /** Requests the perception after that many frames of a copy of the world. */
     Question fork(int frames, List<? extends Map<String, ?>> changes) {
         Map<String, ?> fields =
                 changes.isEmpty()
@@ -112,7 +115,7 @@ final class Conversation {
         return type.cast(answer);
     }
 
-    /** Forgets a request whose answer is no longer needed. */
+    /** Forgets a request; its answer is ignored. */
     void drop(long id) {
         answers.remove(id);
         unanswered.remove(id);
@@ -213,8 +216,8 @@ final class Conversation {
     }
 
     /**
-     * Returns whether a round passed without this agent, and the next one waits while results are
-     * still pending.
+     * Returns whether to send {@code ready} without acts: a round ended without this agent, and the
+     * world waits in the next round while the agent still waits for results of its acts.
      */
     boolean mustSayReady() {
         return known != null && known.frame() > readyFrame && !isAllDone();
@@ -310,7 +313,7 @@ final class Conversation {
     private void hear(WorldEvent event) {
         if (event.type().equals(WorldEvent.MISSED)) {
             miss(event);
-        } else if (knownAlready > 0) { // repeated after a break
+        } else if (knownAlready > 0) { // the server sent this event again after the reconnection
             knownAlready--;
         } else {
             keep(event);
@@ -319,7 +322,10 @@ final class Conversation {
         }
     }
 
-    /** Counts the events that the server did not send, up to the frame of the gap. */
+    /**
+     * Keeps the event {@code gap}, which stands for events that the server did not send, and counts
+     * them.
+     */
     private void miss(WorldEvent gap) {
         keep(gap);
         missedEvents += gap.fields().get("events") instanceof Double count ? count.longValue() : 1;
@@ -353,9 +359,9 @@ final class Conversation {
     }
 
     /**
-     * Handles the welcome of a new connection.
+     * Records the reconnection.
      *
-     * @return the requests to repeat
+     * @return the requests to send again
      */
     byte[] goneOn() {
         knownAlready = seenAfter.size();

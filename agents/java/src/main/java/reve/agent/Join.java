@@ -13,7 +13,8 @@ import javax.net.ssl.SSLContext;
  * @param role "agent", "control" or "observer"
  * @param world name of the world; needed only if the server has several
  * @param body an item that the world grants to agents; empty to let the world choose
- * @param encoding of messages; MessagePack is faster and needs msgpack-core on the class path
+ * @param encoding of messages; MessagePack is the faster one and needs msgpack-core on the class
+ *     path
  * @param grace time that the body waits for the agent after the connection breaks
  * @param lockStep settings of lock-step; empty for real time
  * @param resume the session to resume
@@ -39,8 +40,8 @@ public record Join(
     /**
      * A session whose connection broke.
      *
-     * @param session token from its welcome
-     * @param frame the last frame of which all events were received
+     * @param session token from the welcome
+     * @param frame the last frame whose events were all received
      */
     public record Resume(String session, long frame) {}
 
@@ -218,7 +219,7 @@ public record Join(
                 patience);
     }
 
-    /** Omits secrets. */
+    /** Returns the settings without the secrets. */
     @Override
     public String toString() {
         return role + " " + name;

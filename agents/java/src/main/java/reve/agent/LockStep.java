@@ -8,8 +8,9 @@ import java.util.Optional;
  * Settings of lock-step: the world waits for the agent at fixed intervals.
  *
  * @param every frames between perceptions
- * @param relations whether symbols contain relations (near, on, inside, touching)
- * @param deadline maximum wait
+ * @param relations whether the items' symbols contain relations to other items (near, on, inside,
+ *     touching)
+ * @param deadline maximum time that the world waits for the agent
  * @param fallback the act of the agent's body if the deadline is missed
  */
 public record LockStep(int every, boolean relations, Duration deadline, Optional<Act> fallback) {
@@ -21,7 +22,7 @@ public record LockStep(int every, boolean relations, Duration deadline, Optional
         return new LockStep(frames, false, DEADLINE, Optional.empty());
     }
 
-    /** Returns a copy with relations among the symbols. */
+    /** Returns a copy whose perceptions contain relations between items. */
     public LockStep withRelations() {
         return new LockStep(every, true, deadline, fallback);
     }
@@ -31,7 +32,7 @@ public record LockStep(int every, boolean relations, Duration deadline, Optional
         return new LockStep(every, relations, longest, fallback);
     }
 
-    /** Returns a copy with an act for missed deadlines. */
+    /** Returns a copy with an act that the server executes when the agent misses the deadline. */
     public LockStep withFallback(Act act) {
         return new LockStep(every, relations, deadline, Optional.of(act));
     }

@@ -62,8 +62,11 @@ final class Packed {
     }
 
     /**
-     * @param message without its length
-     * @throws IOException or a RuntimeException of msgpack-core if it is not a valid message
+     * Reads one message.
+     *
+     * @param message the bytes behind the length prefix
+     * @throws IOException or a RuntimeException of msgpack-core if the bytes are not a valid
+     *     message
      */
     static JsonNode read(byte[] message) throws IOException {
         try (MessageUnpacker unpacker = MessagePack.newDefaultUnpacker(message)) {

@@ -35,7 +35,7 @@ public record Perception(
     /**
      * Returns this perception after an update.
      *
-     * @throws AgentException if the update belongs to another perception
+     * @throws AgentException if the update is relative to another perception
      */
     Perception updated(Update update) {
         if (update.since() != frame) {
@@ -68,7 +68,7 @@ public record Perception(
      * @param location in the world's reference frame [m]; empty if the item has none or it is not
      *     sensed
      * @param orientation in the world's reference frame
-     * @param symbols String, Double, Boolean or a List of these by name
+     * @param symbols named facts about the item: String, Double, Boolean or a List of these
      * @param actions parameters by name, by action
      * @param needs required capabilities of the acting body, by action; omits actions that need
      *     none

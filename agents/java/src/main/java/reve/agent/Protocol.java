@@ -138,7 +138,7 @@ final class Protocol {
         return message;
     }
 
-    /** Returns whether a value is a list of items or changes instead of numbers. */
+    /** Returns whether a value is a list of messages (items or changes) instead of numbers. */
     private static boolean isOfMappings(Object value) {
         return value instanceof List<?> list
                 && list.stream().anyMatch(element -> element instanceof Map<?, ?>);
@@ -211,7 +211,9 @@ final class Protocol {
     }
 
     /**
-     * @param packed MessagePack without its length
+     * Reads one message.
+     *
+     * @param packed MessagePack, the bytes behind the length prefix
      * @throws AgentException with code {@code protocol} if it is not a message of version 1
      */
     static ServerMessage read(byte[] packed) {

@@ -29,13 +29,14 @@ public final class Trust {
     }
 
     /**
-     * Returns the certificates in a file as the only trust anchors.
+     * Returns an SSL context that trusts only the certificates in a file.
      *
-     * @param file PEM: the server's own certificate, or the certificate of its issuer
+     * @param file PEM: the server's own certificate, or that of its issuer
      * @throws IOException naming the file, if it cannot be read or contains no certificate
      */
     public static SSLContext file(Path file) throws IOException {
-        if (Files.exists(file) && !Files.isRegularFile(file)) { // a pipe would wait for a writer
+        if (Files.exists(file) && !Files.isRegularFile(file)) { // reading a pipe would block until
+            // another process writes
             throw new IOException(file + " is no file, expected a file of certificates (PEM)");
         }
         try (InputStream in = Files.newInputStream(file)) {

@@ -10,7 +10,7 @@ import java.util.OptionalLong;
  * The differences from an earlier perception; {@link AgentClient} applies them.
  *
  * @param time of the world [s]
- * @param since the frame of that perception
+ * @param since frame of the earlier perception
  * @param left names of items that are no longer perceived
  */
 record Update(
@@ -23,7 +23,7 @@ record Update(
         List<Change> changed)
         implements ServerMessage {
 
-    /** The changed data of an item; unchanged data is empty. */
+    /** The changed data of an item; a field that did not change is empty. */
     record Change(
             String name,
             Optional<Perception.Location> location,

@@ -10,7 +10,7 @@ import java.util.OptionalLong;
  *
  * @param role "agent", "control" or "observer"
  * @param body name of the agent's body; empty for other roles
- * @param frame in which the agent joined
+ * @param frame number of the frame in which the agent joined
  * @param rate frames per second
  * @param encoding "json" or "msgpack"
  * @param lockStep the interval and the deadline of an agent in lock-step
@@ -34,8 +34,8 @@ public record Welcome(
         implements ServerMessage {
 
     /**
-     * A token with which another connection can resume the session within the given time after the
-     * connection breaks [s].
+     * The token with which another connection resumes the session, if it does so within {@code
+     * graceSeconds} after the connection breaks.
      */
     public record Ticket(String token, double graceSeconds) {}
 
@@ -43,8 +43,8 @@ public record Welcome(
      * Limits of the server. A limit that the server does not have is empty.
      *
      * @param lineBytes maximum length of a message
-     * @param messagesPerSecond maximum rate of messages; in lock-step per second of world time if
-     *     that is faster; further messages wait
+     * @param messagesPerSecond maximum rate of messages, per second of the clock or, in lock-step,
+     *     of world time if that is faster; the server delays further messages
      * @param actsInFlight maximum number of commands without a result
      * @param idleSeconds silence after which the server sends a ping; the client answers by itself
      * @param graceSeconds maximum time of grace

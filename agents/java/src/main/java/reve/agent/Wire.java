@@ -23,7 +23,10 @@ import javax.net.ssl.SSLException;
 import javax.net.ssl.SSLParameters;
 import javax.net.ssl.SSLSocket;
 
-/** One connection to a server after its welcome. One thread reads; writers hold a lock. */
+/**
+ * One connection to a server after its welcome. One thread may read; threads that write need a
+ * lock.
+ */
 final class Wire implements Closeable {
 
     private final Socket socket;

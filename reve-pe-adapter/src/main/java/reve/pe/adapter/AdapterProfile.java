@@ -5,7 +5,7 @@ package reve.pe.adapter;
  * The adapter's wall-clock times so far; for reports only.
  *
  * @param frames advanced
- * @param redoneFrames number of repetitions of frames because a law failed
+ * @param redoneFrames number of frame repetitions after a law had failed
  * @param bindNanoseconds time for passing changes of the world to the engine [ns]
  * @param copyNanoseconds time for copying the columns that laws may write [ns]
  * @param advanceNanoseconds time inside the engine, including repeated frames [ns]

@@ -22,8 +22,8 @@ import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.stream.Collectors;
 
 /**
- * The active libraries of a {@link LawFolder}, by file. Changes are commands on the world's thread;
- * tracking works on any thread.
+ * The active libraries of a {@link LawFolder}, by file. They change only by commands on the world's
+ * thread; {@link #track} and {@link #drop} work on any thread.
  */
 final class FolderLaws implements AutoCloseable {
     private final Laws laws;
@@ -34,19 +34,20 @@ final class FolderLaws implements AutoCloseable {
 
     private final Queue<SpareWanted> wanted = new ConcurrentLinkedQueue<>();
 
-    /** A change of the folder's laws, executed in ACT of a frame. */
+    /** A change of the folder's laws, executed in ACT, the frame's phase for commands. */
     interface Change {
         void make(long frame);
     }
 
     /**
-     * @param spare a second copy of the library, to restore it if its successor is refused; null
-     *     after it was used, until the folder has prepared another from the bytes
+     * @param spare a second prepared copy of the library, to restore it if its successor is
+     *     refused; null after it was used, until the folder has prepared another one from {@code
+     *     bytes}
      */
     private record ActiveFile(
             int libraryId, String sha256, @Nullable PreparedLibrary spare, byte[] bytes) {}
 
-    /** An active file whose spare was used. */
+    /** An active file whose spare copy was used, so another one is wanted. */
     record SpareWanted(String name, byte[] bytes) {}
 
     /** A change in the command queue. */
@@ -71,7 +72,7 @@ final class FolderLaws implements AutoCloseable {
         return prepared;
     }
 
-    /** Returns one of the requested spares, if there is any. */
+    /** Returns an active file that needs a new spare copy; null if there is none. */
     @Nullable SpareWanted nextWanted() {
         return wanted.poll();
     }
@@ -80,7 +81,7 @@ final class FolderLaws implements AutoCloseable {
         wanted.add(spare);
     }
 
-    /** Stores a requested spare, if its file is still active without one. */
+    /** Stores a new spare copy, if its file is still active without one. */
     void giveSpare(String name, PreparedLibrary spare) {
         ActiveFile file = byName.get(name);
         if (file != null && file.spare == null && file.sha256.equals(spare.sha256())) {
@@ -90,7 +91,7 @@ final class FolderLaws implements AutoCloseable {
         }
     }
 
-    /** Activates the library of a file in place of the file's previous one. */
+    /** Activates the library of a file, in place of the file's previous library if there is one. */
     void put(long frame, Path file, PreparedLibrary library, PreparedLibrary spare) {
         String name = file.getFileName().toString();
         ActiveFile old = byName.get(name);
@@ -127,8 +128,8 @@ final class FolderLaws implements AutoCloseable {
     }
 
     /**
-     * Adopts the same library if it is already active: restored from a store, or named by the
-     * world.
+     * Adopts a library with the same bytes that is already active, because a store was restored or
+     * the world file names it. Returns false if there is none.
      */
     private boolean adopted(String name, PreparedLibrary library, PreparedLibrary spare) {
         Optional<Integer> free = free(library.sha256());
@@ -140,7 +141,10 @@ final class FolderLaws implements AutoCloseable {
         return free.isPresent();
     }
 
-    /** Returns a loaded library with these bytes that belongs to no file. */
+    /**
+     * Returns the id of a loaded library with these bytes that does not come from a file of the
+     * folder.
+     */
     private Optional<Integer> free(String sha256) {
         Set<Integer> owned =
                 byName.values().stream().map(ActiveFile::libraryId).collect(Collectors.toSet());
@@ -148,8 +152,8 @@ final class FolderLaws implements AutoCloseable {
     }
 
     /**
-     * Returns the active file with the present id of its library, which has another one after it
-     * was loaded again, for example with other parameters.
+     * Returns the active file with the present id of its library: loading it again, for example
+     * with other parameters, gives a library a new id.
      */
     private ActiveFile followed(String name, ActiveFile file) {
         if (laws.isLoaded(file.libraryId)) {
@@ -191,8 +195,9 @@ final class FolderLaws implements AutoCloseable {
     }
 
     /**
-     * Replaces a library. Both must not be loaded together (same name, same integrated property),
-     * so the old one is unloaded first, and restored if the new one is refused.
+     * Replaces a library. The two cannot be loaded at the same time, because they may have the same
+     * name and integrate the same property. So the old one is unloaded first, and restored if the
+     * engine refuses the new one.
      */
     private int replace(long frame, Path file, ActiveFile old, PreparedLibrary library) {
         String name = file.getFileName().toString();
@@ -212,7 +217,7 @@ final class FolderLaws implements AutoCloseable {
         }
     }
 
-    /** Restores the old library. A failure is reported after the refusal that caused it. */
+    /** Restores the old library. If this fails, too, reports this failure after the refusal. */
     private void goBack(
             long frame,
             String name,

@@ -5,30 +5,31 @@ import reve.core.world.ItemId;
 
 import java.util.Map;
 
-/**
- * A change to the laws of a world. Libraries are identified by their index in the order of loading.
- */
+/** A change to the laws of a world. An index counts libraries in the order of loading, from 0. */
 public sealed interface LawChange {
-    /** A library was loaded after all others. */
+    /** A library was loaded, as the last one in the order. */
     record Loaded(LawLibrary library) implements LawChange {}
 
-    /** The library at an index, from 0, was unloaded. */
+    /** The library at an index was unloaded. */
     record Unloaded(int place) implements LawChange {}
 
     /**
-     * Parameters of the library at an index were changed; laws keep what they remember.
+     * Parameters of the library at an index were changed; the laws keep their SCRATCH memory.
      *
      * @param changed by {@code parameter} or {@code law.parameter}
      */
     record ParametersSet(int place, Map<String, Double> changed) implements LawChange {}
 
-    /** The library at an index failed in PHYSICS, was unloaded and is quarantined. */
+    /**
+     * The library at an index failed in PHYSICS, the frame's phase in which laws act, was unloaded
+     * and is quarantined.
+     */
     record Failed(int place, Quarantined reason) implements LawChange {}
 
-    /** A law failed in PHYSICS at an item, which was made unreachable for laws. */
+    /** A law failed in PHYSICS at an item, which was arrested: laws no longer reach it. */
     record Arrested(ItemId item) implements LawChange {}
 
-    /** A library's bytes were released from quarantine. */
+    /** The quarantine of a library's bytes was ended, so it may be loaded again. */
     record Released(String sha256) implements LawChange {}
 
     /** PHYSICS failed and no law was the cause: the laws did not act in this frame. */

@@ -27,17 +27,17 @@ import java.util.concurrent.TimeUnit;
 import java.util.stream.Stream;
 
 /**
- * A watched folder of law libraries. An added file acts from the next frame on, a removed file is
- * unloaded, and a replaced file is exchanged between two frames. A separate thread scans the folder
- * and checks libraries; the world's thread only activates prepared ones, as commands of origin
- * {@value #ORIGIN}. Each refusal becomes one "fault" event.
+ * A watched folder of law libraries. The laws of an added file act from the next frame on; those of
+ * a removed file are unloaded; those of a replaced file are exchanged between two frames. A
+ * separate thread scans the folder and checks libraries; the world's thread only activates prepared
+ * ones, as commands of origin {@value #ORIGIN}. Each refusal becomes one "fault" event.
  *
- * <p>Files whose name ends in ".so", ".law" or ".py" count, once two scans found the same size and
- * time. A file that cannot be loaded is reported only if it is unchanged for some further scans,
- * because it may still be incomplete.
+ * <p>Only files whose name ends in ".so", ".law" or ".py" count, as soon as two scans have found
+ * the same size and time of change. A file that cannot be loaded may still be incomplete, so it is
+ * reported only after further scans have found it unchanged.
  */
 public final class LawFolder implements AutoCloseable {
-    /** Origin of this folder's commands; agents' names cannot contain its space. */
+    /** Origin of this folder's commands; it contains a space, so no agent can have this name. */
     public static final String ORIGIN = "laws folder";
 
     /** Maximum number of active libraries of one folder. */
@@ -59,18 +59,21 @@ public final class LawFolder implements AutoCloseable {
     private @Nullable Thread thread;
     private @Nullable String lastWarning;
 
-    /** The identity of a file's content, without reading it. */
+    /** The identity of a file's content as far as it is known without reading the file. */
     private record Stamp(@Nullable Object key, long size, long modifiedNanoseconds) {}
 
-    /** A file as the last scans found it. */
+    /** A file in the state in which the last scans found it. */
     private static final class WatchedFile {
         @Nullable Stamp stamp;
         int equalLooks;
 
-        /** Whether no work is left until the file changes, except perhaps to report the refusal. */
+        /**
+         * True if the file needs no work until it changes, except perhaps the report of its
+         * refusal.
+         */
         boolean settled;
 
-        /** Whether the file was passed to the world at least once. */
+        /** True if the file was passed to the world at least once. */
         boolean accepted;
 
         @Nullable PhysicsException refusal;
@@ -85,7 +88,7 @@ public final class LawFolder implements AutoCloseable {
     }
 
     /**
-     * Creates a watcher; {@link #start} or {@link #look} begin to scan.
+     * Creates a watcher; it scans only after {@link #start}, or when {@link #look} is called.
      *
      * @param engine prepares libraries; closed after this object
      * @throws IllegalArgumentException if the path is not a folder, or is world-writable
@@ -161,7 +164,7 @@ public final class LawFolder implements AutoCloseable {
                 Thread.sleep(INTERVAL);
             }
         } catch (InterruptedException e) {
-            // close() interrupts the thread
+            // close() has interrupted this thread
         }
     }
 
@@ -208,7 +211,7 @@ public final class LawFolder implements AutoCloseable {
             }
             tellRefusal(name, file);
         } catch (NoSuchFileException e) {
-            // removed since it was listed: the next scan handles it
+            // removed after it was listed: the next scan handles that
         } catch (IOException e) {
             warnOnce(path + " cannot be read: " + e.getMessage());
         }
@@ -271,7 +274,10 @@ public final class LawFolder implements AutoCloseable {
         }
     }
 
-    /** Prepares used spares again from their bytes, because their files have other content now. */
+    /**
+     * Prepares new spare copies for those that were used, from the kept bytes, because the files
+     * have other content now.
+     */
     private void makeSpares() {
         for (var wanted = active.nextWanted(); wanted != null; wanted = active.nextWanted()) {
             String name = wanted.name();
@@ -292,7 +298,7 @@ public final class LawFolder implements AutoCloseable {
         return files.values().stream().filter(file -> file.accepted).count();
     }
 
-    /** Reports a refusal when it is due, and the same refusal only once. */
+    /** Reports a refusal after the required number of scans, and the same refusal only once. */
     private void tellRefusal(String name, WatchedFile file) {
         PhysicsException refusal = file.refusal;
         if (refusal == null || file.equalLooks < file.looksUntilTold) {

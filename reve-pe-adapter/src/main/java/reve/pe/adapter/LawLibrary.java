@@ -8,12 +8,12 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * A loaded law library, with the data to load the same one again.
+ * A loaded law library, with all data that is needed to load it again.
  *
  * @param name the library's own name
  * @param sha256 of its bytes, 64 lower-case hexadecimal digits
- * @param parameters by {@code parameter} or {@code law.parameter}; the others have their default
- * @param bytes of the file; must not be changed
+ * @param parameters by {@code parameter} or {@code law.parameter}; omitted ones have their default
+ * @param bytes of the file; the caller must not change them
  */
 public record LawLibrary(String name, String sha256, Map<String, Double> parameters, byte[] bytes) {
     /** Copies the parameters. */
@@ -32,7 +32,7 @@ public record LawLibrary(String name, String sha256, Map<String, Double> paramet
         return new LawLibrary(name, sha256, all, bytes);
     }
 
-    /** Returns whether it is a text, and not native code. */
+    /** Returns whether the library is a law as text, and not native code. */
     public boolean isText() {
         return PreparedLibrary.isText(bytes);
     }

@@ -27,23 +27,23 @@ import java.util.stream.Collectors;
 
 /**
  * The loaded and the quarantined laws of a world. Each change raises a {@code law-loaded}, {@code
- * law-unloaded} or {@code fault} event. The last two contain the calls and the wall-clock
- * milliseconds of all laws of the library. World's thread only.
+ * law-unloaded} or {@code fault} event. The last two contain how often the library's laws were
+ * called, and their wall-clock milliseconds. World's thread only.
  */
 public final class Laws {
     private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf)");
 
-    /** Maximum number of tries of a change during which the engine's process is lost. */
+    /** Maximum number of attempts at a change, if the engine's process is lost during it. */
     private static final int MOST_TRIES = 3;
 
-    /** What the engine throws if its process was lost. */
+    /** Statuses that the engine throws if its process was lost. */
     private static final Set<Status> LOSSES = Set.of(Status.ENGINE_LOST, Status.LAW_CRASHED);
 
     private final World world;
     private final PhysicsEngine engine;
     private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
 
-    /** Libraries that a laws folder adopts if it has their bytes. */
+    /** Ids of libraries that a laws folder may adopt if it contains their bytes. */
     private final Set<Integer> forFolder = new HashSet<>();
 
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
@@ -52,7 +52,7 @@ public final class Laws {
     private long version;
     private boolean unmoved;
 
-    /** The changes of an attempt in progress, which listeners receive at its end. */
+    /** The changes of the attempt in progress; listeners receive them at its end. */
     private @Nullable List<LawChange> attempted;
 
     Laws(World world, PhysicsEngine engine) {
@@ -67,15 +67,15 @@ public final class Laws {
      * @param parameters by {@code parameter} or {@code law.parameter}
      * @return id of the library, for {@link #unload}
      * @throws PhysicsException if the engine refuses it, or these bytes are quarantined; then
-     *     nothing changed and the caller still owns the library
+     *     nothing has changed and the caller still owns the library
      */
     public int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters) {
         return load(frame, prepared, parameters, name -> {});
     }
 
     /**
-     * Activates a library that was read from a file. The name guard may refuse its own name, or
-     * that of one of its laws.
+     * Activates a library that was read from a file. The {@link NameGuard} may refuse the library's
+     * name, or that of one of its laws.
      */
     public int load(
             long frame, PreparedLibrary prepared, Map<String, Double> parameters, Path file) {
@@ -88,12 +88,12 @@ public final class Laws {
         guard = newGuard;
     }
 
-    /** A check that refuses libraries by name. */
+    /** A check that can refuse libraries by their name, or by the names of their laws. */
     public interface NameGuard {
         /**
          * Checks the name of a library or of one of its laws.
          *
-         * @throws PhysicsException if the library may not use it
+         * @throws PhysicsException if the library may not have this name
          */
         void check(String name, Path file, byte[] library);
     }
@@ -171,8 +171,8 @@ public final class Laws {
 
     /**
      * Changes parameters of a loaded library, outside PHYSICS. The library and those loaded after
-     * it are loaded again, so that the order of the laws stays the same; all laws keep what they
-     * remember.
+     * it are loaded again, so that the order of the laws stays the same; all laws keep their
+     * SCRATCH memory.
      *
      * @param changed by {@code parameter} or {@code law.parameter}; the others keep their values
      * @throws IllegalArgumentException if no library has the name
@@ -200,8 +200,9 @@ public final class Laws {
     }
 
     /**
-     * Loads a library outside PHYSICS in place of a loaded one of the same name, whose laws it
-     * would exclude. If the new one is refused, the old one and what the laws remember return.
+     * Loads a library outside PHYSICS in place of a loaded one of the same name, because the laws
+     * of both cannot be loaded together. If the new one is refused, the old one and the laws'
+     * SCRATCH memory are restored.
      *
      * @param old id of the loaded library
      * @return id of the new library
@@ -222,16 +223,19 @@ public final class Laws {
         return latest().orElseThrow().getKey();
     }
 
-    /** Loads and unloads libraries; the listeners receive the changes that it leaves. */
+    /**
+     * An action that loads and unloads libraries; listeners receive only the changes that remain at
+     * its end.
+     */
     private interface Attempt {
         /**
-         * @param made the changes so far
+         * @param made receives the changes
          * @param memory the engine's state before the attempt
          */
         void make(List<LawChange> made, byte[] memory);
     }
 
-    /** Makes an attempt; if the engine refuses a step, all libraries are as before. */
+    /** Runs an action; if the engine refuses one of its changes, restores all libraries. */
     private void attempt(long frame, Attempt attempt) {
         List<LawLibrary> before = libraries();
         List<Quarantined> out = quarantined();
@@ -330,8 +334,8 @@ public final class Laws {
     }
 
     /**
-     * Applies a change that occurred in another world with the same laws. A library that failed
-     * there is removed without a failure here.
+     * Repeats here a change of another world with the same laws, for example from a journal. A
+     * library that failed there is removed here without a failure.
      *
      * @throws PhysicsException if the engine refuses a library
      * @throws IllegalArgumentException if there is no library at the index
@@ -339,7 +343,7 @@ public final class Laws {
     public void apply(long frame, LawChange change) {
         switch (change) {
             case LawChange.Loaded added -> {
-                // Journals of earlier versions have no releases.
+                // Journals of earlier versions contain no Released.
                 quarantined.remove(added.library().sha256());
                 try (PreparedLibrary prepared = engine.prepare(added.library().bytes())) {
                     leaveToFolder(load(frame, prepared, added.library().parameters()));
@@ -361,12 +365,15 @@ public final class Laws {
         }
     }
 
-    /** Notes that the laws did not act in this frame, because PHYSICS failed. */
+    /** Reports to listeners that the laws did not act in this frame, because PHYSICS failed. */
     void failed() {
         tell(new LawChange.Unmoved());
     }
 
-    /** Returns whether the laws must not act in this frame, as in the world of a change. */
+    /**
+     * Returns whether an applied {@link LawChange.Unmoved} says that the laws must not act in this
+     * frame; resets this.
+     */
     boolean takeUnmoved() {
         boolean taken = unmoved;
         unmoved = false;
@@ -375,7 +382,7 @@ public final class Laws {
 
     /**
      * Loads and unloads until exactly these libraries are loaded, in this order. If the engine's
-     * process is lost meanwhile, the next one continues.
+     * process is lost meanwhile, its successor continues.
      *
      * @throws PhysicsException if the engine refuses a library, or its process is lost too often
      */
@@ -430,7 +437,7 @@ public final class Laws {
     /**
      * Unloads and quarantines the library that caused a step's failure.
      *
-     * @param item whose row failed, if one did
+     * @param item at whose row the law failed, if known
      * @throws PhysicsException the failure itself, if no loaded library caused it
      */
     void quarantine(long frame, PhysicsException failure, Optional<Item> item) {
@@ -454,7 +461,10 @@ public final class Laws {
         reportFault(frame, fields, failure);
     }
 
-    /** Reports that an item was arrested because a law failed; the law stays loaded. */
+    /**
+     * Reports that an item was arrested (made unreachable for laws) because a law failed; the law
+     * stays loaded.
+     */
     void arrested(long frame, Item item, PhysicsException failure) {
         tell(new LawChange.Arrested(item.id()));
         LawLibrary library = loaded.get(failure.libraryId());
@@ -478,7 +488,10 @@ public final class Laws {
         world.raise(new WorldEvent(frame, "fault", fields));
     }
 
-    /** Returns the end of a message about numbers that are not finite: the item, and a remedy. */
+    /**
+     * Returns the end of a fault's message about numbers that are not finite: the item, and what to
+     * do.
+     */
     private static String remedy(Map<String, Object> fields, PhysicsException failure) {
         return failure.status() == Status.LAW_MISBEHAVED
                         && NOT_FINITE.matcher(String.valueOf(failure.getMessage())).find()
@@ -499,7 +512,10 @@ public final class Laws {
         return place;
     }
 
-    /** Adds the calls and times of a library's laws, which are lost after it is unloaded. */
+    /**
+     * Adds to an event the calls and times of a library's laws, which the engine forgets at
+     * unloading.
+     */
     private void addCost(Map<String, Object> fields, int libraryId) {
         long calls = 0;
         long nanoseconds = 0;

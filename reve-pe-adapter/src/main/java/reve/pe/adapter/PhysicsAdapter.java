@@ -30,23 +30,24 @@ import java.util.stream.Collectors;
  *
  * <p>A failing law costs one repeated frame: the columns are restored, the law's library is
  * quarantined and reported as a "fault" event, and the frame is repeated without it. From that
- * frame on the world is, to the bit, one that runs without that law. A failure that no loaded law
- * caused is thrown after the columns were restored: that frame has no physics, which is a {@link
- * LawChange}, so that a journal repeats it. If the process of an engine was lost while no law ran,
- * the frame is repeated; if that does not help, the library that was loaded last is quarantined.
+ * frame on, the world has the same bits as one without that law. If no loaded law caused the
+ * failure, the columns are restored and the failure is thrown: that frame has no physics. This is a
+ * {@link LawChange}, too, so that a replay of the journal does the same. If the engine's process
+ * was lost while no law ran, the frame is repeated; if it is lost again, the library that was
+ * loaded last is quarantined.
  *
- * <p>Before a law is quarantined, items that actions or edits changed are arrested: the one at
- * which the law failed, otherwise the one with the most extreme numbers, then all of them. If the
- * frame succeeds without them they stay arrested, which is reported as a "fault" event; otherwise
- * they are restored.
+ * <p>Before a law is quarantined, the adapter tries to arrest items, which makes them unreachable
+ * for laws: among the items that actions or edits changed, the one at which the law failed,
+ * otherwise the one with the most extreme numbers, then all. If the frame succeeds without them
+ * they stay arrested, which is reported as a "fault" event; otherwise they are restored.
  *
  * <p>World's thread only. The caller owns the engine and the arena, which must outlive the adapter,
- * and must not use the engine otherwise meanwhile.
+ * and must not call the engine itself meanwhile.
  */
 public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     /**
-     * Maximum number of items arrested one at a time before all are; limits the repetitions of a
-     * frame.
+     * Number of items that are arrested one by one before all suspects are arrested; limits the
+     * repetitions of a frame.
      */
     private static final int MOST_ARRESTS_ONE_BY_ONE = 2;
 
@@ -66,10 +67,10 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private long keptLaws = -1;
     private long lentLaws = -1;
 
-    /** The activity of the world's thread in the engine, for reports. */
+    /** Name of what the world's thread does while it is in the engine, for reports. */
     private String advancing = "";
 
-    /** Losses of the engine's process in this frame that no law explains. */
+    /** How often the engine's process was lost in this frame without a law as the cause. */
     private int losses;
 
     private long frames;
@@ -78,7 +79,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private long copyNanoseconds;
     private long advanceNanoseconds;
 
-    /** An item without which the frame is repeated. */
+    /** An item that was arrested for a repetition of the frame; {@code release} undoes this. */
     private record Arrested(Item item, PhysicsException failure, Runnable release) {}
 
     /**
@@ -152,8 +153,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Returns the physics part of an image, which with the world's image continues the run to the
-     * bit. Between frames.
+     * Returns the physics part of an image (saved state). Together with the world's part it
+     * continues the run with equal bits. Call it between frames.
      */
     public PhysicsImage save() {
         bind();
@@ -178,15 +179,15 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Returns the engine's open ledger; changes not made by laws belong to the client. Between
-     * frames.
+     * Returns the engine's open ledger; its line "client" contains the changes that laws did not
+     * make. Between frames.
      */
     public List<LedgerLine> ledger() {
         bind();
         return engine.ledger();
     }
 
-    /** Returns the adapter's times. */
+    /** Returns the adapter's times so far. */
     public AdapterProfile profile() {
         return new AdapterProfile(
                 frames, redoneFrames, bindNanoseconds, copyNanoseconds, advanceNanoseconds);
@@ -198,7 +199,10 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         rollback.close();
     }
 
-    /** Passes changes of the world to the engine, and lends it what the loaded laws use. */
+    /**
+     * Passes changes of the world's columns to the engine, and lends it the columns that the loaded
+     * laws use.
+     */
     private void bind() {
         if (lentLaws != laws.version()) {
             bound.setUsed(
@@ -241,7 +245,10 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         rollback.restore();
     }
 
-    /** Returns the failure; that of the library loaded last, if the engine knows no culprit. */
+    /**
+     * Returns the failure; if the engine does not know which library caused it, the failure names
+     * the library that was loaded last.
+     */
     private PhysicsException blamed(PhysicsException failure) {
         return failure.status() == Status.ENGINE_LOST
                 ? laws.latest()
@@ -274,7 +281,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         List<Item> suspects = new ArrayList<>(world.arrests().suspects(failed));
         suspects.removeAll(tried.stream().map(Arrested::item).toList());
         if (CRASHES.contains(failure.status())) {
-            // A law may crash at any numbers; only extreme ones excuse it.
+            // A law may crash at any numbers, so an item is suspect only if its numbers are
+            // extreme.
             suspects.removeIf(item -> !world.arrests().isExtreme(item));
         }
         if (suspects.isEmpty() || !laws.isLoaded(failure.libraryId())) {
@@ -306,8 +314,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Returns the kind of the property at which a law failed, or of the rows for which the law
-     * stores the named value itself; empty if the failure names neither.
+     * Returns the kind (such as "body") of the property at which a law failed; this may be a value
+     * that the law stores itself. Empty if the failure names no property.
      */
     private Optional<String> kindOf(PhysicsException failure) {
         return laws.loaded().stream()
@@ -331,7 +339,9 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         }
     }
 
-    /** Returns the properties that laws write, and all accumulators, which the engine sets. */
+    /**
+     * Returns the properties that laws write, and all accumulators, which the engine itself writes.
+     */
     private Set<String> writtenProperties() {
         Set<String> written = new HashSet<>(accumulators);
         for (PhysicsLaw law : laws.loaded()) {

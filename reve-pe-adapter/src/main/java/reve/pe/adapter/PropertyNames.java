@@ -20,8 +20,8 @@ import java.util.Set;
 import java.util.stream.Stream;
 
 /**
- * Translation of REVE's property names to an engine's. They are equal, except for the rows of one
- * table.
+ * Translation of REVE's property names to an engine's. The names are equal, except for those in a
+ * table here.
  */
 public final class PropertyNames {
     /** The engine's kind for the rows of bodies without a physics aspect. */
@@ -54,8 +54,8 @@ public final class PropertyNames {
      * units, and the standard fields, for which items have no values.
      *
      * @param standard the engine's standard prototype, which limits the access of laws to standard
-     *     properties. Laws may read and write properties that designers add, but only read
-     *     references
+     *     properties. Laws may read and write the properties that designers add, except references,
+     *     which they may only read
      */
     public static Prototype prototype(WorldPrototype world, Prototype standard) {
         List<PropertyDescriptor> properties = new ArrayList<>();
@@ -96,7 +96,10 @@ public final class PropertyNames {
                 standard.name(), scalarType(world.realType()), standard.timeUnit(), properties);
     }
 
-    /** Returns whether a property holds the bodies that carry attached items. */
+    /**
+     * Returns whether a property contains, for attached items, the row of the body that carries
+     * them.
+     */
     static boolean isCarrier(PropertyDescriptor property) {
         return CARRIERS.contains(property.name());
     }
@@ -108,12 +111,15 @@ public final class PropertyNames {
                         && ON_DEMAND.contains(property.name());
     }
 
-    /** Returns the table of REVE that has the rows of an engine's kind. */
+    /** Returns the table of REVE whose rows are those of an engine's kind. */
     static String table(String kind) {
         return kind.equals(SCENERY) ? WorldPrototype.BODY : kind;
     }
 
-    /** Returns whether a designer's own kind or property has the name of one of the adapter's. */
+    /**
+     * Returns whether a kind or property that a designer added has the name of one of the
+     * adapter's.
+     */
     private static boolean isTaken(WorldPrototype world, PropertyDescriptor property) {
         return property.kind().equals(SCENERY) && world.kinds().contains(SCENERY)
                 || isOnDemand(property)
@@ -121,7 +127,7 @@ public final class PropertyNames {
                                 .anyMatch(own -> own.name().equals(property.name()));
     }
 
-    /** Returns REVE's columns of an engine's property, side by side. */
+    /** Returns the names of REVE's columns that form an engine's property, side by side. */
     public static List<String> columns(String kind, String engineName) {
         return TABLE.stream()
                 .filter(row -> row.kind.equals(kind) && row.engineName.equals(engineName))
@@ -130,7 +136,7 @@ public final class PropertyNames {
                 .orElse(List.of(engineName));
     }
 
-    /** Returns all the columns, or none if the world lacks one. */
+    /** Returns all these columns, or an empty list if the world lacks one. */
     private static List<reve.core.world.PropertyDescriptor> find(
             WorldPrototype world, String kind, List<String> columns) {
         List<reve.core.world.PropertyDescriptor> found =
@@ -157,7 +163,7 @@ public final class PropertyNames {
         reve.core.world.PropertyDescriptor first = columns.getFirst();
         int components =
                 columns.stream().mapToInt(reve.core.world.PropertyDescriptor::components).sum();
-        // Properties that laws write have no minimum here; the world checks other writes.
+        // A property that laws write has no minimum in the engine; the world checks other writes.
         double minimum =
                 access.equals(Set.of(Access.READ)) ? first.minimum() : Double.NEGATIVE_INFINITY;
         return new PropertyDescriptor(
@@ -184,7 +190,7 @@ public final class PropertyNames {
             case F32 -> ScalarType.F32;
             case F64 -> ScalarType.F64;
             case I32 -> ScalarType.I32;
-            case U32, REF -> ScalarType.U32; // laws receive a reference as a row
+            case U32, REF -> ScalarType.U32; // a reference is a row number for laws
         };
     }
 

@@ -6,8 +6,8 @@ import java.lang.foreign.MemorySegment;
 import java.util.List;
 
 /**
- * A copy of columns at the beginning of a frame: all rows, also those behind the engine's, because
- * a law may write past its rows before it crashes. World's thread only.
+ * A copy of columns at the beginning of a frame: it contains the whole memory, also behind the last
+ * row in use, because a faulty law may write there before it crashes. World's thread only.
  */
 final class RollbackCopy implements AutoCloseable {
     private static final long ALIGNMENT_BYTES = 64;
@@ -16,7 +16,9 @@ final class RollbackCopy implements AutoCloseable {
     private MemorySegment copy = MemorySegment.NULL;
     private BoundColumn[] columns = {};
 
-    /** Sets the columns to copy; allocates memory only if it needs more than before. */
+    /**
+     * Sets the columns to copy; allocates memory only if these columns need more than earlier ones.
+     */
     void keep(List<BoundColumn> wanted) {
         columns = wanted.toArray(BoundColumn[]::new);
         long bytes = 0;

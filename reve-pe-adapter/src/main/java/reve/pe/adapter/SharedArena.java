@@ -12,8 +12,8 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * Column memory that another process can map: each column has its own file descriptor. Same thread
- * rule as the world's.
+ * Column memory that another process can map: each column has its own file descriptor. The world's
+ * thread rule applies.
  */
 public final class SharedArena implements ColumnArena {
     private final TreeMap<Long, SharedMemory> byAddress = new TreeMap<>();
@@ -26,7 +26,7 @@ public final class SharedArena implements ColumnArena {
     }
 
     /**
-     * Returns where another process finds a column, or a part of it.
+     * Returns how another process can map a column, or a part of it: file descriptor and range.
      *
      * @param memory from {@link #reserve}, or a part of it
      */

@@ -6,13 +6,16 @@ import reve.pe.vesper.VesperConfig;
 
 import java.util.function.Consumer;
 
-/** Requests to a host; a failure becomes a PhysicsException. */
+/** Requests to a host (a process that runs an engine); a failure becomes a PhysicsException. */
 @FunctionalInterface
 interface Calls {
-    /** Sends the request that the caller writes, and returns the reply behind its status. */
+    /**
+     * Sends the request that {@code request} writes, and returns the reply, positioned behind its
+     * status.
+     */
     Mailbox call(Consumer<HostProcess> request) throws HostLost;
 
-    /** Creates the engine of a host. */
+    /** Makes a host create its engine. */
     default void create(VesperConfig config, int threads, Prototype prototype) throws HostLost {
         call(
                 to ->

@@ -3,31 +3,38 @@ package reve.pe.hosted;
 
 import java.util.List;
 
-/** The end of a host before it answered a request. */
+/** Thrown if a host (an engine's process) ended before it answered a request. */
 final class HostLost extends Exception {
     private static final long serialVersionUID = 1L;
 
     /**
-     * The time limit after which the client ended it, because it did not answer [ns]; 0 if it ended
-     * by itself.
+     * The time limit after which the client ended the host, because it did not answer [ns]; 0 if it
+     * ended by itself.
      */
     final long lateNanos;
 
-    /** Whether SIGKILL ended it, which the system and other programs send, too. */
+    /**
+     * Whether SIGKILL ended it; besides this client, the system or another program may have sent
+     * it.
+     */
     final boolean killed;
 
-    /** The laws that its threads were calling: id in the upper, 1 + index in the lower half. */
+    /**
+     * The laws that its threads were calling: in each number, the library's id in the upper half
+     * and 1 + the law's index in the lower half.
+     */
     final transient List<Long> running;
 
     /**
-     * The read-only property at which it crashed, or empty, and the place in its column [bytes].
+     * If it crashed by writing to a read-only property, the property's name, otherwise empty; and
+     * the offset in its column [bytes].
      */
     final String property;
 
     final long offset;
 
     /**
-     * @param message how it ended, for example "SIGSEGV"
+     * @param message how the host ended, for example "SIGSEGV"
      */
     HostLost(
             String message,
@@ -44,7 +51,7 @@ final class HostLost extends Exception {
         this.offset = offset;
     }
 
-    /** Whether the client ended it. */
+    /** Returns whether the client ended the host because it did not answer in time. */
     boolean isLate() {
         return lateNanos > 0;
     }

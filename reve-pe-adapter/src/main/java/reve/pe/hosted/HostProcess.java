@@ -24,8 +24,9 @@ import java.util.Set;
 import java.util.concurrent.TimeUnit;
 
 /**
- * A {@code vesper-host} and the memory for the exchange with it; the offsets are those of {@code
- * vesper-native/host/control.hpp}. One call at a time, from any thread.
+ * A process {@code vesper-host}, which runs an engine, and the shared memory for requests and
+ * replies; {@code vesper-native/host/control.hpp} defines its layout. One call at a time, from any
+ * thread.
  */
 class HostProcess implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
@@ -48,29 +49,35 @@ class HostProcess implements AutoCloseable {
         System.Logger.Level.ERROR
     };
 
-    /** Time after which a waiting client looks whether the host still lives and works [ns]. */
+    /** Interval at which a waiting client checks whether the host still lives and works [ns]. */
     private static final long LOOK_NANOS = 1_000_000;
 
-    /** Processor time in one look below which a host only waits [ns]. */
+    /** Processor time between two checks below which the host counts as waiting [ns]. */
     private static final long IDLE_NANOS = LOOK_NANOS / 20;
 
     /**
-     * Maximum time that one look counts [ns]: after a longer one this process, and perhaps the
-     * host, did not run.
+     * Maximum time that counts for one interval [ns]: if it took longer, this process, and perhaps
+     * the host, did not run.
      */
     private static final long MOST_LOOK_NANOS = 10 * LOOK_NANOS;
 
     /**
-     * Maximum busy-wait for a reply, in a world that does not wait for the clock; 0 on one
-     * processor, where it would take time from the host.
+     * Maximum busy-wait for a reply in a world that runs as fast as it can, without a clock [ns]; 0
+     * on one processor, where the wait would take time from the host.
      */
     private static final long AWAKE_NANOS =
             Runtime.getRuntime().availableProcessors() > 1 ? 50_000 : 0;
 
-    /** A world that waits for the clock has longer pauses between two calls. */
+    /**
+     * Pause between two calls below which a world counts as running without a clock [ns]; with a
+     * clock, pauses are longer.
+     */
     private static final long QUICK_NANOS = 200_000;
 
-    /** Multiple of the time limit after which a host is ended even if it had no processor. */
+    /**
+     * A host is ended after this multiple of the time limit of wall-clock time, even if it got no
+     * processor.
+     */
     private static final int MOST_WALL = 20;
 
     private static final Map<Integer, String> SIGNALS =
@@ -80,7 +87,10 @@ class HostProcess implements AutoCloseable {
     private static final int FIRST_SIGNAL = 128;
     private static final int SIGKILL = 9;
 
-    /** Variables that loaders and drivers need; others may contain secrets. */
+    /**
+     * Environment variables that a host receives, because loaders and drivers need them; others may
+     * contain secrets.
+     */
     private static final Set<String> KEPT_VARIABLES = Set.of("HOME", "PATH", "TMPDIR", "LANG");
 
     private static final List<String> KEPT_PREFIXES =
@@ -112,7 +122,7 @@ class HostProcess implements AutoCloseable {
         try {
             started = start(program, control.descriptor(), memoryBytes);
             startReading(started);
-        } catch (IOException | OutOfMemoryError e) { // an error: the system has no further thread
+        } catch (IOException | OutOfMemoryError e) { // OutOfMemoryError: no more threads permitted
             if (started != null) {
                 started.destroyForcibly();
             }
@@ -126,9 +136,10 @@ class HostProcess implements AutoCloseable {
     }
 
     /**
-     * Reads the output on a platform thread. A read of a pipe keeps the carrier of a virtual
-     * thread; two of them, on two processors, leave no carrier for any other virtual thread once
-     * the pool has ended its further threads, after 30 s without work.
+     * Reads the output on a platform thread. On a virtual thread, a blocking read of a pipe would
+     * keep the carrier thread. On a machine with two processors, two such reads would leave no
+     * carrier for other virtual threads, as soon as the pool has ended its extra threads after 30 s
+     * without work.
      */
     private static void startReading(Process started) {
         Thread.ofPlatform().daemon().name("output of laws").start(new OutputOfLaws(started, LOG));
@@ -158,7 +169,7 @@ class HostProcess implements AutoCloseable {
         return builder.start();
     }
 
-    /** Begins a request, to which the caller adds its arguments. */
+    /** Begins a request; the caller appends the arguments. */
     Mailbox begin(Request number) {
         return mailbox.begin(number);
     }
@@ -166,7 +177,7 @@ class HostProcess implements AutoCloseable {
     /**
      * Sends the request and returns the reply.
      *
-     * @param limitNanos processor time, and time without any activity, after which the host is
+     * @param limitNanos limit for the sum of processor time and idle time, after which the host is
      *     ended
      * @param log receives the log lines of the request
      * @throws HostLost if the host ended; it cannot be used any more
@@ -192,19 +203,19 @@ class HostProcess implements AutoCloseable {
         return mailbox.reply();
     }
 
-    /** Busy-waits for the reply, as waking this thread takes longer than most frames. */
+    /** Busy-waits for the reply, because waking this thread takes longer than most frames. */
     private void spin(int number, long untilNanos) {
         while (reply.get() != number && System.nanoTime() - untilNanos < 0) {
             Thread.onSpinWait();
         }
     }
 
-    /** Returns the time of the last call, counted as for the limit of {@link #call} [ns]. */
+    /** Returns the time of the last call as it counts for the limit of {@link #call} [ns]. */
     long spentNanos() {
         return spentNanos;
     }
 
-    /** The wait for an answer that takes longer than one look. */
+    /** The wait for a reply that does not come within {@link #LOOK_NANOS}. */
     private final class Wait {
         private final int number;
         private final long limitNanos;
@@ -220,7 +231,7 @@ class HostProcess implements AutoCloseable {
             this.limitNanos = limitNanos;
         }
 
-        /** Returns the time that counts for the limit [ns]. */
+        /** Waits for the reply, and returns the time that counts for the limit [ns]. */
         long untilAnswered(VesperLog log) throws HostLost {
             for (long last = start; reply.get() != number; ) {
                 if (!process.isAlive()) {
@@ -240,14 +251,18 @@ class HostProcess implements AutoCloseable {
             return spent();
         }
 
-        /** Several threads use more processor time than passes. */
+        /**
+         * At most the wall-clock time, because several threads may use more processor time than
+         * that.
+         */
         private long spent() {
             return Math.min(cpu - startCpu + idle, System.nanoTime() - start);
         }
 
         /**
-         * A host that waits for a processor or a disk is not idle: others keep it from working. One
-         * that was stopped continues, once in a call, because other programs can stop it, too.
+         * Counts idle time. A host that waits for a processor or a disk is not idle. A host that
+         * was stopped (SIGSTOP) is continued once per call, because another program may have
+         * stopped it.
          */
         private void count(long elapsed) {
             long before = cpu;
@@ -306,7 +321,7 @@ class HostProcess implements AutoCloseable {
                 reader.getInt();
                 line = reader.getText();
             } catch (IndexOutOfBoundsException spoiled) {
-                break; // a law wrote here
+                break; // a law has overwritten this memory
             }
             pass(log, LEVELS[Math.clamp(level, 1, LEVELS.length) - 1], OutputOfLaws.escaped(line));
             read += 2 * Integer.BYTES + lines.get(JAVA_INT_UNALIGNED, read + Integer.BYTES);
@@ -344,7 +359,7 @@ class HostProcess implements AutoCloseable {
         }
     }
 
-    /** Ends the host and what its laws started. Idempotent. */
+    /** Ends the host and all processes that its laws started. Idempotent. */
     @Override
     public void close() {
         group.kill();

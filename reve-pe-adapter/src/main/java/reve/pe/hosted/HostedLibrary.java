@@ -8,7 +8,8 @@ import reve.pe.vesper.LibraryFile;
 import java.lang.foreign.MemorySegment;
 
 /**
- * The bytes of a law library, in memory that hosts can read. Nothing of it is open in this process.
+ * The bytes of a law library, in memory that hosts can read. This process does not load any of its
+ * code.
  */
 final class HostedLibrary implements PreparedLibrary {
     private final String source;
@@ -19,7 +20,7 @@ final class HostedLibrary implements PreparedLibrary {
     private String name = "";
     private boolean gone;
 
-    /** What the bytes are. The host has the same numbers. */
+    /** Form of the library's bytes. The host uses the same numbers. */
     enum Form {
         NATIVE,
         TEXT,
@@ -38,7 +39,7 @@ final class HostedLibrary implements PreparedLibrary {
         MemorySegment.copy(MemorySegment.ofArray(bytes), 0, memory.segment(), 0, bytes.length);
     }
 
-    /** Sets the name in the library's own table. */
+    /** Sets the name that the library itself declares. */
     HostedLibrary named(String own) {
         name = own;
         return this;
@@ -48,7 +49,7 @@ final class HostedLibrary implements PreparedLibrary {
         return source;
     }
 
-    /** Adds the library to a request to open it. */
+    /** Appends the library to a request to open it. */
     Mailbox put(Mailbox request) {
         return request.putText(source)
                 .putInt(form.ordinal())
@@ -86,7 +87,7 @@ final class HostedLibrary implements PreparedLibrary {
         gone = true;
     }
 
-    /** Frees the memory of a library that an engine had taken. */
+    /** Frees the memory of a library that an engine owned. */
     void free() {
         memory.close();
     }

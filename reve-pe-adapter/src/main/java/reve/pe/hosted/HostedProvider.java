@@ -24,9 +24,9 @@ import java.util.Set;
 import java.util.function.Function;
 
 /**
- * The provider of a hosted engine: the arrays of the client, which each host maps. A host is told
- * of all rebound arrays at once, so a refusal of their values comes with the next call of the
- * engine.
+ * The provider of a hosted engine: keeps the client's arrays, which each host (engine process)
+ * maps. It sends all rebound arrays to the host together with the next call of the engine, so a
+ * refusal of their values comes with that call.
  */
 final class HostedProvider implements PhysicalPropertyProvider {
     private static final int NO_DESCRIPTOR = -1;
@@ -36,16 +36,19 @@ final class HostedProvider implements PhysicalPropertyProvider {
     private final Map<String, PropertyDescriptor> properties = new LinkedHashMap<>();
     private final Map<String, Arrays> bound = new LinkedHashMap<>();
 
-    /** Properties whose values the client edited, of which the host is told with the next call. */
+    /** Properties whose values the client has edited; the next call reports them to the host. */
     private final Set<String> touched = new LinkedHashSet<>();
 
-    /** The properties whose arrays the current host has. */
+    /** The properties whose arrays the current host (engine process) has received. */
     private final Set<String> lent = new HashSet<>();
 
-    /** The properties that were rebound since, of which the host is told with the next call. */
+    /** Properties that were rebound since the last call; the next call sends them to the host. */
     private final Set<String> pending = new LinkedHashSet<>();
 
-    /** The most rows so far, by kind: laws may build more for more rows. */
+    /**
+     * Maximum number of rows so far, by kind. If it grows, laws may need time to build larger
+     * structures.
+     */
     private final Map<String, Long> mostRows = new HashMap<>();
 
     private MemorySegment.Scope[] lifetimes = {};
@@ -114,12 +117,12 @@ final class HostedProvider implements PhysicalPropertyProvider {
         }
     }
 
-    /** Returns whether arrays were lent that the host does not have yet. */
+    /** Returns whether there are rebound arrays that the host does not have yet. */
     boolean hasPending() {
         return !pending.isEmpty();
     }
 
-    /** Tells the host of all arrays that were rebound, in one request. */
+    /** Sends all rebound arrays to the host in one request. */
     void flush(Calls host) throws HostLost {
         List<String> names =
                 pending.stream()
@@ -138,7 +141,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
                         }
                     });
         } catch (PhysicsException refused) {
-            engine.lose(); // it may have some of the arrays; the next one gets all
+            engine.lose(); // the host may have received some of the arrays; the next host gets all
             throw refused;
         }
         lent.addAll(names);
@@ -195,11 +198,11 @@ final class HostedProvider implements PhysicalPropertyProvider {
         if (!bound.containsKey(name)
                 || property.refersTo() != null
                 || property.minimum() != Double.NEGATIVE_INFINITY) {
-            flushTouches(); // the engine may refuse the values
+            flushTouches(); // in this request, the engine may refuse the values
         }
     }
 
-    /** Notifies the host of edited values. */
+    /** Sends the names of the properties with edited values to the host. */
     void flushTouches() {
         if (!touched.isEmpty()) {
             try {
@@ -215,7 +218,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
         touched.forEach(request::putText);
     }
 
-    /** Lends the bound arrays to another host, which has none yet. */
+    /** Sends all bound arrays to a new host, which has none yet. */
     void bindAll(Calls host) throws HostLost {
         lent.clear();
         pending.addAll(bound.keySet());
@@ -223,7 +226,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
         touched.clear();
     }
 
-    /** Throws if the client closed memory that the engine still uses. */
+    /** Throws if the client has closed memory that the engine still uses. */
     void checkArraysAlive() {
         if (!lifetimesKnown) {
             collectLifetimes();
@@ -259,7 +262,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
         lifetimesKnown = true;
     }
 
-    /** Returns the row at a place in the column of a property, or -1 if there is none. */
+    /** Returns the row of an offset [bytes] in the column of a property, or -1 if there is none. */
     long row(String name, long offset) {
         PropertyDescriptor property = properties.get(name);
         Arrays arrays = bound.get(name);

@@ -14,13 +14,14 @@ import java.util.concurrent.TimeoutException;
 import java.util.function.Supplier;
 
 /**
- * Starts the processes of engines. One of them waits warm, so that the successor of a lost process
- * is there at once. Any thread; engines that share one of these also share the warm process.
+ * Starts the processes of engines. One process is always started in advance, so that it can replace
+ * a lost one at once. Any thread; engines that share this object also share the process started in
+ * advance.
  */
 public final class Hosts implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
 
-    /** Maximum wait for the warm process, if its start is not finished [s]. */
+    /** Maximum wait for the process started in advance, if its start is not finished [s]. */
     private static final long PATIENCE_SECONDS = 1;
 
     private final Supplier<HostProcess> starter;
@@ -29,7 +30,7 @@ public final class Hosts implements AutoCloseable {
     private boolean closed;
 
     /**
-     * @param program the file {@code vesper-host} of a release
+     * @param program path of the program {@code vesper-host} of a release
      * @param memoryBytes maximum private memory of each process; 0: no limit
      */
     public Hosts(Path program, long memoryBytes) {
@@ -40,14 +41,14 @@ public final class Hosts implements AutoCloseable {
 
     /**
      * @param starter starts a process
-     * @param later runs the start of the warm process
+     * @param later runs the starts in advance
      */
     Hosts(Supplier<HostProcess> starter, Executor later) {
         this.starter = starter;
         this.later = later;
     }
 
-    /** Returns the warm process, or a new one. */
+    /** Returns the process started in advance, or a new one. */
     HostProcess take() {
         CompletableFuture<HostProcess> ready;
         synchronized (this) {
@@ -62,7 +63,8 @@ public final class Hosts implements AutoCloseable {
                 }
                 host.close();
             } catch (ExecutionException | TimeoutException notStarted) {
-                ready.thenAccept(HostProcess::close); // the caller's own attempt gives the reason
+                ready.thenAccept(HostProcess::close); // the process is not used; the caller's own
+                // attempt gives the reason
             } catch (InterruptedException e) {
                 ready.thenAccept(HostProcess::close);
                 Thread.currentThread().interrupt();
@@ -72,8 +74,8 @@ public final class Hosts implements AutoCloseable {
     }
 
     /**
-     * Starts the next warm process on another thread, unless there is one. Without a warm process a
-     * lost one is replaced later, so a failure is only logged.
+     * Starts the next process in advance on another thread, unless there is one. A failure is only
+     * logged, because it only delays the replacement of a lost process.
      */
     synchronized void refill() {
         if (warm == null && !closed) {
@@ -85,7 +87,7 @@ public final class Hosts implements AutoCloseable {
         }
     }
 
-    /** Starts a process for one use. */
+    /** Starts a process that is not kept for later. */
     HostProcess start() {
         return starter.get();
     }
@@ -96,14 +98,15 @@ public final class Hosts implements AutoCloseable {
                 () -> {
                     try {
                         next.complete(start());
-                    } catch (Throwable refused) { // otherwise the world would wait for the result
+                    } catch (Throwable refused) { // if not caught here, the world would wait for
+                        // ever
                         next.completeExceptionally(refused);
                     }
                 });
         return next;
     }
 
-    /** Ends the warm process; engines end theirs. Idempotent. */
+    /** Ends the process started in advance; each engine ends its own. Idempotent. */
     @Override
     public void close() {
         CompletableFuture<HostProcess> last;

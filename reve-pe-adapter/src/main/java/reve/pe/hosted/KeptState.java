@@ -11,8 +11,9 @@ import java.util.List;
 import java.util.Objects;
 
 /**
- * The state of the engine that is in no column, as of the last successful call that changed it. A
- * host writes it into shared memory, and this object copies it to memory that no host can reach.
+ * The engine's state that is in no column (see {@link reve.pe.PhysicsEngine#saveState}), after the
+ * last successful call that changed it. A host writes it into shared memory; this object keeps a
+ * copy that no host can change.
  */
 final class KeptState {
     private static final long FIRST_BYTES = 1 << 16;
@@ -22,10 +23,10 @@ final class KeptState {
     private int size;
     private long steps;
 
-    /** Libraries that were unloaded since, and whose state is therefore left out. */
+    /** Libraries that were unloaded since the state was kept; their state is not restored. */
     private final List<String> left = new ArrayList<>();
 
-    /** Shows the shared memory to a host. */
+    /** Passes the shared memory to a host. */
     void lend(Calls host) throws HostLost {
         host.call(
                 to ->
@@ -34,7 +35,7 @@ final class KeptState {
                                 .putLong(shared.segment().byteSize()));
     }
 
-    /** Asks a host for its state, and keeps it. */
+    /** Requests the state of a host, and keeps it. */
     void keep(Calls host) throws HostLost {
         while (!keep(host.call(to -> to.begin(Request.SAVE_STATE)))) {
             lend(host);
@@ -42,7 +43,7 @@ final class KeptState {
     }
 
     /**
-     * Keeps the state to which a reply refers.
+     * Copies the state that the host wrote before this reply.
      *
      * @return false if it did not fit into the shared memory, which is larger now
      */
@@ -68,7 +69,7 @@ final class KeptState {
         return true;
     }
 
-    /** Gives a new host the kept state, if there is one. */
+    /** Loads the kept state, if there is one, into a new host. */
     void restore(Calls host) throws HostLost {
         if (size > 0) {
             load(Arrays.copyOf(copy, size), left, host);
@@ -76,7 +77,7 @@ final class KeptState {
         keep(host);
     }
 
-    /** Makes a host load a state. */
+    /** Makes a host load a state, except that of the libraries {@code without}. */
     void load(byte[] state, List<String> without, Calls host) throws HostLost {
         if (shared.segment().byteSize() < state.length) {
             shared.close();
@@ -94,7 +95,7 @@ final class KeptState {
                 });
     }
 
-    /** Leaves the state of a library out, which was unloaded without a host. */
+    /** Excludes the state of a library that was unloaded while there was no host. */
     void leave(String library) {
         left.add(library);
     }

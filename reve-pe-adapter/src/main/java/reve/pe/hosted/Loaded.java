@@ -8,24 +8,27 @@ import java.util.List;
 import java.util.Map;
 import java.util.TreeMap;
 
-/** A loaded library, with its laws and their calls in all hosts so far. */
+/**
+ * A loaded library, with its laws, and their calls and times in all hosts (engine processes) so
+ * far.
+ */
 final class Loaded {
     final int id;
     final HostedLibrary library;
     final Map<String, Double> parameters;
 
-    /** Its id in the current host. */
+    /** The library's id in the current host. */
     int hostId;
 
-    /** Number of threads of the host before the library was loaded. */
+    /** Number of threads that the host had before the library was loaded. */
     int threads;
 
     private List<PhysicsLaw> laws = List.of();
 
-    /** Calls and times [ns] in the current host as last seen, by law. */
+    /** Calls and times [ns] in the current host as last reported, by law. */
     private long[] counts = {};
 
-    /** The same in earlier hosts. */
+    /** Calls and times [ns] in all earlier hosts, by law. */
     private long[] before = {};
 
     Loaded(int id, HostedLibrary library, Map<String, Double> parameters) {
@@ -69,7 +72,7 @@ final class Loaded {
         }
     }
 
-    /** Keeps the counts of a host that has ended. */
+    /** Adds the counts of a host that has ended to those of earlier hosts. */
     void keepCounts() {
         for (int i = 0; i < counts.length; i++) {
             before[i] += counts[i];

@@ -8,22 +8,25 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The lost hosts of an engine since its last successful advance, and the libraries that are to
- * blame for them.
+ * The lost hosts of an engine since its last successful advance, and the libraries that caused
+ * them.
  */
 final class Losses {
-    /** Maximum time that late laws take from a frame in which they may build [ns]. */
+    /**
+     * Maximum time in a frame that laws which do not return may take, if laws may be building data
+     * structures [ns].
+     */
     private static final long MOST_LATE_NANOS = 4_000_000_000L;
 
     private final HostedProvider provider;
 
-    /** The loaded libraries, as the engine changes them. */
+    /** The loaded libraries; the engine changes this list. */
     private final List<Loaded> libraries;
 
     private boolean alone;
     private long lateNanos;
 
-    /** Id of the library that ran when a host was killed; 0 for none. */
+    /** Id of the library whose law ran when a host was killed; 0 for none. */
     private int suspected;
 
     Losses(HostedProvider provider, List<Loaded> libraries) {
@@ -31,12 +34,18 @@ final class Losses {
         this.libraries = libraries;
     }
 
-    /** Whether laws run one after the other, to find out which of several ended the last host. */
+    /**
+     * Whether laws must run one after the other, because several ran when the last host ended, to
+     * find out which one is the cause.
+     */
     boolean isAlone() {
         return alone;
     }
 
-    /** Returns the part of a time limit that late laws have left in this frame [ns]. */
+    /**
+     * Returns how much of a time limit remains in this frame after the laws that did not return
+     * [ns].
+     */
     long left(long limitNanos) {
         return Math.clamp(MOST_LATE_NANOS - lateNanos, 0, limitNanos);
     }
@@ -86,7 +95,7 @@ final class Losses {
                                                 + ", which no loaded law declares to write"));
     }
 
-    /** Returns the failure of a library with which a new host did not load. */
+    /** Returns the failure of a library at whose loading a new host ended or did not answer. */
     PhysicsException blameForLoad(HostLost lost, Loaded library) {
         lateNanos += lost.lateNanos;
         if (!lost.isLate() && isFirst(library)) {
@@ -97,8 +106,9 @@ final class Losses {
     }
 
     /**
-     * Notes a loss that may have another cause, such as the system's lack of memory. The library
-     * that runs at two of them in one frame is the cause.
+     * Records that this library ran at a loss that may have another cause, such as a lack of
+     * memory. Returns false at the second loss in a row with the same library, which then counts as
+     * the cause.
      */
     private boolean isFirst(Loaded library) {
         boolean first = suspected != library.id;
@@ -116,7 +126,7 @@ final class Losses {
         return lost.isLate() ? Status.LAW_TIMED_OUT : Status.LAW_CRASHED;
     }
 
-    /** Returns the failure that a host reported. */
+    /** Converts a failure that a host reported to an exception. */
     PhysicsException of(Wire.Failure failure) {
         Optional<Loaded> library = byHostId(failure.library());
         return failure.exception(

@@ -12,8 +12,9 @@ import java.lang.foreign.MemorySegment;
 import java.nio.charset.StandardCharsets;
 
 /**
- * The memory in which a client writes a request and then reads the reply, from front to back. A law
- * may have written anything into it: reads outside of it throw IndexOutOfBoundsException.
+ * The memory in which a client writes a request and then reads the reply, from front to back. A
+ * faulty law may have written anything into it, so a read beyond its end throws
+ * IndexOutOfBoundsException.
  */
 final class Mailbox {
     private static final int EXPONENTS = 7;
@@ -27,16 +28,16 @@ final class Mailbox {
 
     /** Begins a request. */
     Mailbox begin(Request request) {
-        at = Integer.BYTES; // for the size
+        at = Integer.BYTES; // leaves room for the size
         return putInt(request.number());
     }
 
-    /** Writes the size of the request in front of it. */
+    /** Completes the request: writes its size at its beginning. */
     void end() {
         memory.set(JAVA_INT_UNALIGNED, 0, (int) (at - Integer.BYTES));
     }
 
-    /** Goes to the beginning of the reply. */
+    /** Moves the position to the beginning of the reply. */
     Mailbox reply() {
         at = 0;
         return this;
@@ -98,7 +99,7 @@ final class Mailbox {
         return text(getInt());
     }
 
-    /** Reads a string that ends with a zero, in a field of this size. */
+    /** Reads a string that ends with a zero byte, from a field of {@code size} bytes. */
     String getField(int size) {
         String text = text(size);
         int end = text.indexOf('\0');

@@ -8,7 +8,7 @@ import java.io.IOException;
 import java.io.InputStream;
 import java.nio.charset.StandardCharsets;
 
-/** Reads what laws print, and logs it: the first lines of each second, shortened. */
+/** Reads what laws print to standard output, and logs the first lines of each second, shortened. */
 final class OutputOfLaws implements Runnable {
     private static final int MOST_BYTES = 1024;
     private static final int MOST_LINES = 20;
@@ -59,7 +59,7 @@ final class OutputOfLaws implements Runnable {
         length = 0;
     }
 
-    /** Returns one line of at most 1,000 characters without control characters. */
+    /** Returns text as one line of at most 1,000 characters, with control characters escaped. */
     static String escaped(String text) {
         StringBuilder safe = new StringBuilder(Math.min(text.length(), MOST_BYTES));
         for (int i = 0; i < text.length() && i < MOST_BYTES; i++) {

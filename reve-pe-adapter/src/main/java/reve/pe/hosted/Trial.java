@@ -11,8 +11,8 @@ import reve.pe.vesper.VesperLog;
 import java.time.Duration;
 
 /**
- * Opens libraries, and creates and destroys their laws, in a host for this use only. A library that
- * ends the host, or does not return, never reaches a world. Any thread.
+ * Tests a library: opens it, and creates and destroys its laws, in a host (engine process) for this
+ * use only. So a library that crashes or hangs there never reaches a world. Any thread.
  */
 record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     private static final long LIMIT_NANOS = Duration.ofSeconds(10).toNanos();
@@ -53,7 +53,7 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
         }
     }
 
-    /** Whether the laws fit is decided when they are loaded; here only a crash counts. */
+    /** Here only a crash counts; whether the laws fit the world is checked when they are loaded. */
     private static void tryToLoad(HostProcess host, HostedLibrary library) throws HostLost {
         library.put(host.begin(Request.LOAD)).putInt(0);
         Mailbox loaded = host.call(LIMIT_NANOS, QUIET);

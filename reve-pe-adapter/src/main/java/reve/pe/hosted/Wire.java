@@ -20,7 +20,7 @@ import java.util.EnumSet;
 import java.util.List;
 import java.util.Set;
 
-/** The form of prototypes, laws, failures and ledger lines in messages. */
+/** Encoding of prototypes, laws, failures and ledger lines in messages to and from a host. */
 final class Wire {
     private static final List<String> OTHER_LINES =
             List.of("client", "ground", "unloaded", "total");
@@ -109,7 +109,9 @@ final class Wire {
         return parameters;
     }
 
-    /** A {@code vesper_error}: a failure with the numbers that its host uses. */
+    /**
+     * A {@code vesper_error}: a failure as a host reports it; the ids in it are those of the host.
+     */
     record Failure(int status, int library, int law, long row, String property, String message) {
         static Failure read(Mailbox from) {
             int status = from.getInt();
@@ -139,7 +141,7 @@ final class Wire {
         }
     }
 
-    /** Requests the lines of a ledger: of all laws, and the others. */
+    /** Writes a request for the lines of a ledger: those of all laws, and the others. */
     static void putLedger(Mailbox to, List<Loaded> libraries) {
         int laws = libraries.stream().mapToInt(library -> library.laws().size()).sum();
         to.putInt(laws + OTHER_LINES.size());

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/** A physics engine in a process of its own, which a faulty law can end without harm. */
+/**
+ * A physics engine in a process of its own, so that a faulty law can end this process only, and not
+ * the server.
+ */
 @NullMarked
 package reve.pe.hosted;
 

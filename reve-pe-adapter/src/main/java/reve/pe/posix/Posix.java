@@ -13,8 +13,12 @@ import java.lang.foreign.MemorySegment;
 import java.lang.foreign.StructLayout;
 import java.lang.invoke.MethodHandle;
 
-/** Bindings of C functions, one static method each; a failure returns -errno. Any thread. */
-@SuppressWarnings("restricted") // the one place where C library functions are looked up
+/**
+ * Bindings of C functions, one static method each; if a function fails, the method returns -errno.
+ * Any thread.
+ */
+@SuppressWarnings("restricted") // this class is the only one that looks up functions of the C
+// library
 final class Posix {
     private static final Linker LINKER = Linker.nativeLinker();
     private static final StructLayout CALL_STATE = Linker.Option.captureStateLayout();
@@ -33,7 +37,7 @@ final class Posix {
             variadic("fcntl", 2, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_INT);
     private static final MethodHandle KILL = function("kill", JAVA_INT, JAVA_INT, JAVA_INT);
 
-    /** Without errno, so that a call allocates nothing. */
+    /** Does not capture errno, so that a call allocates no memory. */
     private static final MethodHandle PLAIN_KILL =
             LINKER.downcallHandle(
                     LINKER.defaultLookup().findOrThrow("kill"),
@@ -50,7 +54,7 @@ final class Posix {
 
     private Posix() {}
 
-    /** Returns a new descriptor. */
+    /** Returns the descriptor of new memory that no file backs. */
     static int memfdCreate(String name, int flags) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -61,7 +65,7 @@ final class Posix {
         }
     }
 
-    /** Returns 0. */
+    /** Sets the size; returns 0. */
     static int ftruncate(int descriptor, long bytes) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -71,7 +75,7 @@ final class Posix {
         }
     }
 
-    /** Returns an address that the kernel chooses. */
+    /** Returns the address of the new mapping, which the kernel chooses. */
     static long mmap(long bytes, int protection, int flags, int descriptor, long offset) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -91,7 +95,7 @@ final class Posix {
         }
     }
 
-    /** Returns 0. */
+    /** Unmaps the memory; returns 0. */
     static int munmap(MemorySegment mapping) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -101,7 +105,7 @@ final class Posix {
         }
     }
 
-    /** Returns 0. */
+    /** Closes the descriptor; returns 0. */
     static int close(int descriptor) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -111,7 +115,7 @@ final class Posix {
         }
     }
 
-    /** Returns the result of a command with one number. */
+    /** Returns the result of the command, which has one number as its argument. */
     static int fcntl(int descriptor, int command, int argument) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -121,7 +125,7 @@ final class Posix {
         }
     }
 
-    /** Returns 0. A negative id is a process group. */
+    /** Sends the signal; returns 0. A negative id addresses a process group. */
     static int kill(int process, int signal) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);

@@ -5,7 +5,7 @@ import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** A child process that leads a process group of its own. Linux only; any thread. */
+/** A child process that is the leader of a process group of its own. Linux only; any thread. */
 public final class ProcessGroup {
     private static final int SIGKILL = 9;
     private static final int SIGCONT = 18;
@@ -15,31 +15,37 @@ public final class ProcessGroup {
     private final Path status;
 
     /**
-     * @param leader id of the process
+     * @param leader process id of the child, which is also the id of its group
      */
     public ProcessGroup(long leader) {
         this.leader = Math.toIntExact(leader);
         this.status = Path.of("/proc/" + leader + "/stat");
     }
 
-    /** Kills the processes of the group; those that left it, or made none yet, stay. */
+    /**
+     * Kills the processes of the group; processes that left the group, or whose leader has not
+     * created it yet, continue.
+     */
     public void kill() {
         Posix.kill(-leader, SIGKILL);
     }
 
-    /** Returns whether the leader exists. False as soon as its end can be observed elsewhere. */
+    /**
+     * Returns whether the leader exists. False at the latest when its end can be observed
+     * elsewhere, for example by {@link Process}.
+     */
     public boolean isAlive() {
         return Posix.exists(leader);
     }
 
-    /** Returns the processor time of all threads of the process [ns]; negative after its end. */
+    /** Returns the processor time of all threads of the leader [ns]; negative after its end. */
     public long cpuNanos() {
         return Posix.clockNanos((~leader << 3) | CPUCLOCK_SCHED);
     }
 
     /** The state of the main thread of a process. */
     public enum State {
-        /** Waits for an event, by its own will. */
+        /** Waits for an event that it asked for. */
         SLEEPS,
         /** Was stopped by a signal. */
         STOPPED,

@@ -13,7 +13,7 @@ public final class SharedMemory implements AutoCloseable {
     private static final int MFD_ALLOW_SEALING = 2;
     private static final int F_ADD_SEALS = 1033;
 
-    /** Neither the size nor these seals can change. */
+    /** Seals of memfd: the size cannot change, nor can these seals be removed. */
     private static final int SEALS = 1 | 2 | 4;
 
     private static final int PROT_READ_WRITE = 1 | 2;
@@ -29,7 +29,7 @@ public final class SharedMemory implements AutoCloseable {
     private boolean closed;
 
     /**
-     * Reserves memory; pages cost nothing until they are written.
+     * Reserves memory; a page occupies memory only after it was written.
      *
      * @param name appears in /proc, at most 249 bytes
      * @throws IllegalStateException if the system refuses
@@ -74,7 +74,8 @@ public final class SharedMemory implements AutoCloseable {
         }
     }
 
-    @SuppressWarnings("restricted") // the kernel just mapped this number of bytes at that address
+    @SuppressWarnings("restricted") // safe: the kernel has just mapped this number of bytes at this
+    // address
     private MemorySegment map(String name, long bytes) {
         long address = Posix.mmap(bytes, PROT_READ_WRITE, MAP_SHARED, descriptor, 0);
         check(name, "mmap of " + bytes + " bytes", address);
@@ -93,7 +94,7 @@ public final class SharedMemory implements AutoCloseable {
         }
     }
 
-    /** Returns an errno as text, with what can be done about it. */
+    /** Returns the message of an errno, and what the user can do about it. */
     static String reason(int errno) {
         String advice =
                 switch (errno) {

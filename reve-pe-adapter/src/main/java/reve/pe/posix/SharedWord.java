@@ -12,8 +12,8 @@ import java.lang.invoke.MethodHandle;
 import java.lang.invoke.VarHandle;
 
 /**
- * A number in shared memory on which processes wait for each other (a futex). One thread per
- * process uses it.
+ * A number in shared memory (a futex): one process waits until another one changes it. Only one
+ * thread per process uses it.
  */
 @SuppressWarnings("restricted") // the C library has no function of its own for futexes
 public final class SharedWord {
@@ -43,7 +43,10 @@ public final class SharedWord {
         this.timeout = timeout;
     }
 
-    /** Returns the number; what the other process wrote before it is visible. */
+    /**
+     * Returns the number. Everything that the other process wrote before it set the number is then
+     * visible.
+     */
     public int get() {
         return (int) INT.getAcquire(word, 0L);
     }
@@ -54,7 +57,10 @@ public final class SharedWord {
         futex(FUTEX_WAKE, 1, MemorySegment.NULL);
     }
 
-    /** Returns at once if the number is not {@code seen}; otherwise sleeps until woken or late. */
+    /**
+     * Returns at once if the number differs from {@code seen}; otherwise sleeps until it is
+     * announced or {@code nanos} have passed.
+     */
     public void await(int seen, long nanos) {
         if (get() == seen) {
             timeout.set(JAVA_LONG, 0, nanos / 1_000_000_000L);

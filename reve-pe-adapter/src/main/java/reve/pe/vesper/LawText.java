@@ -15,7 +15,10 @@ import java.lang.foreign.MemorySegment;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** A law library that is a text. It is safe by construction, so no other process opens it first. */
+/**
+ * A law library that is a text. It cannot harm the process, so it needs no test in another process
+ * first.
+ */
 public final class LawText {
 
     /** Maximum size of the report of all problems [bytes]. */
@@ -24,7 +27,7 @@ public final class LawText {
     private LawText() {}
 
     /**
-     * Reads a text.
+     * Reads the file of a law as text.
      *
      * @throws PhysicsException if it is too large
      */
@@ -56,7 +59,7 @@ public final class LawText {
         }
     }
 
-    /** Returns all problems of a text with their lines; empty if there are none. */
+    /** Returns all problems of a text with their line numbers; empty if there are none. */
     public static String check(Prototype prototype, String source, byte[] text) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment report = call.allocate(MAX_REPORT);
@@ -72,7 +75,7 @@ public final class LawText {
         }
     }
 
-    /** Opens a text; the caller discards the result, or gives it to an engine. */
+    /** Opens a text. The caller must discard the returned handle or pass it to an engine. */
     static MemorySegment prepare(Prototype prototype, String source, byte[] text) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment handle = call.allocate(ADDRESS);
@@ -90,7 +93,10 @@ public final class LawText {
         }
     }
 
-    /** Returns the refusal of a text with all its problems and their lines, if it has any. */
+    /**
+     * Returns the exception with all problems of the text and their line numbers, if it has any;
+     * otherwise the given one.
+     */
     public static PhysicsException withReport(
             Prototype prototype, String source, byte[] text, PhysicsException refusal) {
         String report = check(prototype, source, text);

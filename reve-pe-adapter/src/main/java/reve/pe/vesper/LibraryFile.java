@@ -17,11 +17,11 @@ import java.security.NoSuchAlgorithmException;
 import java.util.HexFormat;
 import java.util.List;
 
-/** A law library on disk: resolution of its name, and the identity of its bytes. */
+/** A law library on disk: how its name is resolved to a path, and how its bytes are identified. */
 public final class LibraryFile {
     private LibraryFile() {}
 
-    /** The identity of a file's content, without reading it. */
+    /** The identity of a file's content as far as it is known without reading the file. */
     record Stamp(@Nullable Object key, long size, FileTime modified) {}
 
     /**
@@ -65,7 +65,7 @@ public final class LibraryFile {
     /**
      * Reads a library.
      *
-     * @throws PhysicsException if it is too large, or changes meanwhile
+     * @throws PhysicsException if it is too large, or changes while it is read
      * @throws IOException if it cannot be read
      */
     public static byte[] read(Path file) throws IOException {

@@ -13,7 +13,7 @@ import java.lang.invoke.MethodHandle;
 import java.lang.invoke.MethodHandles;
 import java.lang.invoke.MethodType;
 
-/** The C function pointer through which an engine calls its {@link VesperLog}. */
+/** The C function pointer through which an engine sends log lines to a {@link VesperLog}. */
 final class LogUpcall {
     private static final Level[] LEVELS = {Level.DEBUG, Level.INFO, Level.WARNING, Level.ERROR};
     private static final FunctionDescriptor SIGNATURE =
@@ -37,7 +37,7 @@ final class LogUpcall {
         try {
             log.log(LEVELS[Math.clamp(level, 1, LEVELS.length) - 1], VesperStrings.read(message));
         } catch (Throwable failure) {
-            // No exception may cross into C, and a failing log cannot report its own failure.
+            // An exception must not reach C code, and a failing log cannot report its own failure.
             System.err.println("a Vesper log listener failed: " + failure);
         }
     }

@@ -48,8 +48,8 @@ final class NativeFolder {
     }
 
     /**
-     * Returns why a library did not open. Symbol lookup does not report the reason; loading the
-     * library does.
+     * Returns why a native library could not be opened: Java's symbol lookup does not report the
+     * reason, so this method loads the library.
      *
      * @param cause reported if the library can be loaded after all
      */

@@ -7,14 +7,14 @@ import java.util.List;
 /**
  * The configuration of a Vesper engine.
  *
- * @param threads maximum number of threads that laws share, including the caller's; at least 1.
- *     Results do not depend on it
+ * @param threads maximum number of threads on which laws compute, including the caller's; at least
+ *     1. Results do not depend on this number
  * @param validate whether laws run on guarded copies and their accesses are checked (slower)
  * @param lawPath folders searched for bare law names, in this order; no ':' in them
  * @param log receives the log lines of engine and laws
  */
 public record VesperConfig(int threads, boolean validate, List<Path> lawPath, VesperLog log) {
-    /** Copies the list; refuses fewer than one thread and folders that a path list cannot hold. */
+    /** Copies the list. Refuses fewer than one thread, and folders whose names contain ':'. */
     public VesperConfig {
         if (threads < 1) {
             throw new IllegalArgumentException("threads is " + threads + ", expected at least 1");

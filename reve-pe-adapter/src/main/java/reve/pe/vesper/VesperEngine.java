@@ -37,8 +37,8 @@ import java.util.stream.Collectors;
 
 /**
  * The Vesper engine. It uses the arrays of its provider in place, and {@link #advance} is one
- * native call. Before the engine is closed, close prepared libraries, and let {@code prepare} end
- * on other threads.
+ * native call. Before you close the engine, close all prepared libraries, and wait until {@code
+ * prepare} has returned on other threads.
  */
 public final class VesperEngine implements PhysicsEngine {
     private final Arena arena = Arena.ofShared();
@@ -102,9 +102,7 @@ public final class VesperEngine implements PhysicsEngine {
         }
     }
 
-    /**
-     * Returns compiler, flags and version of the native library, and the version of its contract.
-     */
+    /** Returns the native library's compiler, flags and version, and the version of its ABI. */
     public static String buildInfo() {
         checkLibrary();
         int abi = VesperLibrary.abiVersion();
@@ -334,8 +332,8 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     /**
-     * Prepares a file. Equal stamps before and after show that the bytes read are those that C
-     * copied.
+     * Prepares a file. Equal stamps before and after show that the bytes read here are those that C
+     * code copied.
      */
     private PreparedLibrary prepareUnchanged(Path file) throws IOException {
         LibraryFile.Stamp before = LibraryFile.stamp(file);
@@ -380,8 +378,8 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     /**
-     * Writes the parameters in the order of their names, so that messages about them are
-     * deterministic.
+     * Copies the parameters to C structs in the order of their names, so that messages about them
+     * are deterministic.
      */
     private static MemorySegment writeParameters(Arena arena, Map<String, Double> parameters) {
         MemorySegment array = arena.allocate(PARAMETER, Math.max(1, parameters.size()));
@@ -398,7 +396,7 @@ public final class VesperEngine implements PhysicsEngine {
         return array;
     }
 
-    /** Compares the structs of this binding with the library's own table. */
+    /** Compares the struct layouts of this binding with the table in the native library. */
     private static void checkLibrary() {
         Path library = NativeFolder.libvesper();
         try (Arena call = Arena.ofConfined()) {

@@ -18,8 +18,8 @@ import java.util.List;
 import java.util.function.IntFunction;
 
 /**
- * The conversion of a status to an exception. Owns the error struct that calls fill, which is
- * reused. Same thread rule as the called object.
+ * The conversion of a status to an exception. Owns the error struct that C functions fill; calls
+ * reuse it. The thread rule of the called object applies.
  */
 final class VesperErrors {
     private static final long LIBRARY_ID = offset(ERROR, "library_id");
@@ -33,7 +33,7 @@ final class VesperErrors {
     private final MemorySegment segment;
     private final IntFunction<@Nullable LibraryNames> libraries;
 
-    /** The name of a loaded library, and those of its laws in the order of its table. */
+    /** The name of a loaded library, and the names of its laws in the order of its table. */
     record LibraryNames(String library, List<String> laws) {}
 
     /**
@@ -49,14 +49,14 @@ final class VesperErrors {
         return segment;
     }
 
-    /** Throws the content of the error struct unless the status is OK. */
+    /** Throws an exception with the content of the error struct unless the status is OK. */
     void check(int status) {
         if (status != 0) {
             throw exception(status);
         }
     }
 
-    /** Returns the content of the error struct. */
+    /** Returns an exception with the content of the error struct. */
     PhysicsException exception(int status) {
         int library = segment.get(JAVA_INT, LIBRARY_ID);
         LibraryNames names = libraries.apply(library);
@@ -74,7 +74,10 @@ final class VesperErrors {
         return index >= 0 && index < laws.size() ? laws.get(index) : "";
     }
 
-    /** Converts a number of {@code types.h}, which has the order of {@link Status}, from 1. */
+    /**
+     * Converts a status number of {@code types.h}. Its numbers have the order of {@link Status} and
+     * begin with 1.
+     */
     private static Status status(int number) {
         return number >= 1 && number <= Status.INTERNAL.ordinal() + 1
                 ? Status.values()[number - 1]

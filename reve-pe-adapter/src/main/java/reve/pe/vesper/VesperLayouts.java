@@ -13,7 +13,7 @@ import java.lang.foreign.MemorySegment;
 import java.lang.foreign.StructLayout;
 import java.util.List;
 
-/** The structs of {@code types.h}, {@code law.h} and {@code engine.h} that cross the boundary. */
+/** The structs of {@code types.h}, {@code law.h} and {@code engine.h} that Java and C exchange. */
 final class VesperLayouts {
     static final StructLayout UNIT =
             MemoryLayout.structLayout(
@@ -187,7 +187,7 @@ final class VesperLayouts {
     }
 
     /** Copies the table that {@code vesper_abi_layout} returned. */
-    @SuppressWarnings("restricted") // C says how many entries there are
+    @SuppressWarnings("restricted") // safe: C returns the number of entries
     static List<Row> read(MemorySegment first, int count) {
         return first.reinterpret(count * LAYOUT_ENTRY.byteSize())
                 .elements(LAYOUT_ENTRY)
@@ -203,7 +203,7 @@ final class VesperLayouts {
     }
 
     /**
-     * Checks the library's layout of every struct against this class.
+     * Compares the library's layout of every struct with this class.
      *
      * @throws IllegalStateException if one differs
      */

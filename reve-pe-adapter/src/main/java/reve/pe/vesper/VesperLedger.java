@@ -17,14 +17,17 @@ import java.util.List;
 
 /** Reader of an engine's ledger. */
 final class VesperLedger {
-    /** Names of the lines of VESPER_NO_LIBRARY, in the order of their numbers. */
+    /**
+     * Names of the lines that belong to no library (VESPER_NO_LIBRARY), in the order of their
+     * numbers.
+     */
     private static final List<String> OTHERS = List.of("client", "ground", "unloaded", "total");
 
     private static final int NO_LIBRARY = 0;
 
     private VesperLedger() {}
 
-    /** Returns the lines of the laws in order, then the others. */
+    /** Returns the lines of the laws in the order of `laws`, then the lines of other sources. */
     static List<LedgerLine> read(MemorySegment engine, List<PhysicsLaw> laws, VesperErrors errors) {
         List<LedgerLine> lines = new ArrayList<>();
         try (Arena call = Arena.ofConfined()) {

@@ -16,9 +16,10 @@ import java.lang.invoke.MethodHandle;
 
 /**
  * Bindings of the C functions of {@code engine.h}, one static method each, with the same order of
- * arguments. They return statuses unchanged; {@link VesperErrors} converts them to exceptions.
+ * arguments. The methods return C's status numbers; {@link VesperErrors} converts them to
+ * exceptions.
  */
-@SuppressWarnings("restricted") // the one place where native functions are looked up
+@SuppressWarnings("restricted") // this class is the only one that looks up functions of the engine
 final class VesperLibrary {
     private static final Linker LINKER = Linker.nativeLinker();
     private static final SymbolLookup SYMBOLS =
@@ -485,8 +486,8 @@ final class VesperLibrary {
     }
 
     /**
-     * Rethrows an exception of the binding, for example for a closed segment; C functions throw
-     * none.
+     * Rethrows an exception that Java's binding threw, for example for a closed segment; C
+     * functions throw none.
      */
     private static RuntimeException rethrown(Throwable t) {
         if (t instanceof RuntimeException exception) {

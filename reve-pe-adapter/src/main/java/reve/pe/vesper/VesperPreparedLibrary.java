@@ -46,7 +46,7 @@ final class VesperPreparedLibrary implements PreparedLibrary {
         return source;
     }
 
-    /** Returns the handle for C; throws after it was taken or closed. */
+    /** Returns the handle for C; throws after an engine took it or the caller closed it. */
     synchronized MemorySegment handle() {
         if (prepared == null) {
             throw new IllegalStateException(

@@ -129,7 +129,10 @@ final class VesperPrototypes {
         return set;
     }
 
-    /** Returns VESPER_READ = 1, VESPER_WRITE = 2, VESPER_ACCUMULATE = 4, VESPER_SCRATCH = 8. */
+    /**
+     * Returns C's bit for an access: VESPER_READ = 1, VESPER_WRITE = 2, VESPER_ACCUMULATE = 4,
+     * VESPER_SCRATCH = 8.
+     */
     private static int bit(Access access) {
         return 1 << access.ordinal();
     }
@@ -237,7 +240,7 @@ final class VesperPrototypes {
         return array.asSlice(index * layout.byteSize(), layout);
     }
 
-    @SuppressWarnings("restricted") // C guarantees a struct of this layout at the address
+    @SuppressWarnings("restricted") // safe: C guarantees a struct of this layout at this address
     private static MemorySegment struct(MemorySegment address, StructLayout layout) {
         return address.reinterpret(layout.byteSize());
     }

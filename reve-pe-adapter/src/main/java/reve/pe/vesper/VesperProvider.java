@@ -26,7 +26,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 
-/** The provider of one Vesper engine. */
+/** The provider of one Vesper engine: passes the client's arrays to C. */
 final class VesperProvider implements PhysicalPropertyProvider {
     private final VesperEngine engine;
     private final MemorySegment provider;
@@ -36,7 +36,8 @@ final class VesperProvider implements PhysicalPropertyProvider {
     private final MemorySegment found;
 
     /**
-     * Lifetimes of the bound arrays, without duplicates; checked before C may access the arrays.
+     * Scopes of the bound arrays, without duplicates; checked to be alive before C code accesses
+     * the arrays.
      */
     private MemorySegment.Scope[] lifetimes = {};
 
@@ -152,7 +153,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
         errors.check(VesperLibrary.providerTouch(provider, oneName, 1, errors.segment()));
     }
 
-    /** Throws if the client closed memory that the engine still uses. */
+    /** Throws if the client has closed memory that the engine still uses. */
     void checkArraysAlive() {
         if (!lifetimesKnown) {
             collectLifetimes();

@@ -13,7 +13,8 @@ final class VesperStrings {
     private VesperStrings() {}
 
     /** Copies a string that C returned by address; empty for null. */
-    @SuppressWarnings("restricted") // C guarantees a terminated string but does not pass its length
+    @SuppressWarnings("restricted") // safe: C guarantees a terminated string, but does not pass its
+    // length
     static String read(MemorySegment address) {
         return address.address() == 0
                 ? ""

@@ -9,7 +9,7 @@ import java.nio.file.Path;
 
 /** The name and version of this build, and the folder of its native part. */
 public final class Product {
-    /** The command of a checkout. */
+    /** The command to start the product from a checkout. */
     public static final String CHECKOUT_COMMAND = "./reve";
 
     private Product() {}
@@ -23,13 +23,17 @@ public final class Product {
         }
     }
 
-    /** Returns the command that the user typed, for messages. The launcher passes it. */
+    /**
+     * Returns the command with which the user started the product, for messages. The launcher
+     * passes it.
+     */
     public static String command() {
         return System.getProperty("reve.name", CHECKOUT_COMMAND);
     }
 
     /**
-     * Returns the folder of libvesper.so, its programs, and {@code laws/}. The launcher passes it.
+     * Returns the folder with libvesper.so, its programs, and {@code laws/}. The launcher passes
+     * it.
      */
     public static Path nativeFolder() {
         return Path.of(System.getProperty("reve.native.path", "build/native"));

@@ -84,7 +84,7 @@ public final class ControlCommand implements Callable<Integer> {
     private static final String PARAMETERS = "parameters.";
     private static final Set<String> WITH_PARAMETERS = Set.of("load-law", "set-law");
 
-    /** Questions, which are answered by a report. */
+    /** Questions about the world, which the server answers with a report. */
     private static final Map<String, Set<String>> QUESTIONS =
             new TreeMap<>(
                     Map.of(
@@ -93,7 +93,7 @@ public final class ControlCommand implements Callable<Integer> {
                             "laws", Set.of(),
                             "ledger", Set.of("open")));
 
-    /** Commands that take a file. */
+    /** Commands whose fields come from a file. */
     private static final Set<String> FROM_FILES = Set.of("add", "change", "batch");
 
     @Spec private CommandSpec spec = CommandSpec.create();
@@ -261,7 +261,7 @@ public final class ControlCommand implements Callable<Integer> {
         return names;
     }
 
-    /** Replaces the file of a law as text by its name and content. */
+    /** Replaces the argument with the file of a law as text by the file's name and content. */
     private void putText(Map<String, Object> fields) {
         Path file = Path.of(String.valueOf(fields.remove("file")));
         try {
@@ -318,7 +318,8 @@ public final class ControlCommand implements Callable<Integer> {
             out.println(command + ": frame " + result.frame().orElseThrow());
             result.value().ifPresent(value -> out.print(Json.text(value) + System.lineSeparator()));
         } else {
-            // A refused law as text has several lines; other control characters are escaped.
+            // The refusal of a law as text has several lines, so line ends are printed; other
+            // control characters are escaped.
             String reason =
                     "reve: " + result.code().orElse("refused") + ": " + result.reason().orElse("");
             LinePrinter.message(spec.commandLine().getErr(), reason.lines().toList());

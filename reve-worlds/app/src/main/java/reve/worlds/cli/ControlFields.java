@@ -15,7 +15,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.stream.Collectors;
 
-/** The fields of a command of the role control, from arguments and files. */
+/** The fields of a command of the role control, read from arguments and files. */
 final class ControlFields {
     private static final int MAX_BYTES = 1 << 20;
 
@@ -27,7 +27,7 @@ final class ControlFields {
     }
 
     /**
-     * Returns the fields that a file gives a command.
+     * Reads the fields of a command from a file.
      *
      * @param command add, change or batch
      * @throws IOException if the file cannot be read, is not YAML, or does not fit the command
@@ -106,7 +106,7 @@ final class ControlFields {
         inner.put(keys[keys.length - 1], value);
     }
 
-    @SuppressWarnings("unchecked") // only this class puts maps into the fields
+    @SuppressWarnings("unchecked") // safe: only this class puts maps into the fields
     private static Map<String, Object> nested(Object map) {
         return (Map<String, Object>) map;
     }

@@ -14,7 +14,7 @@ import java.nio.file.Path;
 import java.util.concurrent.Callable;
 
 /**
- * The command {@code demo}: runs a server and agents, drops a law into the running world, and takes
+ * The command {@code demo}: runs a server and agents, adds a law to the running world, and takes
  * pictures.
  */
 @Command(

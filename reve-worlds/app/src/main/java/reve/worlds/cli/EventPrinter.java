@@ -17,9 +17,9 @@ import java.util.stream.Collectors;
 
 /**
  * Printer of server events to standard output. It has its own thread, so a slow reader never delays
- * a frame. When 10,000 lines wait, it drops and counts further lines. It also counts lines that a
- * full or closed output does not accept. The thread polls the queue every few milliseconds, so
- * producers never have to wake it.
+ * a frame. While 10,000 lines wait, further lines are dropped and counted. Lines that a full or
+ * closed output does not accept are counted, too. The thread polls its queue every few
+ * milliseconds, so threads that report events never have to wake it.
  */
 final class EventPrinter implements ServerEvents, AutoCloseable {
     private static final int CAPACITY = 10_000;
@@ -87,7 +87,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
         out.flush();
     }
 
-    /** Writes the waiting lines, then ends the thread. Idempotent. */
+    /** Ends the thread after it has written the waiting lines. Idempotent. */
     @Override
     public void close() {
         close(Duration.ofMillis(Long.MAX_VALUE));
@@ -153,7 +153,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
         return Json.line(line);
     }
 
-    /** Returns a line for people, without the warnings, which standard error has. */
+    /** Returns an event as a line for people, without the warnings, which go to standard error. */
     private static String textLine(Event event) {
         return event.name
                 + event.fields.entrySet().stream()

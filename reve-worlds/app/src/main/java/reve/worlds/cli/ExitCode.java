@@ -31,11 +31,12 @@ public final class ExitCode {
     public static final int STALLED = 6;
 
     /**
-     * Ctrl-C or SIGTERM has cut the work short: what shells report for a program that SIGINT ended.
+     * Ctrl-C or SIGTERM has ended the command before its work was complete: the exit code that
+     * shells report for SIGINT.
      */
     public static final int INTERRUPTED = 128 + 2;
 
-    /** Exit code that shells report for a program that SIGPIPE ended. */
+    /** The exit code that shells report for a program that SIGPIPE ended. */
     public static final int CLOSED_PIPE = 128 + 13;
 
     private ExitCode() {}

@@ -31,7 +31,7 @@ final class Frames {
         return Math.round(frames);
     }
 
-    /** Returns the frame nearest to a time [s], or {@code Long.MAX_VALUE} if there is no time. */
+    /** Returns the frame nearest to a time [s], or {@code Long.MAX_VALUE} if no time is given. */
     static long of(CommandSpec spec, String option, Optional<Double> seconds, Timing timing) {
         return seconds.isPresent() ? of(spec, option, seconds.get(), timing) : Long.MAX_VALUE;
     }

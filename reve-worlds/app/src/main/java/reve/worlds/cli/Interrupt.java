@@ -9,10 +9,10 @@ import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
 
 /**
- * Handling of Ctrl-C and SIGTERM for a long command. The command is asked to stop, reports as
- * usual, and the process exits with its exit code. A command that is still starting exits at once.
- * The command's own thread opens this object before the command runs, and closes it after the
- * report is printed.
+ * Handling of Ctrl-C and SIGTERM for a long command. The command is asked to stop and prints its
+ * report as usual; then the process exits with the command's exit code. A command that is still
+ * starting exits at once. The command's thread opens this object before the command runs, and
+ * closes it after the report is printed.
  */
 final class Interrupt implements AutoCloseable {
     private static final long PATIENCE_SECONDS = 10;
@@ -33,7 +33,7 @@ final class Interrupt implements AutoCloseable {
     /**
      * Registers the action that asks the command to stop.
      *
-     * @param asks called on another thread
+     * @param asks the action; called on another thread
      */
     void stopWith(Runnable asks) {
         stop = asks;
@@ -44,13 +44,16 @@ final class Interrupt implements AutoCloseable {
         return asked;
     }
 
-    /** Returns the exit code of a command whose work an interrupt has cut short. */
+    /** Ends the command with the exit code for work that an interrupt has cut short. */
     int endsCut() {
         code = ExitCode.INTERRUPTED;
         return code;
     }
 
-    /** Returns the exit code of the command; an interrupted command has the same exit codes. */
+    /**
+     * Returns the command's exit code for success or failure; it is the same if the command was
+     * interrupted.
+     */
     int endsWith(boolean failed) {
         code =
                 ((LinePrinter) spec.commandLine().getOut())
@@ -63,7 +66,8 @@ final class Interrupt implements AutoCloseable {
     private void end() {
         Runnable asks = stop;
         if (asks == null) {
-            Runtime.getRuntime().halt(ExitCode.OK); // no frame was made
+            Runtime.getRuntime().halt(ExitCode.OK); // the command was still starting: no frame was
+            // made
             return;
         }
         asked = true;
@@ -80,8 +84,8 @@ final class Interrupt implements AutoCloseable {
         } catch (InterruptedException impatient) {
             Thread.currentThread().interrupt();
         }
-        // Exits with the command's code, not with 128 + signal, because the command completed as
-        // requested.
+        // Exits with the command's code, not with 128 + signal, because the command ended as the
+        // user requested.
         Runtime.getRuntime().halt(code);
     }
 
@@ -92,7 +96,7 @@ final class Interrupt implements AutoCloseable {
         try {
             Runtime.getRuntime().removeShutdownHook(hook);
         } catch (IllegalStateException ending) {
-            // The process is already ending; the shutdown hook sets the exit code.
+            // The JVM is already shutting down; the hook sets the exit code.
         }
     }
 }

@@ -20,7 +20,7 @@ import java.util.OptionalLong;
 
 /** The options that name the folder of laws and permit native code. */
 final class LawOptions {
-    /** Deadline of a frame where no client waits for the next one. */
+    /** Deadline of a frame in commands without clients that wait for frames. */
     private static final Duration PATIENT = Duration.ofSeconds(10);
 
     private static final long MAX_DEADLINE_MS = 3_600_000;
@@ -68,7 +68,7 @@ final class LawOptions {
                             + " 0: no limit (default: half of the machine's memory).")
     private OptionalLong memory = OptionalLong.empty();
 
-    /** The values of --engine. */
+    /** The values of --engine: where the engine runs. */
     private enum Place {
         HOSTED,
         IN_PROCESS;
@@ -85,7 +85,7 @@ final class LawOptions {
     }
 
     /**
-     * Returns the law path for a command, without the laws that come with a world.
+     * Returns the folders in which a command looks for laws, without those that come with a world.
      *
      * @throws ParameterException if {@code --laws} names no folder, or a world-writable one
      */
@@ -94,7 +94,7 @@ final class LawOptions {
     }
 
     /**
-     * Returns the law path for a command.
+     * Returns the law path (folders with laws) for a command.
      *
      * @param usual deadline of a frame, if {@code --law-deadline} gives none
      */
@@ -109,7 +109,10 @@ final class LawOptions {
                 false);
     }
 
-    /** Returns a path that finds laws by their names, to copy their files; it opens none. */
+    /**
+     * Returns a law path that only finds laws by their names, so that their files can be copied; it
+     * opens none.
+     */
     static LawPath named(CommandSpec spec, Optional<Path> folder) {
         require(spec, folder);
         return new LawPath(Product.nativeFolder().resolve("laws"), folder, Optional.empty(), false);

@@ -15,7 +15,7 @@ import java.util.Map;
 import java.util.function.Function;
 import java.util.function.ToDoubleFunction;
 
-/** The ledger of a run, as the table of {@code vesper run --ledger} and as JSON. */
+/** The ledger of a run, as JSON and as a table in the form of {@code vesper run --ledger}. */
 final class LedgerReport {
     /**
      * Fraction of a column's largest number below which a number is a rounding error of the sums.
@@ -27,7 +27,10 @@ final class LedgerReport {
     private final List<LedgerLine> lines;
     private final double mostEnergy;
 
-    /** Drops lines that belong to no law and are all zero, except the last line, the total. */
+    /**
+     * Takes a ledger; drops lines that belong to no law and are zero, except the last line, the
+     * total.
+     */
     LedgerReport(List<LedgerLine> ledger) {
         lines =
                 ledger.stream()
@@ -114,8 +117,8 @@ final class LedgerReport {
     }
 
     /**
-     * Returns the cells of one line. A star marks a value that is the largest of all laws and above
-     * rounding errors.
+     * Returns the cells of one line. A star marks a value that is the largest among all laws and
+     * exceeds rounding errors.
      */
     private List<String> marked(
             String head, ToDoubleFunction<LedgerLine> size, Function<LedgerLine, String> cell) {

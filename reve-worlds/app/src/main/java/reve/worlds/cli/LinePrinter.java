@@ -13,9 +13,9 @@ import java.util.List;
 import java.util.Locale;
 
 /**
- * A printer for human readers. {@code println} prints exactly one line, and each argument of {@code
- * printf} stays on its line: control characters are escaped. {@code print} writes text unchanged,
- * for layouts such as help and JSON documents.
+ * A printer of lines for people. {@code println} prints exactly one line, and each argument of
+ * {@code printf} stays on its line: control characters are escaped. {@code print} writes text
+ * unchanged, for layouts such as help and JSON documents.
  */
 public final class LinePrinter extends PrintWriter {
 
@@ -37,16 +37,20 @@ public final class LinePrinter extends PrintWriter {
         watched = new WatchedOutput(OutputStream.nullOutputStream());
     }
 
-    /** Returns the output that it prints to; there is none if it prints to a writer. */
+    /**
+     * Returns the standard output to which this printer prints; there is none if it prints to a
+     * writer.
+     */
     WatchedOutput watched() {
         return watched;
     }
 
     /**
-     * Returns the exit code of a command that has printed its results. Reports a full standard
-     * output once. Does not report a closed pipe, because its reader has ended on purpose.
+     * Returns the exit code of a command that has printed its results. If output was lost because
+     * the disk is full, reports this once. Does not report a closed pipe, because its reader has
+     * ended on purpose.
      *
-     * @param code exit code of the command if the output is whole
+     * @param code exit code of the command if no output was lost
      */
     public synchronized int codeAfter(int code, PrintWriter err) {
         flush();
@@ -67,8 +71,8 @@ public final class LinePrinter extends PrintWriter {
     }
 
     /**
-     * Prints a message of one or more lines. Indents all lines but the first, so that they cannot
-     * imitate an event or a log line. A line end within a line is escaped.
+     * Prints a message of one or more lines. Indents all lines but the first, so that text from
+     * others cannot look like an event or a log line. A line end within a line is escaped.
      */
     static void message(PrintWriter out, List<String> lines) {
         String indent = "";

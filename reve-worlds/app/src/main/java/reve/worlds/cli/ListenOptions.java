@@ -72,12 +72,12 @@ final class ListenOptions {
             description = "Private key of the certificate (PEM).")
     private Optional<Path> key = Optional.empty();
 
-    /** Returns the files that these options read, by option. */
+    /** Returns the files that these options name, by option. */
     Map<String, Optional<Path>> files() {
         return Map.of("--tokens", tokens, "--tls-certificate", certificate, "--tls-key", key);
     }
 
-    /** Returns the address of the page, if one is served. */
+    /** Returns the address of the web page; empty if none is served. */
     Optional<InetSocketAddress> web() {
         if (web.isPresent() && (web.get() < 0 || web.get() > MAX_PORT)) {
             throw new ParameterException(

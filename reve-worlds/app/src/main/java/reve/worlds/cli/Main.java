@@ -64,7 +64,7 @@ public final class Main {
                     PackCommand.class,
                     CommandLine.HelpCommand.class);
 
-    /** The commands that the shell script of a checkout runs itself. */
+    /** The commands that the launcher script of a checkout runs without Java. */
     private static final List<String> LAUNCHER =
             List.of(
                     "",
@@ -77,14 +77,14 @@ public final class Main {
                     "  clean      Removes everything that was built.",
                     "  doctor     Says which shared libraries of the system are missing.");
 
-    /** The commands that the shell script of an installed folder runs itself. */
+    /** The commands that the launcher script of an installed release runs without Java. */
     private static final List<String> INSTALLED =
             List.of(
                     "",
                     "Commands of the launcher script:",
                     "  doctor     Says which shared libraries of the system are missing.");
 
-    /** The command that describes another one. */
+    /** The command that prints the description of another one. */
     private static final String HELP = "help";
 
     private static final Pattern INTEGER = Pattern.compile("[-+]?[0-9]+");
@@ -119,7 +119,7 @@ public final class Main {
         line.setParameterExceptionHandler(Main::explainUsage);
         line.setExecutionExceptionHandler(Main::explain);
         line.setCaseInsensitiveEnumValuesAllowed(true);
-        line.setExpandAtFiles(false); // a world's folder may have a name that begins with @
+        line.setExpandAtFiles(false); // the name of a world's folder may begin with @
         if (arguments.length == 0) {
             line.usage(System.err);
             return ExitCode.USAGE;
@@ -128,8 +128,9 @@ public final class Main {
     }
 
     /**
-     * Returns the command that the first argument names; all of them if it names none, for the help
-     * and for suggestions. Describing a command to the parser takes longer than most commands.
+     * Returns the command that the first argument names; all commands if it names none, for help
+     * and suggestions. Only the named one is described to the parser, because describing takes
+     * longer than most commands run.
      */
     private static List<Class<?>> commandsFor(String... arguments) {
         for (Class<?> command : COMMANDS) {
@@ -142,8 +143,8 @@ public final class Main {
     }
 
     /**
-     * Converts an option's text to a path. Refuses an empty text, for example from an unset shell
-     * variable, which would otherwise mean the current folder.
+     * Converts an option's text to a path. Refuses an empty text, for example of an unset shell
+     * variable: it would mean the current folder.
      */
     private static Path path(String given) {
         if (given.isEmpty()) {
@@ -159,14 +160,15 @@ public final class Main {
     }
 
     /**
-     * Converts an option's text to a number; {@link Integer#valueOf} takes digits of any script.
+     * Converts an option's text to a number; unlike {@link Integer#valueOf}, accepts ASCII digits
+     * only.
      */
     private static Integer integer(String given) {
         if (INTEGER.matcher(given).matches()) {
             try {
                 return Integer.valueOf(given);
             } catch (NumberFormatException tooLarge) {
-                // The message below reports it.
+                // The usage message after this block reports it.
             }
         }
         throw new TypeConversionException("'" + given + "' is not an int");
@@ -186,7 +188,7 @@ public final class Main {
         return ExitCode.USAGE;
     }
 
-    /** Prints one message without a stack trace; the message says what the user can do. */
+    /** Prints one message without a stack trace; the message contains what the user can do. */
     private static int explain(
             Exception failure, CommandLine line, CommandLine.ParseResult parsed) {
         PrintWriter err = line.getErr();

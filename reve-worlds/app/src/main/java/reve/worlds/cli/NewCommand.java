@@ -16,7 +16,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.regex.Pattern;
 
-/** The command {@code new}: makes a folder with a world or a law that runs. */
+/** The command {@code new}: creates a folder with a small, complete world or law. */
 @Command(
         name = "new",
         description = "Makes a folder with a world or a law that runs, to be changed.")

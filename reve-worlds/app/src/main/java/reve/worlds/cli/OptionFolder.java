@@ -15,8 +15,8 @@ final class OptionFolder {
     private OptionFolder() {}
 
     /**
-     * Creates the folder if it is missing. Does not create its parent, because a missing parent is
-     * probably a typing error.
+     * Creates the folder if it is missing. Does not create its parent, because a missing parent
+     * probably means a typing error.
      *
      * @throws ParameterException if the path is not a folder, or its parent does not exist
      */

@@ -29,7 +29,7 @@ import java.util.TreeMap;
 import java.util.concurrent.Callable;
 import java.util.stream.Stream;
 
-/** The command {@code pack}: makes one file of a world and everything that it brings. */
+/** The command {@code pack}: writes a world and all files that it needs into one file, a pack. */
 @Command(
         name = "pack",
         description =
@@ -131,7 +131,10 @@ public final class PackCommand implements Callable<Integer> {
         return given;
     }
 
-    /** Adds the laws of the world's own folder, and those that it names from {@code --laws}. */
+    /**
+     * Adds the laws in the world's own folder, and the laws from {@code --laws} that the world
+     * names.
+     */
     private void addLaws(WorldDescription description, WorldFolder own, SortedMap<String, Path> to)
             throws IOException, AssetException {
         for (String name : ownLaws()) {

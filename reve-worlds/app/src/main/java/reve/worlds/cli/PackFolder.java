@@ -13,8 +13,8 @@ import java.nio.file.SimpleFileVisitor;
 import java.nio.file.attribute.BasicFileAttributes;
 
 /**
- * The private folder into which a pack is unpacked. Only this account can read it; the process
- * removes it when it ends.
+ * The private folder into which a pack (a world in one file) is unpacked. Only this account can
+ * read it; the process removes it when it ends.
  */
 final class PackFolder {
     private PackFolder() {}

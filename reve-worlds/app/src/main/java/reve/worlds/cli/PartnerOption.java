@@ -11,9 +11,9 @@ final class PartnerOption {
     private PartnerOption() {}
 
     /**
-     * Refuses an option if the option that it belongs to is missing.
+     * Refuses an option without the other option that it needs.
      *
-     * @param other name and parameter of the option that it belongs to
+     * @param other name and parameter of the other option
      */
     static void require(
             CommandSpec spec, String option, boolean given, String other, Optional<?> otherValue) {
@@ -23,7 +23,7 @@ final class PartnerOption {
         }
     }
 
-    /** Refuses a number below 1, and a number whose other option is missing. */
+    /** Refuses a number below 1, and an option without the other option that it needs. */
     static void requireCount(
             CommandSpec spec,
             String option,

@@ -6,7 +6,7 @@ import java.time.Duration;
 
 /**
  * A notice on standard error about work that takes longer than two seconds and reports no progress.
- * Opened before the work and closed after it, by one thread.
+ * One thread opens it before the work and closes it after the work.
  */
 final class Patience implements AutoCloseable {
     private static final Duration UNTIL_TOLD = Duration.ofSeconds(2);
@@ -22,7 +22,7 @@ final class Patience implements AutoCloseable {
                                         Thread.sleep(UNTIL_TOLD);
                                         out.println(what + " ...");
                                     } catch (InterruptedException done) {
-                                        // The work ended before the notice was due.
+                                        // Interrupted: the work ended before the notice was due.
                                     }
                                 });
     }

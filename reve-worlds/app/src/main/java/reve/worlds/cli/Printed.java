@@ -5,7 +5,7 @@ import java.util.Set;
 
 /** The selection of server events that are printed. */
 enum Printed {
-    /** Prints that the worlds are ready, faults, and the end. */
+    /** Prints only when the worlds are ready, faults, and the end. */
     LITTLE {
         @Override
         boolean includes(String event) {

@@ -5,8 +5,8 @@ import java.io.PrintStream;
 import java.util.Locale;
 
 /**
- * A progress line on standard error for a long run, from its third second on, every two seconds.
- * Owned by one thread. On a terminal the line is rewritten in place; other outputs receive appended
+ * A progress line on standard error for a long run, every two seconds, from the third second on.
+ * Used by one thread. On a terminal the line is rewritten in place; other outputs receive appended
  * lines.
  */
 final class Progress {
@@ -29,7 +29,7 @@ final class Progress {
         this.total = total;
     }
 
-    /** Prints the progress if a line is due. May be called in every frame. */
+    /** Prints the progress if the next line is due. May be called in every frame. */
     void at(long frame, double worldSeconds) {
         long now = System.nanoTime();
         if (now < nextNanos) {
@@ -54,7 +54,7 @@ final class Progress {
         out.flush();
     }
 
-    /** Ends the rewritten line, if one was printed. */
+    /** Ends the line that was rewritten in place, if there is one. */
     void done() {
         if (shown && terminal) {
             out.println();

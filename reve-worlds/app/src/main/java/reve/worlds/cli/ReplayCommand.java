@@ -57,7 +57,7 @@ public final class ReplayCommand implements Callable<Integer> {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws.path(spec));
                 RunLog.Reader records = RunLog.open(file)) {
             while (records.hasNext() && take(replay, records.next())) {
-                // Reading a record runs its frame.
+                // Empty, because reading a record runs its frame.
             }
             boolean same = replay.divergence().isEmpty();
             if (replay.frame() < 0) {

@@ -73,7 +73,7 @@ public final class RunCommand implements Callable<Integer> {
 
     private volatile boolean wholeRecording = true;
 
-    /** Whether Ctrl-C or SIGTERM has ended the run before its time. */
+    /** True if Ctrl-C or SIGTERM has ended the run before its time. */
     private boolean cut;
 
     @Override
@@ -87,7 +87,7 @@ public final class RunCommand implements Callable<Integer> {
     /**
      * Runs the world and prints the report.
      *
-     * @return whether no law was quarantined and the recording is complete
+     * @return true if no law was quarantined and the recording is complete
      */
     private boolean isWhole(Interrupt interrupt) throws Exception {
         if (save.isPresent()) {

@@ -295,8 +295,9 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * Reserves a file and the files derived from its name: a store uses names that begin with its
-     * name and {@code -}; older recordings and audit files are named {@code FILE.1} and so on.
+     * Records the file of an option; refuses it if another option uses it. Derived names count,
+     * too: a store uses names that begin with its name and {@code -}; older recordings and audit
+     * files are named {@code FILE.1} and so on.
      */
     private void requireOwn(Map<Path, String> taken, String option, Optional<Path> given)
             throws IOException {
@@ -332,7 +333,7 @@ public final class ServeCommand implements Callable<Integer> {
         taken.put(file, option);
     }
 
-    /** Returns the target of a path with links resolved. */
+    /** Returns a path with all links resolved. */
     private static Path real(Path given) throws IOException {
         Path file = given.toAbsolutePath().normalize();
         return Files.exists(file)
@@ -395,8 +396,8 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * Returns the file of one world: the named file, or, for several worlds, a file in the named
-     * folder.
+     * Returns the file of one world for an option: the named file itself, or, if there are several
+     * worlds, a file in the named folder.
      */
     private Optional<Path> fileOf(Optional<Path> named, String name) {
         return paths.size() > 1 ? named.map(folder -> folder.resolve(name)) : named;
@@ -433,8 +434,8 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * Ends the process although the thread of a world hangs. Journals contain its last complete
-     * frame.
+     * Ends the process although the thread of a world hangs. The world's journal contains all
+     * frames up to the last complete one.
      */
     private static void exit(EventPrinter events) {
         System.err.println("reve: a world stands still, and --stalled is exit: ended");
@@ -471,7 +472,7 @@ public final class ServeCommand implements Callable<Integer> {
                 return Optional.of(Duration.ofNanos(Math.round(seconds * 1e9)));
             }
         } catch (NumberFormatException e) {
-            // The message below reports it.
+            // The message after this block reports it.
         }
         throw new ParameterException(
                 spec.commandLine(),

@@ -25,7 +25,7 @@ import java.util.Optional;
 public final class StoreCommand implements Runnable {
     @Spec private CommandSpec spec = CommandSpec.create();
 
-    /** The options of both subcommands. */
+    /** The options that both subcommands have. */
     static final class StoreOptions {
         @Parameters(paramLabel = "FILE", description = "Store file, as in serve --store.")
         private Path file = Path.of("");

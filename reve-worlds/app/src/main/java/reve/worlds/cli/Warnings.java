@@ -10,7 +10,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 
-/** The output of problems of a world. */
+/** Printer of the problems that were found in a world. */
 final class Warnings {
     private Warnings() {}
 

@@ -24,7 +24,10 @@ import java.util.List;
 import java.util.Optional;
 import java.util.function.Consumer;
 
-/** The argument WORLD of most commands. */
+/**
+ * The argument WORLD of most commands: a world file, a folder with one, or a pack (a world in one
+ * file).
+ */
 final class WorldArgument {
     /** Maximum number of worlds that a message lists. */
     private static final int MOST = 20;
@@ -46,7 +49,9 @@ final class WorldArgument {
         this.path = path;
     }
 
-    /** Returns the end of a message about a missing world: the worlds beside it. */
+    /**
+     * Returns the end of a message about a missing world: the names of worlds in the same folder.
+     */
     private String others() {
         Path parent = path.toAbsolutePath().normalize().getParent();
         if (parent == null || path.getFileName() == null) {
@@ -82,12 +87,15 @@ final class WorldArgument {
         return WorldPack.isPack(path);
     }
 
-    /** Returns the file that the user has named or chosen: a world file or a pack. */
+    /** Returns the file that the user named: a world file or a pack. */
     Path shown() {
         return Files.isDirectory(path) ? path.resolve(WorldFile.NAME) : path;
     }
 
-    /** Returns the path of the world file; that of a pack after the pack was unpacked. */
+    /**
+     * Returns the path of the world file; for a pack, unpacks it first and returns the unpacked
+     * file.
+     */
     Path file() throws IOException {
         if (!isPack()) {
             return shown();
@@ -99,8 +107,8 @@ final class WorldArgument {
     }
 
     /**
-     * Refuses an option whose file would keep the name of the world's folder, which for a pack is
-     * removed at the end.
+     * Refuses an option whose file would store the path of the world's folder if the world is a
+     * pack, because this folder is removed at the end.
      */
     void requireLasting(CommandSpec spec, String option, boolean given) {
         if (given && isPack()) {
@@ -120,7 +128,7 @@ final class WorldArgument {
         return parent == null ? Path.of("/") : parent;
     }
 
-    /** Reads and checks the file, and prints its warnings to {@code err}. */
+    /** Reads and checks the world file, and prints its warnings to {@code err}. */
     WorldDescription load(PrintWriter err) throws IOException, WorldFileException {
         WorldDescription description = read();
         description.warnings().forEach(err::println);
@@ -128,16 +136,16 @@ final class WorldArgument {
         return description;
     }
 
-    /** Reads and checks the file. */
+    /** Reads and checks the world file. */
     WorldDescription read() throws IOException, WorldFileException {
         return read(_ -> {});
     }
 
     /**
-     * Reads and checks the file.
+     * Reads and checks the world file.
      *
-     * @param found receives the files that it names, as {@link WorldFile#load(Path, String,
-     *     Consumer)}
+     * @param found receives the names of the files that it refers to, as in {@link
+     *     WorldFile#load(Path, String, Consumer)}
      */
     WorldDescription read(Consumer<String> found) throws IOException, WorldFileException {
         Path file = file();

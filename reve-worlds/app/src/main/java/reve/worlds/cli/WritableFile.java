@@ -48,11 +48,11 @@ final class WritableFile {
     }
 
     /**
-     * As {@link #require}. Also refuses a file that exists and is of another kind, such as a
-     * database or a file with secrets, which a slip would destroy.
+     * Like {@link #require}. Also refuses an existing file of another kind, such as a database or a
+     * file with secrets, so that a mistyped name does not destroy it.
      *
-     * @param mark text in the first 64 KiB of a file of the right kind
-     * @param kind names it for a message
+     * @param mark text that every file of the right kind contains in its first 64 KiB
+     * @param kind name of this kind, for messages
      */
     static Path require(CommandSpec spec, String option, Path given, String mark, String kind)
             throws IOException {

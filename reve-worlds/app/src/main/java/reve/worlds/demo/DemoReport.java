@@ -13,10 +13,10 @@ import java.util.stream.Collectors;
  * The result of the demonstration, as its three processes reported it.
  *
  * @param server the server's final report
- * @param loaded event of the dropped law's load
- * @param unloaded event of the dropped law's removal
- * @param before picture without the dropped law
- * @param after picture with the dropped law
+ * @param loaded event that reports the loading of the added law
+ * @param unloaded event that reports its removal
+ * @param before picture without the added law
+ * @param after picture with it
  * @param curious the Python agent's summary
  * @param painter the Java agent's summary
  */

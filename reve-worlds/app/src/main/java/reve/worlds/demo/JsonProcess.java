@@ -52,7 +52,7 @@ final class JsonProcess implements AutoCloseable {
                 }
             }
         } catch (IOException ended) {
-            // The pipe broke because the process was ended; await() reports the missing line.
+            // The pipe broke because the process ended; await() reports the missing line.
         } catch (JacksonException notJson) {
             process.destroy();
         } finally {
@@ -64,8 +64,8 @@ final class JsonProcess implements AutoCloseable {
     }
 
     /**
-     * Returns the first line of this event that matches. Waits until the process ends or reports a
-     * failure.
+     * Returns the first line of this event that matches. Waits for it, until the process ends or
+     * reports a failure.
      */
     JsonNode await(String event, Predicate<JsonNode> wanted) throws InterruptedException {
         synchronized (lines) {
@@ -93,7 +93,7 @@ final class JsonProcess implements AutoCloseable {
         }
     }
 
-    /** Asks the process to end, as Ctrl-C does. Its output is still read. */
+    /** Asks the process to end, like Ctrl-C. Its output is still read. */
     void interrupt() {
         process.toHandle().destroy();
     }

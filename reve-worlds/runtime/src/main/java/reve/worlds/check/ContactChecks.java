@@ -16,7 +16,7 @@ import java.util.Optional;
 
 /** The checks for bodies that fall through what is below them. */
 final class ContactChecks {
-    /** The least height of a floor that a law with a floor of its own can reach [m]. */
+    /** Height above which a law's own floor counts as in use [m]; lower floors are out of reach. */
     private static final double LOWEST_FLOOR = -1e8;
 
     private static final double ROUNDING = 1e-6;
@@ -48,7 +48,7 @@ final class ContactChecks {
         }
     }
 
-    /** Checks balls whose radius only the picture knows. */
+    /** Checks for balls whose radius only the picture uses, so that no law knows it. */
     private void checkRadii() {
         if (balls.isEmpty() || items.isSetByActions(LawFacts.RADIUS)) {
             return;
@@ -73,7 +73,7 @@ final class ContactChecks {
                 && !item.has(LawFacts.RADIUS);
     }
 
-    /** Returns the axis along which gravity acts, if it acts along one, and its sign. */
+    /** Returns the axis and the direction of gravity, if gravity acts along an axis. */
     private Optional<Down> down() {
         List<Double> gravity = world.constants().get(LawFacts.GRAVITY);
         if (gravity == null || !laws.isRead(WorldPrototype.WORLD, LawFacts.GRAVITY)) {
@@ -113,7 +113,7 @@ final class ContactChecks {
         found.forEach((fault, bodies) -> report(fault, bodies, below.get(fault), down));
     }
 
-    /** The reason for which a body falls through a floor. */
+    /** Why a body falls through a floor. */
     private enum Fault {
         NO_LAW,
         NO_RADIUS,
@@ -195,7 +195,10 @@ final class ContactChecks {
                         + " surface_contact";
     }
 
-    /** Returns a law that would hold a body, among those that ship. */
+    /**
+     * Returns which of the laws that ship with the release would hold a body, as the end of a
+     * message.
+     */
     private String remedy(ItemFacts.Entry body, Floor floor, Down down) {
         if (!laws.shipped("rigid_contact").isEmpty()) {
             return "add rigid_contact to `laws`, and give " + floor.name + " physics: {mass: 0}";
@@ -210,7 +213,7 @@ final class ContactChecks {
                         + " from items of kind surface with a hardness";
     }
 
-    /** Something with a shape that no law moves, by its box. */
+    /** An item with a shape that no law moves, as its bounding box. */
     private record Floor(String name, boolean physics, double radius, double[] low, double[] high) {
         double top(Down down) {
             return down.sign < 0 ? high[down.axis] : low[down.axis];
@@ -245,7 +248,7 @@ final class ContactChecks {
         return new Floor(entry.name(), item.hasPhysics(), entry.number(LawFacts.RADIUS), low, high);
     }
 
-    /** Returns half the extents of an item's shape along the axes of the world [m]. */
+    /** Returns the half extents of an item's shape along the axes of the world [m]. */
     private static double[] extents(ItemDefinition item) {
         double[] q = item.orientation();
         double x = q[0];
@@ -279,7 +282,7 @@ final class ContactChecks {
         return (floor.top(down) - bottom) * down.sign >= -ROUNDING - 2 * half[down.axis];
     }
 
-    /** Returns whether a law of this world keeps a body from falling through a floor. */
+    /** Returns whether a law of this world keeps this body from falling through this floor. */
     private boolean holds(Floor floor, ItemFacts.Entry body) {
         if (shapes && (floor.physics || laws.isUsed(LawFacts.SCENERY))) {
             return true;

@@ -8,7 +8,10 @@ import reve.core.file.WorldDescription;
 import java.util.ArrayList;
 import java.util.List;
 
-/** Collector of warnings. A check that finds several items reports the first, and their number. */
+/**
+ * Collector of warnings. If a check finds several items, the warning names the first one, and their
+ * number.
+ */
 final class Findings {
     private final WorldDescription world;
     private final List<Problem> all = new ArrayList<>();
@@ -21,7 +24,7 @@ final class Findings {
         return all;
     }
 
-    /** Reports items with the same fault, if there are any. */
+    /** Adds one warning for all items with the same fault, if there are any. */
     void items(List<ItemFacts.Entry> found, String key, Message message) {
         if (!found.isEmpty()) {
             ItemFacts.Entry first = found.getFirst();

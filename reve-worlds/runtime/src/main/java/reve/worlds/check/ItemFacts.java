@@ -22,11 +22,11 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The items of a world as the checks see them: those of the file, and those that agents and actions
+ * The items of a world for the checks: those of the world file, and those that agents and actions
  * may add.
  */
 final class ItemFacts {
-    /** An item of the file, by its index in the description. */
+    /** An item of the world file, and its index in the description. */
     record Entry(int index, ItemDefinition item) {
         String name() {
             return item.name();
@@ -44,7 +44,7 @@ final class ItemFacts {
             return number("mass");
         }
 
-        /** Returns whether laws may move it. */
+        /** Returns whether laws may move the item. */
         boolean isMovable() {
             return isBody() && mass() > 0 && item.parent().isEmpty();
         }
@@ -128,7 +128,7 @@ final class ItemFacts {
         return entries.stream().filter(Entry::isMovable).toList();
     }
 
-    /** Returns whether there is, or may come to be, a body that laws may move. */
+    /** Returns whether there is, or may be later, a body that laws may move. */
     boolean mayMove() {
         return setByActions.contains("mass")
                 || entries.stream().anyMatch(Entry::isMovable)
@@ -139,7 +139,7 @@ final class ItemFacts {
                                                 && has(item, "mass"));
     }
 
-    /** Returns whether there is, or may come to be, an item of a kind with physics. */
+    /** Returns whether there is, or may be later, an item of a kind with physics. */
     boolean mayExist(String kind) {
         return count(kind) > 0
                 || additional.stream().anyMatch(item -> item.kind().equals(kind) && physics(item));
@@ -153,7 +153,7 @@ final class ItemFacts {
                         .count();
     }
 
-    /** Returns whether a property of a kind is, or may come to be, other than 0 for some item. */
+    /** Returns whether a property of a kind is different from 0, or may be later, for any item. */
     boolean mayDiffer(String kind, Collection<String> properties) {
         return properties.stream().anyMatch(setByActions::contains)
                 || entries.stream()
@@ -178,7 +178,7 @@ final class ItemFacts {
         return pushed;
     }
 
-    /** Returns whether springs, surfaces and so on refer to an item. */
+    /** Returns whether another item, such as a spring or a surface, refers to an item. */
     boolean isReferredTo(Entry entry) {
         return referredTo.contains(entry.name());
     }

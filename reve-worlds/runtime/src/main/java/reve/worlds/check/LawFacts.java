@@ -19,7 +19,7 @@ import java.util.function.Predicate;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
-/** The laws of a world by what they declare. */
+/** What the laws of a world do, judged by the properties that they declare. */
 final class LawFacts {
     static final String POSITION = "position";
     static final String VELOCITY = "velocity";
@@ -30,7 +30,7 @@ final class LawFacts {
     static final String SURFACE = "surface";
     static final String FLOOR = "floorHeight";
 
-    /** Properties that describe the state of a body or its rest shape, where 0 is a usual value. */
+    /** Properties of the state or the rest shape of a body; 0 is a usual value for them. */
     private static final Set<String> STATE =
             Set.of(
                     POSITION,
@@ -44,10 +44,10 @@ final class LawFacts {
                     "length",
                     "softening");
 
-    /** Kind of the rows without physics, whose shapes a law may use. */
+    /** Kind of the rows of items without physics; laws may use their shapes. */
     static final String SCENERY = "scenery";
 
-    /** Properties from which a law can know the shape of a body. */
+    /** Names of properties that tell a law the shape of a body. */
     private static final Pattern EXTENT =
             Pattern.compile("(?i).*(shape|size|extent|dimension|hull).*");
 
@@ -65,7 +65,7 @@ final class LawFacts {
         return laws;
     }
 
-    /** Returns the reference through which the world loads a law. */
+    /** Returns the entry of the world file that loads a law. */
     LawReference reference(PhysicsLaw law) {
         return references.stream()
                 .filter(reference -> reference.name().equals(law.library()))
@@ -73,7 +73,7 @@ final class LawFacts {
                 .orElseGet(() -> new LawReference(law.library(), Map.of(), ""));
     }
 
-    /** Returns the value of a parameter; empty if the law declares none of this name. */
+    /** Returns the value of a parameter; empty if the law declares no parameter of this name. */
     Optional<Double> parameter(PhysicsLaw law, String name) {
         return law.parameters().stream()
                 .filter(parameter -> parameter.name().equals(name))
@@ -120,7 +120,7 @@ final class LawFacts {
                         && law.uses().stream().noneMatch(use -> isBody(use, FORCE));
     }
 
-    /** Returns whether a law reads a property, under the world's name of it. */
+    /** Returns whether any law reads a property, given by the name that it has in the world. */
     boolean isRead(String kind, String property) {
         return laws.stream()
                 .flatMap(law -> law.uses().stream())
@@ -153,7 +153,7 @@ final class LawFacts {
                 .anyMatch(use -> use.kind().equals(kind) && use.name().equals(engineName));
     }
 
-    /** Returns the kinds of items whose rows a law needs, without body and world. */
+    /** Returns the kinds of items whose rows a law needs, except body and world. */
     List<String> ownKinds(PhysicsLaw law) {
         return law.uses().stream()
                 .filter(use -> !use.optional())
@@ -167,8 +167,8 @@ final class LawFacts {
     }
 
     /**
-     * Returns the uses of a law whose values decide how strongly it acts: read by it, written by no
-     * law, and neither state nor reference.
+     * Returns the properties whose values decide how strongly a law acts: those that it reads, that
+     * no law writes, and that are neither state nor references.
      */
     Stream<PropertyUse> strengths(PhysicsLaw law) {
         return law.uses().stream()
@@ -183,24 +183,26 @@ final class LawFacts {
                                         && !isWritten(use.kind(), use.name()));
     }
 
-    /** Returns the first law that reads a function of position, which only a library provides. */
+    /**
+     * Returns the first law that reads a field (a function of position) that no library provides.
+     */
     Optional<PhysicsLaw> readerOfUnknownField() {
         return laws.stream().allMatch(law -> shipped.contains(law.library()))
                 ? first(use -> use.type() == ScalarType.FIELD && !use.optional())
                 : Optional.empty();
     }
 
-    /** Returns whether a law makes bodies touch that it knows as balls. */
+    /** Returns whether a law computes contacts of bodies as balls. */
     boolean touchesBalls(PhysicsLaw law) {
         return pushes(law) && law.uses().stream().anyMatch(use -> isBody(use, RADIUS));
     }
 
-    /** Returns whether a law makes bodies touch triangles. */
+    /** Returns whether a law computes contacts of bodies with triangles. */
     boolean touchesSurfaces(PhysicsLaw law) {
         return pushes(law) && law.uses().stream().anyMatch(use -> use.kind().equals(SURFACE));
     }
 
-    /** Returns whether a law makes bodies touch whose shape it reads. */
+    /** Returns whether a law computes contacts of bodies by their shapes. */
     boolean touchesShapes(PhysicsLaw law) {
         return law.uses().stream()
                 .anyMatch(
@@ -209,7 +211,7 @@ final class LawFacts {
                                         && EXTENT.matcher(use.name()).matches());
     }
 
-    /** Returns which of some law libraries ship with this release. */
+    /** Returns which of these law libraries ship with this release. */
     List<String> shipped(String... names) {
         return Stream.of(names).filter(shipped::contains).toList();
     }

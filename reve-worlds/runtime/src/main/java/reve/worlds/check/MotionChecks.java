@@ -8,7 +8,7 @@ import reve.pe.PhysicsLaw;
 import java.util.List;
 import java.util.Optional;
 
-/** The checks for bodies that should move or turn, and do not. */
+/** The checks for bodies that, according to the world file, should move or turn, but do not. */
 final class MotionChecks {
     private static final String SPIN = "angularVelocity";
     private static final String INERTIA = "inertia";
@@ -38,7 +38,7 @@ final class MotionChecks {
         checkImmovable();
     }
 
-    /** Checks a world in which no law moves bodies. */
+    /** Warns in a world in which no law moves bodies. */
     private void checkUnmoved() {
         if (laws.pusher().isPresent() && items.mayMove()) {
             PhysicsLaw pusher = laws.pusher().get();
@@ -69,7 +69,7 @@ final class MotionChecks {
         }
     }
 
-    /** Checks a world in which a law moves bodies. */
+    /** Warns in a world in which a law moves bodies. */
     private void checkMoved(PhysicsLaw mover, boolean complete) {
         if (!items.mayMove() && laws.uses(mover, WorldPrototype.BODY, "mass")) {
             findings.law(
@@ -123,7 +123,7 @@ final class MotionChecks {
         return items.all().stream().filter(body -> body.isBody() && body.has(SPIN)).toList();
     }
 
-    /** Checks for velocities of bodies that no law moves. */
+    /** Warns of bodies with a velocity that no law moves. */
     private void checkImmovable() {
         if (laws.mover().isEmpty()
                 || !laws.uses(laws.mover().get(), WorldPrototype.BODY, "mass")

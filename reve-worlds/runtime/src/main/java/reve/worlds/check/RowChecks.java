@@ -13,9 +13,9 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
-/** The checks of laws that lack what they act on, and of values that no law reads. */
+/** The checks for laws without rows to act on, and for values that no law reads. */
 final class RowChecks {
-    /** Laws that ship and read a value, for remedies. */
+    /** For a value that no law reads: laws of this release that read it, for the remedy. */
     private static final Map<String, String> READERS =
             Map.of(
                     "spring", "hooke_spring",
@@ -163,7 +163,7 @@ final class RowChecks {
         return items.mayDiffer(use.kind(), LawFacts.columns(use));
     }
 
-    /** Checks springs that exert no force, or move nothing. */
+    /** Warns of springs that exert no force, or move nothing. */
     private void checkSprings() {
         if (!laws.isUsed("spring")) {
             return;
@@ -232,7 +232,7 @@ final class RowChecks {
                 && Arrays.equals(one.item().location(), other.item().location());
     }
 
-    /** Checks for items and values that no law reads. */
+    /** Warns of items and values that no law reads. */
     private void checkUnread() {
         Set<String> standard =
                 Set.copyOf(WorldPrototype.standard(world.prototype().name()).kinds());

@@ -9,19 +9,20 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The fastest oscillation of bodies that springs join, at the places of the file. Springs act along
- * their directions; those without a direction are left out. The estimate is the largest eigenvalue
- * of M^-1/2 (dt² K + 2 dt C) M^-1/2 by power iteration, which approaches it from below.
+ * The fastest oscillation of bodies that springs join, at their positions in the world file.
+ * Springs act along their directions; springs without a direction are ignored. The estimate is the
+ * largest eigenvalue of M^-1/2 (dt² K + 2 dt C) M^-1/2 by power iteration, which approaches it from
+ * below.
  */
 final class SpringNetwork {
     private static final int ITERATIONS = 60;
 
     /**
-     * The result.
+     * The fastest oscillation.
      *
      * @param stiffness the eigenvalue: (ω dt)² + 2 γ dt
-     * @param seconds step at which the eigenvalue would be 1 [s]
-     * @param spring the spring that takes most part in that oscillation
+     * @param seconds length of a step at which the eigenvalue would be 1 [s]
+     * @param spring the spring with the largest share in this oscillation
      */
     record Stiffest(double stiffness, double seconds, ItemFacts.Entry spring) {}
 
@@ -100,7 +101,8 @@ final class SpringNetwork {
     private Stiffest iterate() {
         double[] now = new double[3 * inverseRoots.size()];
         for (int i = 0; i < now.length; i++) {
-            now[i] = 1 + StrictMath.sin(1.0 + 7.0 * i); // no symmetry of the network has this shape
+            now[i] = 1 + StrictMath.sin(1.0 + 7.0 * i); // a start vector that no symmetry of the
+            // network makes orthogonal to the result
         }
         normalise(now);
         double[] next = new double[now.length];
@@ -125,7 +127,7 @@ final class SpringNetwork {
         return new Stiffest(stiffness, step(part), springs.get(most));
     }
 
-    /** Returns the step t with ω² t² + 2 γ t = 1. */
+    /** Returns the length of a step t [s] with ω² t² + 2 γ t = 1. */
     private double step(double[] part) {
         double square = 0;
         double linear = 0;
@@ -142,7 +144,7 @@ final class SpringNetwork {
         return 2 / (linear + Math.sqrt(linear * linear + 4 * square));
     }
 
-    /** Computes next = A now, the part of each spring in now·A·now, and their sum. */
+    /** Computes next = A now, the contribution of each spring to now·A·now, and returns the sum. */
     private double multiply(double[] now, double[] next, double[] part) {
         Arrays.fill(next, 0);
         double sum = 0;

@@ -12,16 +12,17 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The checks for steps that are too long for what laws exert, from k, m and dt.
+ * The checks for steps that are too long for the forces of laws, by stiffness k, mass m and step
+ * dt.
  *
  * <p>An oscillation of the angular frequency ω that is damped at the rate γ is stable if (ω dt)² +
- * 2 γ dt is at most 4 for integrators of one stage, and about 8 for those of four.
+ * 2 γ dt is at most 4 for integrators with one stage, and about 8 for those with four.
  */
 final class StepChecks {
     private static final double LIMIT = 4;
     private static final double LIMIT_OF_FOUR_STAGES = 8;
 
-    /** Least number of steps in a contact of balls. */
+    /** Minimum number of steps during a contact of two balls. */
     private static final double STEPS_PER_CONTACT = 5;
 
     private final WorldDescription world;
@@ -192,7 +193,7 @@ final class StepChecks {
                                 + remedy(0.5 / resistance(body)));
     }
 
-    /** Returns the rate at which drag slows a body at its first speed [1/s]. */
+    /** Returns the rate at which drag slows a body down at its initial speed [1/s]. */
     private static double resistance(ItemFacts.Entry body) {
         return (body.number("linearDragCoefficient") + body.number("dragCoefficient") * speed(body))
                 / body.mass();

@@ -10,20 +10,20 @@ import java.util.List;
 import java.util.Set;
 
 /**
- * The check of a world and its loaded laws, before the first frame. A warning names the place, the
- * reason and a remedy. The checks know laws by what they declare, never by their names; names occur
- * in remedies only.
+ * The check of a world and its loaded laws, before the first frame. A warning names the place in
+ * the file, the reason and a remedy. The checks judge laws by the properties that they declare,
+ * never by their names; only remedies contain names.
  */
 public final class WorldCheck {
     private WorldCheck() {}
 
     /**
-     * Returns the warnings of the file and of all checks, in order of position.
+     * Returns the warnings of the file and of all checks, in the order of their lines.
      *
      * @param laws the loaded laws of the world
      * @param shipped names of the law libraries that ship
-     * @param complete whether all laws of the world are loaded; otherwise {@link #leftOut} says
-     *     which checks are left out
+     * @param complete whether all laws of the world are loaded; otherwise some checks are skipped,
+     *     see {@link #leftOut}
      */
     public static List<Problem> warnings(
             WorldDescription world, List<PhysicsLaw> laws, Set<String> shipped, boolean complete) {
@@ -41,7 +41,10 @@ public final class WorldCheck {
         return all.stream().distinct().sorted().toList();
     }
 
-    /** Returns which checks are left out while some laws of a world are not opened. */
+    /**
+     * Returns a text that lists the checks that are skipped while some laws of a world are not
+     * loaded.
+     */
     public static String leftOut() {
         return "not checked without all laws: whether bodies are moved, turned and kept from"
                 + " falling through each other, and whether a law reads each value";

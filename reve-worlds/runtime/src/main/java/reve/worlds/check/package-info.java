@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Warnings about worlds that are valid and would do nothing, fall for ever, or diverge. */
+/**
+ * Warnings about worlds that are valid but would not move, fall for ever, or diverge numerically.
+ */
 @NullMarked
 package reve.worlds.check;
 

@@ -11,14 +11,17 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 
-/** The data of one frame that the world's thread passes to the writer. Entries are reused. */
+/**
+ * The data of one frame that the world's thread passes to the journal's writer thread. Entries are
+ * reused.
+ */
 final class Entry {
-    /** A change, with the rows of an edited column after the change. */
+    /** A change; if a column was edited, with the column's rows after the change. */
     record Noted(WorldChange change, byte @Nullable [] columnRows) {}
 
     long frame;
 
-    /** Changes made before PHYSICS, and changes made after it. */
+    /** Changes before PHYSICS (the frame's phase in which laws act), and changes after it. */
     final List<Noted> early = new ArrayList<>();
 
     final List<Noted> late = new ArrayList<>();
@@ -26,19 +29,19 @@ final class Entry {
     List<WorldEvent> events = List.of();
     final long[] digest;
 
-    /** Digest of the world before PHYSICS, valid if there are changes before it. */
+    /** Digest of the world before PHYSICS; valid if there are early changes. */
     final long[] earlyDigest;
 
-    /** Image of the end of this frame, if one is due. */
+    /** Image (complete state) of the world at the end of this frame, if one is due. */
     @Nullable SimulationImage image;
 
     /**
-     * Whether the image replaces the frame, because its changes do not describe the world
-     * completely.
+     * Whether the journal stores the image instead of the frame, because the frame's changes do not
+     * describe the world completely.
      */
     boolean begins;
 
-    /** Whether the image ends the journal and belongs to no frame. */
+    /** Whether this is only the journal's final image, which belongs to no frame. */
     boolean last;
 
     Map<String, Long> members = Map.of();

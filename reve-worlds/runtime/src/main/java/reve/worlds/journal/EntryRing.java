@@ -23,7 +23,7 @@ final class EntryRing {
 
     // Methods for the world's thread.
 
-    /** Returns the next entry to fill, or null if all entries wait. */
+    /** Returns the next entry to fill, or null if all entries still wait for the writer. */
     @Nullable Entry next() {
         return isFull() ? null : entries[(int) (written.getPlain() % entries.length)];
     }
@@ -32,7 +32,7 @@ final class EntryRing {
         return written.getPlain() - read.getAcquire() == entries.length;
     }
 
-    /** Returns whether the writer has released all entries. */
+    /** Returns whether the ring is empty, that is, whether the writer has released all entries. */
     boolean isEmpty() {
         return written.getPlain() == read.getAcquire();
     }
@@ -51,7 +51,7 @@ final class EntryRing {
                 : entries[(int) (read.getPlain() % entries.length)];
     }
 
-    /** Returns that entry to the world's thread. */
+    /** Makes the oldest entry available to the world's thread again. */
     void release() {
         entries[(int) (read.getPlain() % entries.length)].clear();
         read.setRelease(read.getPlain() + 1);

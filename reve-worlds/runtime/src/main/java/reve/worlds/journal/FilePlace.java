@@ -8,8 +8,8 @@ import java.nio.file.Path;
 import java.nio.file.attribute.BasicFileAttributes;
 
 /**
- * A path and the file at it when the file was opened. Data that is written to a file after the file
- * is moved or removed is lost. Any thread.
+ * A path and the identity of the file that was opened there, to detect that the file was moved or
+ * removed: data written to it afterwards would be lost. Any thread.
  */
 record FilePlace(Path path, Object key) {
     static FilePlace of(Path path) throws IOException {
@@ -17,8 +17,8 @@ record FilePlace(Path path, Object key) {
     }
 
     /**
-     * Returns what happened to the file, as the rest of a sentence. Empty if the path still leads
-     * to the complete file, or if this cannot be determined.
+     * Returns what happened to the file, as the end of a sentence. Empty if the path still leads to
+     * the complete file, or if this cannot be determined.
      *
      * @param bytes minimum size of the file [bytes]
      */

@@ -14,11 +14,11 @@ import java.nio.file.StandardOpenOption;
 import java.sql.SQLException;
 import java.util.Optional;
 
-/** Messages that say why a file could not be opened, read or written. */
+/** Messages for files that could not be opened, read or written. */
 final class FileTrouble {
     private static final int CODE_BITS = 0xff;
 
-    /** Free disk space that SQLite needs to open a database [bytes]. */
+    /** Disk space that SQLite needs for opening a database [bytes]. */
     private static final long ROOM = 1 << 20;
 
     private FileTrouble() {}
@@ -26,7 +26,7 @@ final class FileTrouble {
     /**
      * Returns an exception with a message for a failed file operation.
      *
-     * @param what the operation, as a participle
+     * @param what the operation, as a participle such as "read"
      */
     static IOException of(Path file, String what, IOException e) {
         return new IOException(file + " could not be " + what + ": " + reason(file, e), e);
@@ -35,7 +35,7 @@ final class FileTrouble {
     /**
      * Returns an exception with a message for a failed database operation.
      *
-     * @param what the operation, as a participle
+     * @param what the operation, as a participle such as "read"
      */
     static IOException of(Path file, String what, SQLException e) {
         SQLiteErrorCode code = SQLiteErrorCode.getErrorCode(e.getErrorCode() & CODE_BITS);
@@ -55,9 +55,7 @@ final class FileTrouble {
         return new IOException(file + " could not be " + what + ": " + reason, e);
     }
 
-    /**
-     * Returns a description of an object at the path that is not a readable file, if there is one.
-     */
+    /** If the object at the path is not a readable file, returns what it is. */
     static Optional<String> noFile(Path file) {
         if (Files.isDirectory(file)) {
             return Optional.of(file + " is a folder");
@@ -104,7 +102,7 @@ final class FileTrouble {
 
     /**
      * Returns why a file cannot be opened. SQLite does not report the reason, so this method opens
-     * the file and takes the system's.
+     * the file itself and returns the system's message.
      */
     private static String whyNotOpened(Path file) {
         Path folder = file.toAbsolutePath().getParent();

@@ -23,10 +23,10 @@ import java.util.function.Function;
 
 /**
  * The codec of a journal's frames as JSON. Fields: {@code frame}; {@code changes} before PHYSICS
- * and {@code late} ones after it; changes of the {@code laws}; the {@code events}, for readers
- * only; and digests. {@code before} is the digest before PHYSICS if there were changes, and {@code
- * digest} that of the frame's end. Each digest contains only the parts that differ from the
- * previous one. One thread; frames in order.
+ * (the phase in which laws act), {@code late} changes after it; changes of the {@code laws}; the
+ * {@code events}, which a replay ignores; and digests (checksums of the state). {@code before} is
+ * the digest before PHYSICS if there were changes, and {@code digest} that of the frame's end. Each
+ * digest contains only the parts that differ from the previous one. One thread; frames in order.
  */
 public final class FrameCodec {
     private static final int PART_BYTES = Short.BYTES + 2 * Long.BYTES;
@@ -48,7 +48,9 @@ public final class FrameCodec {
         return changes;
     }
 
-    /** Makes the next written frame contain the complete digest. Called when an image was taken. */
+    /**
+     * Makes the next written frame contain the complete digest. Called after an image was taken.
+     */
     void begin() {
         whole = true;
     }
@@ -75,7 +77,7 @@ public final class FrameCodec {
     /**
      * Returns the complete digest of a frame; valid until the next call.
      *
-     * @param name {@code before}, which some frames have, then {@code digest}
+     * @param name {@code digest}; in frames that have it, first {@code before}
      * @throws CorruptException if it cannot be read
      */
     public long[] readDigest(JsonNode frame, String name) {
@@ -198,8 +200,8 @@ public final class FrameCodec {
     }
 
     /**
-     * Encodes the parts that changed since the last digest: the index (2 bytes) and both numbers of
-     * each.
+     * Encodes the parts that changed since the last digest: for each, its index (2 bytes) and its
+     * two numbers.
      */
     private String delta(long[] now) {
         ByteBuffer parts = ByteBuffer.allocate(PART_BYTES * now.length / 2);

@@ -12,12 +12,15 @@ import java.util.TreeMap;
 import java.util.stream.Stream;
 
 /**
- * The files beside a store that contain its frames, STORE-frames-1 and so on, and the manifest of
- * their content. Each image begins another file, which names the previous one. Files before the
- * oldest image are removed.
+ * The files beside a store that contain its frames, STORE-frames-1 and so on, and the manifest,
+ * which lists their content. With each image a new file begins, which names the previous one. Files
+ * before the oldest image are removed.
  */
 final class FrameFiles {
-    /** End of the longest name of a file; ten images a second reach it after 30 years. */
+    /**
+     * Suffix of the longest file name; at ten images per second, its number is reached after 30
+     * years.
+     */
     static final String LONGEST_ENDING = "-frames-9999999999";
 
     private static final SecureRandom IDS = new SecureRandom();
@@ -30,7 +33,7 @@ final class FrameFiles {
     private volatile RunLog.@Nullable Writer current;
 
     /**
-     * Writes nothing before {@link #next}.
+     * Opens the files; writes nothing before {@link #next}.
      *
      * @param claim initial content of the manifest
      * @param number of the newest existing file; 0 if there is none
@@ -43,9 +46,9 @@ final class FrameFiles {
         this.id = id;
     }
 
-    /** A file that receives no more frames. */
+    /** The file before the newest one; it receives no more frames. */
     record Finished(RunLog.@Nullable Writer file) implements AutoCloseable {
-        /** Waits until the file survives a power failure. Idempotent. */
+        /** Closes the file after its data was flushed to the disk. Idempotent. */
         @Override
         public void close() throws IOException {
             if (file != null && file.isOpen()) {
@@ -118,8 +121,8 @@ final class FrameFiles {
     }
 
     /**
-     * Waits until the current file survives a power failure. Any thread except the one that closes
-     * files.
+     * Flushes the current file to the disk, so that its data survives a power failure. Any thread
+     * except the one that closes files.
      */
     void force() throws IOException {
         RunLog.Writer file = current;
@@ -137,7 +140,7 @@ final class FrameFiles {
         }
     }
 
-    /** Removes the files with smaller numbers. */
+    /** Removes the files with numbers below {@code kept}. */
     void dropBefore(long kept) throws IOException {
         for (Path file : present(store).headMap(kept).values()) {
             Files.deleteIfExists(file);
@@ -145,8 +148,8 @@ final class FrameFiles {
     }
 
     /**
-     * Returns one line for each of the newest file and the manifest that was moved, removed or cut.
-     * Any thread except the one that closes files.
+     * Returns a message for each of the newest file and the manifest that was moved, removed or
+     * truncated. Any thread except the one that closes files.
      */
     List<String> troubles() {
         Manifest listed = manifest;
@@ -157,11 +160,11 @@ final class FrameFiles {
                                 file == null ? "" : file.trouble())
                         .filter(each -> !each.isEmpty())
                         .toList();
-        // otherwise the files changed during the check: check again later
+        // otherwise the files changed during the check; the next check finds out
         return listed == manifest && file == current ? found : List.of();
     }
 
-    /** Returns the manifest. Creates it again if it is missing. */
+    /** Returns the manifest; creates it again if its file is missing. */
     private Manifest manifest() throws IOException {
         Manifest now = manifest;
         if (now == null || !now.trouble().isEmpty()) {
@@ -179,7 +182,7 @@ final class FrameFiles {
         return store.resolveSibling(store.getFileName() + "-frames-" + which);
     }
 
-    /** Returns the files of frames by number. */
+    /** Returns the existing files of frames, by number. */
     static TreeMap<Long, Path> present(Path store) throws IOException {
         String prefix = store.getFileName() + "-frames-";
         var files = new TreeMap<Long, Path>();

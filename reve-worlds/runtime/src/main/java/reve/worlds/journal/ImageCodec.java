@@ -25,8 +25,8 @@ import java.util.Map;
 import java.util.function.Function;
 
 /**
- * The codec of simulation images as bytes. An image names law libraries by their SHA-256; their
- * bytes are stored separately. One thread.
+ * The codec of simulation images as bytes. An image is the complete state of a simulation. It names
+ * law libraries by their SHA-256; the libraries' bytes are stored separately. One thread.
  */
 public final class ImageCodec {
     private static final String HEADER = "header";
@@ -35,14 +35,14 @@ public final class ImageCodec {
     private final WorldHeader header;
     private final WorldImageCodec worlds;
 
-    /** Creates a codec for images of worlds with this header. */
+    /** Creates a codec for images of worlds that match this header. */
     public ImageCodec(WorldHeader header) {
         this.header = header;
         this.worlds = new WorldImageCodec(header.prototype(), header.assets());
     }
 
     /**
-     * An image whose outer structure was read; its content is not decoded yet.
+     * An image of which only the outer structure was read; its content is not decoded yet.
      *
      * @param members ids of the agents' bodies by agent
      */
@@ -102,7 +102,7 @@ public final class ImageCodec {
      * Decodes an image; the caller closes it.
      *
      * @param libraries returns the bytes of a law library by SHA-256, or null if there is none
-     * @throws CorruptException if the image contradicts itself or lacks a library
+     * @throws CorruptException if the image is inconsistent, or a library is missing
      */
     public SimulationImage read(Stored stored, Function<String, byte @Nullable []> libraries) {
         SimulationImage image;

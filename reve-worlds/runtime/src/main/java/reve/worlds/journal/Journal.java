@@ -28,13 +28,14 @@ import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
 
 /**
- * The journal of a running world: an image first and at a fixed interval of frames, and between
- * images, for each frame, all changes that laws did not cause and a digest. The world's thread
- * copies data and computes digests; the journal's threads write. A frame is published only after
- * the frame before it is written, so the end of the process costs at most one frame, unless the
- * disk is slower than the patience below. If a write fails, the world continues, and the journal
- * resumes with the next image. If the journal's own thread ends, the world stops with an IOError.
- * Created and closed by the world's thread, between frames.
+ * The journal of a running world: it begins with an image (the complete state) and repeats one at a
+ * fixed interval of frames; between images it contains, for each frame, a digest and all changes
+ * that laws did not cause. The world's thread copies data and computes digests; the journal's
+ * threads write. A frame is published only after the previous frame was written, so a crash of the
+ * process loses at most one frame, unless the disk is slower than FRAME_PATIENCE_NANOSECONDS. If a
+ * write fails, the world continues, and the journal resumes with the next image. If the journal's
+ * own thread fails, the world stops with an IOError. The world's thread creates and closes the
+ * journal, between frames.
  */
 public final class Journal implements AutoCloseable {
     private static final int FRAMES_WAITING = 2048;
@@ -43,12 +44,15 @@ public final class Journal implements AutoCloseable {
     private static final int SPINS = 2_000;
 
     /**
-     * Maximum time that a frame waits for the previous one to be written, if the wall clock paces
-     * the world [ns].
+     * Maximum time that a frame waits for the previous one to be written, if the world runs in real
+     * time [ns].
      */
     private static final long FRAME_PATIENCE_NANOSECONDS = 1_000_000_000;
 
-    /** Maximum time that a frame waits while an image is written or must be copied [ns]. */
+    /**
+     * Maximum time that a frame waits while an earlier image is written or its own image must be
+     * copied [ns].
+     */
     private static final long IMAGE_PATIENCE_NANOSECONDS = 5_000_000_000L;
 
     private final World world;
@@ -71,10 +75,10 @@ public final class Journal implements AutoCloseable {
     private boolean published;
     private boolean imageWanted = true;
 
-    /** Whether the disk is too slow, so that frames no longer wait for it. */
+    /** True if the disk is too slow, so that frames no longer wait for it. */
     private boolean behind;
 
-    /** Whether the last attempt to copy an image failed, which was reported. */
+    /** True if the last attempt to copy an image failed; this was reported. */
     private boolean imageFailed;
 
     private Optional<Shortfall> shortfall = Optional.empty();
@@ -83,15 +87,17 @@ public final class Journal implements AutoCloseable {
      * The intervals and waiting policy of a journal.
      *
      * @param imageFrames frames between two images; 0 writes the first image only
-     * @param waits whether the world waits for a slow disk without limit, as when it is not paced.
-     *     Otherwise, after a second, the journal warns the operator and the world continues.
+     * @param waits true if the world waits for a slow disk without limit, for worlds that run as
+     *     fast as they can, without a clock. If false, the journal warns the operator after a
+     *     second, and the world continues without waiting.
      */
     public record Plan(long imageFrames, boolean waits) {}
 
     /**
      * A journal with images that ended without its last image.
      *
-     * @param reached last frame that the journal can restore; -1 if it can restore none of the run
+     * @param reached last frame that the journal can restore; -1 if it can restore no frame of this
+     *     run
      * @param last frame that was published
      */
     public record Shortfall(long reached, long last) {
@@ -128,10 +134,10 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * Begins the journal with an image of the next published frame.
+     * Begins the journal; its first record is an image of the next published frame.
      *
      * @param members ids of the bodies of agents in the world, by agent
-     * @param sink closed by the journal
+     * @param sink storage, which the journal closes
      * @param problems receives messages about failures, on any thread
      */
     public Journal(
@@ -157,7 +163,8 @@ public final class Journal implements AutoCloseable {
         writer = new JournalWriter(header, digest.size(), ring, rooms, plan, sink, problems);
         lawListener = laws::add;
         physics.laws().addListener(lawListener);
-        // The server may send results of acts from ACT on, and publishes a rewind without INTAKE.
+        // Both subscriptions are needed: the server may send results of acts from ACT on, and
+        // publishes a rewind without INTAKE.
         subscriptions.add(bus.subscribe(FramePhase.INTAKE, "journal", this::awaitFrameBefore));
         subscriptions.add(bus.subscribe(FramePhase.ACT, "journal", this::noteEarlyChanges));
         subscriptions.add(bus.subscribe(FramePhase.DERIVE, "journal", this::awaitFrameBefore));
@@ -193,12 +200,15 @@ public final class Journal implements AutoCloseable {
         }
     }
 
-    /** Returns what a closed journal with images lacks, or empty if it is complete. */
+    /** Returns what a journal with images lacks; empty if it is complete. Call after close. */
     public Optional<Shortfall> shortfall() {
         return shortfall;
     }
 
-    /** Returns the frames that a closed recording lacks, except those beyond its size limit. */
+    /**
+     * Returns the frames that a recording lacks, except those beyond its size limit. Call after
+     * close.
+     */
     public Optional<Gap> gap() {
         return writer.gap();
     }
@@ -215,6 +225,8 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
+     * Stops the world if the writer has ended.
+     *
      * @throws IOError if the writer has ended
      */
     private void requireWriter() {
@@ -232,8 +244,8 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * Waits for the previous frame to be written. Agents are therefore at most one frame ahead of
-     * the journal.
+     * Waits for the previous frame to be written. So what agents have seen is at most one frame
+     * ahead of the journal.
      */
     private void awaitFrameBefore(FrameEvent frame) {
         requireWriter();
@@ -262,8 +274,8 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * Notes the changes before PHYSICS. Runs as the last listener of ACT, because the laws of this
-     * frame do not see later changes.
+     * Records the changes before PHYSICS, the phase in which laws act. Runs as the last listener of
+     * ACT, because the laws of this frame do not see later changes.
      */
     private void noteEarlyChanges(FrameEvent frame) {
         List<WorldChange> changes = world.changes();
@@ -272,7 +284,8 @@ public final class Journal implements AutoCloseable {
             early.add(noted(changes.get(i)));
         }
         if (earlyCount > 0) {
-            // after PHYSICS, laws would have spread a deviation of one item to others
+            // a digest before PHYSICS locates a deviation; later, laws would have spread it from
+            // one item to others
             digest.compute(earlyDigest);
         }
     }
@@ -357,10 +370,10 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * Copies the world into an image as soon as a slot is free.
+     * Copies the world into an image as soon as one of the image buffers is free.
      *
-     * @param patience maximum wait for a slot [ns]
-     * @return null if no slot is free by then, the writer has ended, or the copy failed
+     * @param patience maximum wait for a buffer [ns]
+     * @return null if no buffer is free by then, the writer has ended, or the copy failed
      */
     private @Nullable SimulationImage copy(long frame, long patience) {
         long start = System.nanoTime();
@@ -376,7 +389,7 @@ public final class Journal implements AutoCloseable {
             room.copyFrom(world, physics, frame);
             imageFailed = false;
             return room;
-        } catch (RuntimeException failure) { // of the engine, whose process may be replaced
+        } catch (RuntimeException failure) { // thrown by the engine, whose process may be replaced
             rooms.add(room);
             if (!imageFailed) {
                 imageFailed = true;
@@ -419,7 +432,7 @@ public final class Journal implements AutoCloseable {
         }
     }
 
-    /** Returns the agents in the world and their bodies after an event. */
+    /** Returns the ids of the agents' bodies, by agent, after an event. */
     static Map<String, Long> after(WorldEvent event, Map<String, Long> members, World world) {
         boolean joined = event.type().equals("joined");
         if (!joined && !event.type().equals("left")) {

@@ -15,41 +15,43 @@ public interface JournalSink extends AutoCloseable {
     void write(JournalRecord record) throws IOException;
 
     /**
-     * Reserves a place for an image of the last written frame, before all later records.
+     * Reserves the place for an image of the last written frame in the order of records: before all
+     * later ones.
      *
      * @throws IOException naming the file, if no place can be reserved
      */
     Place place() throws IOException;
 
     /**
-     * Waits until the written data survives a power failure, if the sink was configured for that.
+     * Flushes the written data to the disk, if the sink was configured to survive power failures.
      * Any thread, also during a write.
      */
     void sync() throws IOException;
 
     /**
-     * Returns the sink's file and what happened to it, if it was moved, removed or cut, so that
-     * readers cannot use new data.
+     * If the sink's file was moved, removed or truncated, so that readers would miss new data,
+     * returns its name and what happened to it.
      */
     default Optional<String> missing() {
         return Optional.empty();
     }
 
     /**
-     * Checks the sink's files and returns a line for each file that was removed, replaced or cut
-     * since the last check. Each line says what to do. Called by the thread that writes images.
+     * Checks the sink's files and returns a line for each file that was removed, replaced or
+     * truncated since the last check. Each line says what to do. Called by the thread that writes
+     * images.
      */
     default List<String> troubles() {
         return List.of();
     }
 
-    /** Returns whether the sink has reached its size limit and accepts no more records. */
+    /** Returns true if the sink has reached its size limit and accepts no more records. */
     default boolean hasItsLimit() {
         return false;
     }
 
     /**
-     * Begins an empty file in place of a missing one or of one that refused a record.
+     * Begins a new, empty file instead of one that is missing or could not be written.
      *
      * @return the new file and what happened to the previous one, for messages
      * @throws IOException naming the file, if no file can be created
@@ -61,7 +63,10 @@ public interface JournalSink extends AutoCloseable {
     @Override
     void close() throws IOException;
 
-    /** A file of the sink was lost and a new one has begun: the image must be written again. */
+    /**
+     * Thrown if a file of the sink was lost and a new one was begun: the image must be written
+     * again.
+     */
     final class BegunAnewException extends IOException {
         private static final long serialVersionUID = 1L;
 
@@ -72,11 +77,12 @@ public interface JournalSink extends AutoCloseable {
     }
 
     /**
-     * A reserved place for an image. Any thread, also during a write; places are filled in order.
+     * A reserved place for an image. Any thread, also during a write; images must be written in the
+     * order of their places.
      */
     interface Place {
         /**
-         * Stores the image and the libraries that it refers to, all or none.
+         * Stores the image and the libraries that it refers to, either all or none of them.
          *
          * @throws BegunAnewException if nothing was written and a retry will probably succeed
          * @throws IOException naming the file, if the write failed; the place may be retried

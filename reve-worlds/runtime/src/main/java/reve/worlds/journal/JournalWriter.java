@@ -20,15 +20,15 @@ import java.util.function.Consumer;
 import java.util.function.Supplier;
 
 /**
- * The two threads that write a journal: one appends each frame as soon as it is passed, the other
- * writes images and waits for the disk.
+ * The two threads that write a journal: one appends each frame as soon as the world's thread passes
+ * it; the other writes images and flushes to the disk.
  */
 final class JournalWriter {
     private static final int SPINS = 1_000;
     private static final long SYNC_MILLISECONDS = 100;
     private static final int LAST_IMAGE_TRIES = 3;
 
-    /** Interval between two checks that the file is still at its path [ns]. */
+    /** Interval between two checks that the journal's file still exists at its path [ns]. */
     private static final long LOOK_NANOSECONDS = 1_000_000_000;
 
     private static final String NOTHING_KEPT = "; nothing is kept until an image can be written";
@@ -47,35 +47,35 @@ final class JournalWriter {
                     1, Thread.ofPlatform().name("journal images").factory());
     private final AtomicBoolean syncDue = new AtomicBoolean();
 
-    /** Whether an image is stored; the journal must begin with one. */
+    /** True once an image is stored; the journal must begin with one. */
     private boolean begun;
 
     /**
-     * Last frame that the journal can restore without a gap; -1 for none. Final when the writer
-     * ends.
+     * Last frame that the journal can restore without a gap; -1 for none. Its final value is set
+     * when the writer ends.
      */
     private long reached = -1;
 
-    /** Frame of the image with which the journal last began. */
+    /** Frame of the image with which the journal began, or last began again. */
     private long begunAt = -1;
 
     private boolean lastImageKept = true;
     private final AtomicBoolean beginsAnew = new AtomicBoolean();
     private long lookedNanos = System.nanoTime();
 
-    /** Whether the file was moved, removed or cut and is not yet replaced. */
+    /** True while the file is moved, removed or truncated and not yet replaced. */
     private boolean missing;
 
-    /** Whether the recording could not be written and does not yet continue in another file. */
+    /** True while a recording that could not be written does not yet continue in another file. */
     private volatile boolean refused;
 
-    /** Whether the reason why it cannot continue in another file was reported. */
+    /** True if it was already reported why the recording cannot continue in another file. */
     private boolean toldStay;
 
     /** The replacement file, for messages; empty if there is none. */
     private String place = "";
 
-    /** The frames that a recording lacks. Final when the writer ends. */
+    /** The frames that a recording lacks. Set when the writer ends. */
     private Optional<Journal.Gap> gap = Optional.empty();
 
     private volatile boolean ending;
@@ -114,16 +114,16 @@ final class JournalWriter {
     }
 
     /**
-     * Returns false after the writer has ended, also by a failure. Entries that wait in the ring
-     * are then never written.
+     * Returns false after the writer has ended, normally or by a failure. Entries that still wait
+     * in the ring are then never written.
      */
     boolean isWorking() {
         return failure == null && thread.isAlive();
     }
 
     /**
-     * Returns true once after a new file has begun, because the file must begin with an image.
-     * World's thread.
+     * Returns true once after a new file was begun, so that the next frame brings the image with
+     * which the file must begin. World's thread.
      */
     boolean beginsAnew() {
         return beginsAnew.get() && beginsAnew.getAndSet(false);
@@ -135,22 +135,22 @@ final class JournalWriter {
     }
 
     /**
-     * Returns, after the end, the last frame that the journal can restore without a gap; -1 for
-     * none.
+     * Returns, after the writer's end, the last frame that the journal can restore without a gap;
+     * -1 for none.
      */
     long reached() {
         return reached;
     }
 
     /**
-     * Returns, after the end, the frames that a recording lacks, except those beyond its size
-     * limit.
+     * Returns, after the writer's end, the frames that a recording lacks, except those beyond its
+     * size limit.
      */
     Optional<Journal.Gap> gap() {
         return gap;
     }
 
-    /** Returns, after the end, whether the final image is stored, if one was due. */
+    /** Returns, after the writer's end, whether the final image is stored or none was due. */
     boolean isLastImageKept() {
         return lastImageKept && failure == null;
     }
@@ -175,7 +175,7 @@ final class JournalWriter {
     private void run() {
         try {
             writeAll();
-        } catch (Throwable e) { // the world's thread reads it with failure()
+        } catch (Throwable e) { // the world's thread gets it from failure()
             failure = e;
         } finally {
             disk.close();
@@ -203,7 +203,8 @@ final class JournalWriter {
 
     private void writeAll() {
         while (true) {
-            boolean last = ending; // read before the ring: no entry follows once it is set
+            boolean last = ending; // read before the ring is checked: after `ending` is set, no
+            // entry follows
             Entry entry = ring.peek();
             if (entry != null) {
                 lookAfterFile();
@@ -217,7 +218,10 @@ final class JournalWriter {
         }
     }
 
-    /** Spins briefly before it blocks: in a world without pacing, the next entry arrives soon. */
+    /**
+     * Spins briefly before it blocks: if the world runs as fast as it can, the next entry arrives
+     * soon.
+     */
     private void waitForMore() {
         for (int i = 0; i < SPINS && ring.peek() == null; i++) {
             Thread.onSpinWait();
@@ -228,8 +232,8 @@ final class JournalWriter {
     }
 
     /**
-     * Begins a new file if the current one was moved, removed or cut, because its data would be
-     * lost.
+     * Begins a new file if the current one was moved, removed or truncated, because new data would
+     * be lost.
      */
     private void lookAfterFile() {
         long now = System.nanoTime();
@@ -266,7 +270,10 @@ final class JournalWriter {
         }
     }
 
-    /** Begins a new file with an image as soon as there is disk space for one. */
+    /**
+     * Begins a new file with an image, after a failed write, as soon as there is disk space for the
+     * image.
+     */
     private void beginAfterRefusal() {
         try {
             place = sink.beginAnew();
@@ -297,7 +304,7 @@ final class JournalWriter {
             step.run();
             return true;
         } catch (Throwable e) {
-            if (!refused) { // otherwise already reported
+            if (!refused) { // otherwise this was already reported
                 problems.accept(reason(e) + consequence.get());
             }
             return false;
@@ -310,7 +317,10 @@ final class JournalWriter {
                 : failure.toString();
     }
 
-    /** Writes an entry. A failed frame costs the journal the frames up to the next image. */
+    /**
+     * Writes an entry. If a frame cannot be written, the journal lacks all frames up to the next
+     * image.
+     */
     private void take(Entry entry) {
         if (begun && !entry.begins && !entry.last) {
             begun =
@@ -388,8 +398,8 @@ final class JournalWriter {
     }
 
     /**
-     * Writes an image. Frames are still written meanwhile, unless the journal has no image to begin
-     * with.
+     * Writes an image. Meanwhile the other thread continues to write frames, unless the journal has
+     * no image to begin with yet.
      */
     private void keepImage(Entry entry, SimulationImage image) throws IOException {
         Map<String, Long> members = entry.members;
@@ -406,7 +416,7 @@ final class JournalWriter {
                     CompletableFuture.supplyAsync(
                             () -> writeImage(image, members, place, tries, otherwise), disk);
         } catch (Throwable e) {
-            rooms.add(image); // otherwise returned when it is written
+            rooms.add(image); // otherwise the buffer is returned after the image was written
             throw e;
         }
         if (entry.begins || entry.last || !begun) {

@@ -16,12 +16,12 @@ import java.util.UUID;
 import java.util.zip.CRC32C;
 
 /**
- * The file STORE-manifest: the minimum content of the other files of a store. It is written in
- * place, by one small write after each frame and each image, so it never claims data that is not
- * yet written. If files contain less than it claims, data was lost. The manifest names a file of
- * frames before the file contains a frame, and is flushed before the image that begins the file is
- * committed. A manifest that does not name that file is therefore an older copy, and says nothing
- * about the newest frames. Any thread.
+ * The file STORE-manifest: a list of the data that the other files of a store contain at least. It
+ * is written in place, by one small write after each frame and each image, so it never claims data
+ * that is not yet written. If files contain less than it claims, data was lost. The manifest names
+ * a file of frames before the file contains a frame, and is flushed before the image that begins
+ * the file is committed. So a manifest that does not name the newest file of frames is an older
+ * copy, from which nothing follows about the newest frames. Any thread.
  */
 final class Manifest implements AutoCloseable {
     private static final byte[] MARK =
@@ -41,7 +41,7 @@ final class Manifest implements AutoCloseable {
      * The content of a manifest.
      *
      * @param store identity of the store
-     * @param boot identity of the boot of the machine during which it was written
+     * @param boot identity of the machine's boot during which the manifest was written
      * @param file number of the newest file of frames
      * @param fileId identity of that file
      * @param frame last written frame, or frame of the last written image
@@ -62,7 +62,10 @@ final class Manifest implements AutoCloseable {
             return new Claim(store, thisBoot(), 0, 0, 0, 0, 0, 0);
         }
 
-        /** Returns whether the machine was booted since: a power failure may have lost frames. */
+        /**
+         * Returns whether the machine was booted since then; if so, a power failure may have lost
+         * frames.
+         */
         boolean isOfAnotherBoot() {
             return !boot.equals(thisBoot());
         }
@@ -76,7 +79,7 @@ final class Manifest implements AutoCloseable {
     Manifest(Path store, Claim claim) throws IOException {
         file = path(store);
         this.claim = claim;
-        // opening a pipe would wait for a reader
+        // opening a pipe would block until another process reads it
         if (Files.exists(file) && !Files.isRegularFile(file)) {
             throw new IOException(
                     file
@@ -182,7 +185,7 @@ final class Manifest implements AutoCloseable {
                         sum));
     }
 
-    /** Waits until the manifest survives a power failure. */
+    /** Flushes the manifest to the disk, so that it survives a power failure. */
     void force() throws IOException {
         try {
             channel.force(false);
@@ -191,7 +194,7 @@ final class Manifest implements AutoCloseable {
         }
     }
 
-    /** Returns a line about the file if it was moved, removed or cut; otherwise empty. */
+    /** Returns a message if the file was moved, removed or truncated; otherwise empty. */
     String trouble() {
         String what = place.trouble(BYTES);
         return what.isEmpty() ? "" : file + " " + what;
@@ -254,7 +257,8 @@ final class Manifest implements AutoCloseable {
         try {
             return UUID.fromString(Files.readString(BOOT).strip());
         } catch (IOException | IllegalArgumentException unknown) {
-            return new UUID(0, 0); // then no later boot is seen as a different one
+            return new UUID(0, 0); // unknown: with a constant identity, no boot counts as a
+            // different one
         }
     }
 

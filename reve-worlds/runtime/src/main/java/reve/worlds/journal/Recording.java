@@ -14,7 +14,7 @@ import java.util.stream.IntStream;
 
 /**
  * A recording in progress, in a file that is locked against other processes. An older recording at
- * the path is renamed.
+ * the same path is renamed.
  */
 public final class Recording implements JournalSink {
     private final RecordingPlan plan;
@@ -38,7 +38,8 @@ public final class Recording implements JournalSink {
     }
 
     private OwnedFile open() throws IOException {
-        // reads the file; reading it after the lock is taken would release the lock
+        // this reads the file, so it comes before the lock: closing a read file would release the
+        // lock
         requireRecording(file);
         try {
             OwnedFile.requireName(file, "." + plan.keep());
@@ -56,7 +57,7 @@ public final class Recording implements JournalSink {
     }
 
     /**
-     * Renames the older recordings. Keeps the lock until the new file exists, so that two servers
+     * Renames the older recordings. The lock is kept until the new file exists, so that two servers
      * never rename at the same time.
      */
     private Path rotated() throws IOException {
@@ -105,7 +106,7 @@ public final class Recording implements JournalSink {
         }
     }
 
-    /** Returns the new path of the previous recording, if there was one. */
+    /** Returns the path to which the previous recording was renamed, if there was one. */
     public Optional<Path> older() {
         return older;
     }
@@ -143,7 +144,7 @@ public final class Recording implements JournalSink {
             if (!wasCut) {
                 requireRoomForOlder();
             }
-            owned.close(); // otherwise this process itself holds the lock
+            owned.close(); // otherwise this process would still hold the lock
             if (wasCut) {
                 emptyUnlessRecording();
             }
@@ -156,8 +157,8 @@ public final class Recording implements JournalSink {
     }
 
     /**
-     * Empties a file that another program has cut, unless it still begins as a recording. The
-     * records after a lost beginning cannot be replayed.
+     * Empties a file that another program has truncated, unless it still begins like a recording.
+     * Without the beginning, its records cannot be replayed.
      */
     private void emptyUnlessRecording() throws IOException {
         try (InputStream held = Files.newInputStream(file)) {
@@ -171,8 +172,8 @@ public final class Recording implements JournalSink {
     }
 
     /**
-     * Refuses to rename if older recordings would be lost. Otherwise a disk that fills repeatedly
-     * would push them out.
+     * Refuses to rename if this would delete an older recording: otherwise a disk that fills
+     * repeatedly would delete all older ones.
      */
     private void requireRoomForOlder() throws IOException {
         if (Files.size(file) > RunLog.EMPTY_BYTES

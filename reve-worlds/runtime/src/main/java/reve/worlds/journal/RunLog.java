@@ -33,9 +33,9 @@ import java.util.zip.CRC32C;
 
 /**
  * An append-only file of records: a complete recording, or frames of a store. The file begins with
- * a mark. Each record has its length, a letter for its type, its frame, the CRC32C of these three,
- * the content, and the CRC32C of the content. A record that a crash cut at the end of the file is
- * ignored.
+ * a fixed mark. Each record consists of its length, a letter for its type, its frame, the CRC32C of
+ * these three, the content, and the CRC32C of the content. Readers ignore an incomplete record at
+ * the end of the file, which a crash may leave.
  */
 public final class RunLog {
     /** Type letter of the first record in files of a store. */
@@ -54,7 +54,7 @@ public final class RunLog {
     static final int MAX_BYTES = 1_000_000_000;
 
     /**
-     * Size from which the checksum of a content is verified before memory is allocated for it
+     * Size of a content from which its checksum is verified before memory is allocated for it
      * [bytes].
      */
     private static final int LARGE_BYTES = 1 << 20;
@@ -72,7 +72,7 @@ public final class RunLog {
      * @param store identity of the store
      * @param number of the file
      * @param id of the file
-     * @param before id of the previous file; 0 if there is none with an id
+     * @param before id of the previous file; 0 if there is no previous file with an id
      */
     record Link(UUID store, long number, long id, long before) {
         private static final int BYTES = 4 * Long.BYTES;
@@ -109,8 +109,8 @@ public final class RunLog {
     }
 
     /**
-     * Returns whether a file begins as a recording, or is the part of a beginning that a crash
-     * left.
+     * Returns whether a file begins like a recording; true also if a crash has left only a part of
+     * the mark.
      */
     static boolean isRecording(InputStream file) throws IOException {
         byte[] start = file.readNBytes(MARK.length + Integer.BYTES + 1);
@@ -133,7 +133,7 @@ public final class RunLog {
         private final long maxBytes;
         private final Optional<FilePlace> place;
 
-        /** Minimum size of the file [bytes]. */
+        /** Number of bytes written; the file has at least this size. */
         private volatile long written;
 
         private final Set<String> libraries = new HashSet<>();
@@ -171,8 +171,8 @@ public final class RunLog {
 
         private static FileChannel emptied(Path file) throws IOException {
             try {
-                // APPEND: if another program cuts the file, it stays shorter than the data written,
-                // which trouble() detects.
+                // With APPEND, a file that another program truncates stays shorter than {@code
+                // written}, which trouble() detects.
                 return FileChannel.open(
                                 file,
                                 StandardOpenOption.CREATE,
@@ -202,7 +202,7 @@ public final class RunLog {
             }
         }
 
-        /** Writes all of the records or none. */
+        /** Writes all of the records, or none if they exceed the size limit. */
         void write(List<JournalRecord.Library> needed, JournalRecord.Image image)
                 throws IOException {
             long end = channel.position();
@@ -226,7 +226,9 @@ public final class RunLog {
             return full;
         }
 
-        /** Waits until the written data survives a power failure. Any thread. */
+        /**
+         * Flushes the written data to the disk, so that it survives a power failure. Any thread.
+         */
         void force() throws IOException {
             try {
                 channel.force(false);
@@ -236,7 +238,7 @@ public final class RunLog {
         }
 
         /**
-         * Returns a line about a file of frames that was moved, removed or cut; otherwise empty.
+         * Returns a message if a file of frames was moved, removed or truncated; otherwise empty.
          */
         String trouble() {
             long bytes = written;
@@ -244,7 +246,9 @@ public final class RunLog {
             return what.isEmpty() ? "" : file + " " + what;
         }
 
-        /** Returns the minimum size of the file [bytes]. Any thread. */
+        /**
+         * Returns the number of bytes written so far; the file has at least this size. Any thread.
+         */
         long written() {
             return written;
         }
@@ -269,7 +273,9 @@ public final class RunLog {
             }
             long end = channel.position();
             long after = written + bytes.remaining();
-            full |= bytes.remaining() > maxBytes - end; // no record may follow a gap
+            full |= bytes.remaining() > maxBytes - end; // after a record that does not fit, later
+            // ones are refused, too, because no record
+            // may follow a gap
             if (full) {
                 throw new IOException(file + " has its limit of " + maxBytes + " bytes");
             }
@@ -368,7 +374,10 @@ public final class RunLog {
             return Optional.ofNullable(link);
         }
 
-        /** Returns whether the file ends in the middle of a record; known at the end. */
+        /**
+         * Returns whether the file ends in the middle of a record; known after the last record was
+         * read.
+         */
         public boolean wasCut() {
             return cut;
         }
@@ -448,8 +457,8 @@ public final class RunLog {
         }
 
         /**
-         * Returns whether the checksum of a content is right. Checked before allocation, because a
-         * sparse file can claim any length.
+         * Returns whether the checksum of a content is right. Reads it before memory is allocated,
+         * because a damaged or sparse file can claim any length.
          */
         private boolean isGood(int length) throws IOException {
             long from = at + HEAD_BYTES + SUM_BYTES;

@@ -18,13 +18,15 @@ public final class SimulationImage implements AutoCloseable {
     private final Consumer<SimulationImage> whenClosed;
     private PhysicsImage physics = new PhysicsImage(List.of(), List.of(), new byte[0]);
 
-    /** Allocates an empty image for a world of this prototype. World's thread. */
+    /**
+     * Allocates an empty image for worlds of the same prototype as {@code like}. World's thread.
+     */
     public SimulationImage(World like) {
         this(like, image -> {});
     }
 
     /**
-     * Allocates an empty image for a world of this prototype.
+     * Like {@link #SimulationImage(World)}.
      *
      * @param whenClosed called when the image is closed
      */
@@ -34,15 +36,15 @@ public final class SimulationImage implements AutoCloseable {
     }
 
     /**
-     * Copies a world of the same prototype and its physics at the end of a frame. World's thread,
-     * between frames or in PUBLISH.
+     * Copies into this image a world of the same prototype and its physics at the end of a frame.
+     * World's thread, between frames or in PUBLISH.
      */
     public void copyFrom(World from, PhysicsAdapter itsPhysics, long frame) {
         world.copyFrom(from, frame);
         physics = itsPhysics.save();
     }
 
-    /** Sets the physics part of an image whose world part was filled separately. */
+    /** Sets the physics part of the image; its world part was filled separately. */
     void setPhysics(PhysicsImage newPhysics) {
         physics = newPhysics;
     }
@@ -52,12 +54,12 @@ public final class SimulationImage implements AutoCloseable {
         return world.frame();
     }
 
-    /** Returns the world's part. */
+    /** Returns the world's part of the image. */
     public WorldImage world() {
         return world;
     }
 
-    /** Returns the engine's part. */
+    /** Returns the engine's part of the image. */
     public PhysicsImage physics() {
         return physics;
     }

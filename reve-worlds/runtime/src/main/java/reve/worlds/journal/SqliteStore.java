@@ -20,9 +20,9 @@ import java.util.UUID;
 
 /**
  * A durable store of one world. An SQLite database in write-ahead-log mode contains the last three
- * images and the law libraries. Beside it are files of the frames since the oldest image, and a
- * manifest of the expected content. One thread at a time, except {@link #sync} and places. One
- * process at a time, which locks the database.
+ * images and the law libraries. Files beside it contain the frames since the oldest image, and a
+ * manifest that lists the expected content. One thread at a time, except for {@link #sync} and
+ * {@link JournalSink.Place}. The database is locked, so that one process at a time has it open.
  */
 public final class SqliteStore implements JournalSink {
     private static final int GENERATIONS = 3;
@@ -37,12 +37,12 @@ public final class SqliteStore implements JournalSink {
     private Connection connection;
     private FilePlace place;
 
-    /** Minimum size of the database [bytes]. */
+    /** Size that the database has at least [bytes]. */
     private long bytes;
 
     private boolean hasIdentity;
 
-    /** The maximum loss by a power failure. The end of the process alone never costs a record. */
+    /** The maximum loss by a power failure. A crash of the process alone never loses a record. */
     public enum Durability {
         /** Loses the frames of the last 0.1 s, and those that arrive while an image is written. */
         FULL,
@@ -142,8 +142,8 @@ public final class SqliteStore implements JournalSink {
     }
 
     /**
-     * Moves the image from the write-ahead log to the database, so that the loss of the log costs
-     * nothing. If the disk refuses the write, the image stays in the log.
+     * Moves the image from the write-ahead log to the database, so that nothing is lost if the log
+     * is removed. If the disk refuses the write, the image stays in the log.
      */
     private void checkpoint() throws IOException {
         try {
@@ -151,7 +151,7 @@ public final class SqliteStore implements JournalSink {
             try (Statement statement = connection.createStatement()) {
                 statement.execute("PRAGMA wal_checkpoint(TRUNCATE)");
             } catch (SQLException stays) {
-                // a later checkpoint moves it
+                // the image stays in the log until a later checkpoint
             }
             connection.setAutoCommit(false);
         } catch (SQLException e) {
@@ -161,8 +161,8 @@ public final class SqliteStore implements JournalSink {
     }
 
     /**
-     * Creates the database again if it was removed, because data written to a removed file is lost.
-     * Renames any other file at its path.
+     * Creates the database again if its file was removed, because data written to a removed file is
+     * lost. Renames another file that is at its path.
      */
     private void requireInPlace() throws IOException {
         String trouble = place.trouble(bytes);
@@ -254,8 +254,8 @@ public final class SqliteStore implements JournalSink {
     }
 
     /**
-     * Removes all but the last images. Returns the number of the file of frames that follows the
-     * oldest image kept.
+     * Removes all images but the last three. Returns the number of the file of frames that begins
+     * with the oldest image kept.
      */
     private long dropOld() throws SQLException {
         try (Statement statement = connection.createStatement()) {
@@ -279,8 +279,8 @@ public final class SqliteStore implements JournalSink {
 
     /**
      * Undoes what a failed write has changed. If SQLite has undone it already, as it does when the
-     * disk is full, the connection has lost track of its transaction; it is closed, and the next
-     * write opens another.
+     * disk is full, the connection's transaction state is wrong; then it is closed, and the next
+     * write opens a new connection.
      */
     private void rollback(SQLException after) {
         try {

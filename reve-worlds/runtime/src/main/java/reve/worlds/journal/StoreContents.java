@@ -20,7 +20,7 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * The content of a store's files and what is missing, read without changing a file. One thread; no
+ * The content of a store's files, and what is missing. Reading it changes no file. One thread; no
  * other process may have the store open.
  */
 public final class StoreContents {
@@ -30,10 +30,10 @@ public final class StoreContents {
     private static final Pattern OWN_NAME =
             Pattern.compile("-(wal|shm|journal|manifest|frames-\\d+)$");
 
-    /** Damage that loses no data: one line each, which names the file. */
+    /** Damage that loses no data: one message each, which names the file. */
     private final List<String> harmless = new ArrayList<>();
 
-    /** Damage that makes the store incomplete. */
+    /** Damage that loses data: one message each, which names the file. */
     private final List<String> damage = new ArrayList<>();
 
     private final Path file;
@@ -56,8 +56,9 @@ public final class StoreContents {
     /**
      * An image and the frames that follow it without a gap.
      *
-     * @param why reason for which it ends there, or was read differently from how it was written
-     * @param isTail whether all damage may be the cut end of the newest file
+     * @param why reason why the frames end there, or why the image was read from another place than
+     *     expected
+     * @param isTail whether all damage may be an incomplete record at the end of the newest file
      */
     private record Start(
             StoreDatabase.ImageRow row,
@@ -124,13 +125,14 @@ public final class StoreContents {
                 && damage.isEmpty();
     }
 
-    /** Returns whether no stored data is lost. */
+    /** Returns true if no stored data is lost. */
     public boolean isWhole() {
         return damage.isEmpty();
     }
 
     /**
-     * Returns the damage, one line each, which names the file; damage that loses data comes first.
+     * Returns the damage, one message each, which names the file; damage that loses data comes
+     * first.
      */
     public List<String> problems() {
         return Stream.concat(damage.stream(), harmless.stream()).distinct().toList();
@@ -158,7 +160,7 @@ public final class StoreContents {
         return records;
     }
 
-    /** Returns all existing files of the store, and objects at their paths that are not files. */
+    /** Returns all existing paths of the store, also those at which there is no regular file. */
     public List<Path> files() {
         List<Path> all = new ArrayList<>(List.of(file));
         all.addAll(files.values());
@@ -168,6 +170,8 @@ public final class StoreContents {
     }
 
     /**
+     * Refuses an incomplete store.
+     *
      * @throws CorruptException saying what is missing, what is left and what to do
      */
     public void requireWhole() {
@@ -204,7 +208,7 @@ public final class StoreContents {
                 file + " is not whole: " + reason + ". " + left + " (nothing was changed)");
     }
 
-    /** Returns the manifest's claim for a store that resumes from here. */
+    /** Returns the content of the manifest for a store that resumes from here. */
     Manifest.Claim claim() {
         Manifest.Claim begin = Manifest.Claim.nothing(id);
         return start == null
@@ -222,7 +226,8 @@ public final class StoreContents {
 
     /** Returns the number of the newest file of frames that exists or existed; 0 for none. */
     long lastFile() {
-        long newest = files.isEmpty() ? 0 : files.lastKey(); // including an unusable file
+        long newest = files.isEmpty() ? 0 : files.lastKey(); // also counts a file that cannot be
+        // read
         for (StoreDatabase.ImageRow row : rows.images()) {
             newest = Math.max(newest, row.framesFile());
         }
@@ -244,7 +249,9 @@ public final class StoreContents {
         return rows.identity().isPresent();
     }
 
-    /** Returns the expected SHA-256 of libraries in the database whose bytes differ. */
+    /**
+     * Returns the SHA-256, as recorded in the database, of libraries whose bytes differ from it.
+     */
     public List<String> damagedLibraries() {
         return rows.damagedLibraries();
     }
@@ -266,7 +273,7 @@ public final class StoreContents {
         }
     }
 
-    /** Returns whether a manifest names exactly the image in the database. */
+    /** Returns whether a manifest describes exactly the newest image in the database. */
     private boolean isOf(Manifest.Claim claimed) {
         return rows.images().stream()
                 .anyMatch(
@@ -329,8 +336,8 @@ public final class StoreContents {
     }
 
     /**
-     * Checks to which store each file belongs and that each continues the previous one; ignores
-     * others.
+     * Checks that each file of frames belongs to this store and continues the previous file;
+     * ignores files of other stores.
      */
     private void checkLinks() throws IOException {
         long first =
@@ -352,8 +359,9 @@ public final class StoreContents {
 
     /**
      * Compares the files of frames with the manifest. The manifest names a file of frames before
-     * the file contains a frame. Only a power failure may leave frames on the disk without the
-     * manifest; the manifest is flushed before an image is committed.
+     * the file contains a frame. So a file with frames that it does not name is damage, unless a
+     * power failure has lost the manifest's newest content. The manifest is flushed before an image
+     * is committed.
      */
     private void compareFramesWithManifest() {
         claim.ifPresent(
@@ -408,7 +416,7 @@ public final class StoreContents {
                 : Optional.of(each.file() + " belongs to another copy of the store");
     }
 
-    /** Returns the number of the first file that must exist and name its store. */
+    /** Returns the number from which on files must exist and name their store. */
     private long since() {
         return rows.identity().map(StoreDatabase.Identity::since).orElse(Long.MAX_VALUE);
     }
@@ -436,7 +444,10 @@ public final class StoreContents {
         }
     }
 
-    /** Finds the newest readable image, or an older one that more frames follow. */
+    /**
+     * Chooses the image to start from: the newest readable one, or an older one if frames after it
+     * lead further.
+     */
     private void findStart() throws IOException {
         for (StoreDatabase.ImageRow row : rows.images()) {
             if (!row.isGood()) {
@@ -489,7 +500,10 @@ public final class StoreContents {
         return new Start(row, StoreDatabase.image(file, row), after, frame, why, isTail);
     }
 
-    /** Adds the names of missing files in a range of numbers. Returns whether any is missing. */
+    /**
+     * Adds the names of files that are missing from a range of numbers. Returns whether any is
+     * missing.
+     */
     private boolean addMissing(long from, long before, String more, List<String> into) {
         long first = Math.max(from, since());
         if (first < before) {
@@ -506,7 +520,7 @@ public final class StoreContents {
         return first < before;
     }
 
-    /** Decides from the findings whether data is lost. */
+    /** Decides from all findings which damage loses data. */
     private void judge() {
         Start from = start;
         if (from == null) {
@@ -561,7 +575,7 @@ public final class StoreContents {
         }
     }
 
-    /** Adds the files that only images older than the used one need. */
+    /** Marks the damage of files that only older images than the used one need as harmless. */
     private void addOlderFiles(long used) {
         long next = rows.images().getLast().framesFile();
         for (long number : read.headMap(used).keySet()) {
@@ -605,7 +619,10 @@ public final class StoreContents {
         }
     }
 
-    /** Refuses paths that are not regular files; reading a pipe would wait for a writer. */
+    /**
+     * Refuses paths that are not regular files; reading a pipe would block until another process
+     * writes.
+     */
     private static void requireFiles(Path file, TreeMap<Long, Path> files) throws IOException {
         List<Path> own = new ArrayList<>(files.values());
         own.add(file);
@@ -621,7 +638,7 @@ public final class StoreContents {
                                 + "; move it away (nothing was changed)");
             }
         }
-        // SQLite would create the target of a dangling link
+        // SQLite would create the file to which a dangling link points
         for (Path each : StoreDatabase.besides(file)) {
             if (Files.isSymbolicLink(each) && !Files.exists(each)) {
                 throw new IOException(
@@ -635,7 +652,7 @@ public final class StoreContents {
         }
     }
 
-    /** Refuses paths at which no store can be. */
+    /** Refuses paths that cannot be the path of a store. */
     private static void requirePlace(Path file) throws IOException {
         Path parent = file.toAbsolutePath().getParent();
         if (Files.isDirectory(file) || parent == null) {
@@ -645,7 +662,8 @@ public final class StoreContents {
             throw new IOException(file + " could not be opened: there is no folder " + parent);
         }
         String name = file.getFileName().toString();
-        if (file.toString().contains("?")) { // the database driver would read options behind it
+        if (file.toString().contains("?")) { // the database driver would read the text behind ? as
+            // options
             throw new IOException(file + " contains a question mark; name the store without one");
         }
         if (OWN_NAME.matcher(name).find()) {

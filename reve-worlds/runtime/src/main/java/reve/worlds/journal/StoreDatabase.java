@@ -34,7 +34,7 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.stream.Collectors;
 import java.util.zip.CRC32C;
 
-/** The database of a store: its schema, and reads that do not change a byte. */
+/** The SQLite database of a store: its schema, and queries that do not change any byte of it. */
 final class StoreDatabase {
     /** "REVE" in SQLite's header, which identifies the application. */
     static final int APPLICATION_ID = 0x52455645;
@@ -72,8 +72,8 @@ final class StoreDatabase {
     private static final int NAME_LENGTH = 60;
 
     /**
-     * System property of the folder of SQLite's native code; without it, the code is unpacked to a
-     * temporary file.
+     * System property that names the folder of SQLite's native library; without it, the driver
+     * unpacks the library to a temporary file.
      */
     private static final String LIBRARY_FOLDER = "org.sqlite.lib.path";
 
@@ -92,13 +92,13 @@ final class StoreDatabase {
      */
     record Identity(UUID id, long since) {}
 
-    /** An image without its bytes. */
+    /** A row of an image in the database, without the image's bytes. */
     record ImageRow(long framesFile, long frame, long sum, boolean isGood) {}
 
     /**
      * The readable rows of the database.
      *
-     * @param isIdentified whether the store's version has an identity
+     * @param isIdentified whether stores of this version have an identity
      * @param images newest first
      * @param libraries by the SHA-256 of their actual bytes
      * @param damagedLibraries expected SHA-256 of libraries whose bytes differ
@@ -202,10 +202,11 @@ final class StoreDatabase {
         }
         try (Statement statement = opened.createStatement()) {
             restrict(opened, statement);
-            // after the exclusive lock, WAL needs no -shm file
+            // because the lock is exclusive already, WAL mode needs no -shm file
             statement.execute("PRAGMA journal_mode = WAL");
             statement.execute("PRAGMA synchronous = FULL");
-            opened.setAutoCommit(false); // all or nothing, even if the process is killed
+            opened.setAutoCommit(false); // one transaction: all or nothing, even if the process is
+            // killed
             boolean isNew = isBlank(statement);
             if (isNew) {
                 statement.executeUpdate("PRAGMA application_id = " + APPLICATION_ID);
@@ -214,7 +215,8 @@ final class StoreDatabase {
                 }
             }
             long version = isNew ? VERSION : number(statement, "PRAGMA user_version");
-            statement.executeUpdate("PRAGMA user_version = " + version); // locks the file
+            statement.executeUpdate("PRAGMA user_version = " + version); // the first write locks
+            // the file
             opened.commit();
             return opened;
         } catch (SQLException e) {
@@ -245,7 +247,7 @@ final class StoreDatabase {
                 file.resolveSibling(file.getFileName() + "-shm"));
     }
 
-    /** Returns the rollback journal, which SQLite reads before it opens a database. */
+    /** Returns the path of the rollback journal, which SQLite applies when it opens a database. */
     static Path rollback(Path file) {
         return file.resolveSibling(file.getFileName() + "-journal");
     }
@@ -266,8 +268,8 @@ final class StoreDatabase {
     }
 
     /**
-     * Runs a query on a read-only connection, because any other changes the write-ahead log.
-     * Removes the files that SQLite creates beside the database even then.
+     * Runs a query on a read-only connection, because other connections change the write-ahead log.
+     * Removes the files that SQLite creates beside the database nevertheless.
      */
     private static void reading(Path file, Query query) throws IOException {
         List<Path> made =
@@ -291,7 +293,10 @@ final class StoreDatabase {
         }
     }
 
-    /** Forbids functions and attached files, because a schema may come from an untrusted file. */
+    /**
+     * Forbids functions and attached databases, because the file, and thus its schema, may be
+     * untrusted.
+     */
     private static void restrict(Connection connection, Statement statement) throws SQLException {
         var limited = connection.unwrap(SQLiteConnection.class);
         limited.setLimit(SQLiteLimits.SQLITE_LIMIT_ATTACHED, 0);
@@ -363,8 +368,8 @@ final class StoreDatabase {
     }
 
     /**
-     * Refuses any other schema. A view, trigger, check or generated column would run SQL of an
-     * untrusted author, without end or with results that differ from the stored data.
+     * Refuses any other schema. A view, trigger, check or generated column would run an untrusted
+     * author's SQL, which may never end or show data that is not stored.
      */
     private static void requireSchema(Path file, Statement statement, long version)
             throws SQLException {

@@ -15,13 +15,15 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * The constant data of a recorded or stored world.
+ * The data of a recorded or stored world that never changes.
  *
  * @param folder of its world file, with its meshes and textures
  */
 public record WorldHeader(String name, WorldPrototype prototype, Timing timing, Path folder) {
 
-    /** Returns the world's meshes and textures, which are read on first use. One thread. */
+    /**
+     * Returns a reader of the world's meshes and textures, which are read on first use. One thread.
+     */
     public Assets assets() {
         return new Assets(new WorldFolder(folder));
     }

@@ -24,7 +24,7 @@ public record Camera(Point eye, Point target, Point up, boolean orthographic, do
 
     private static final double FIT_FOV_RADIANS = Math.toRadians(34);
 
-    /** Fraction of the picture's width and height that a fitted box fills at most. */
+    /** Maximum fraction of the picture's width and height that a fitted box fills. */
     private static final double FIT_FILL = 0.82;
 
     /** Returns a perspective camera; the angle is the picture's vertical field of view [rad]. */
@@ -47,8 +47,8 @@ public record Camera(Point eye, Point target, Point up, boolean orthographic, do
     }
 
     /**
-     * Returns a camera that sees the complete box in a three-quarter view from above. A point is
-     * treated as a box 1 m wide.
+     * Returns a camera that sees the complete box in a three-quarter view from above. A box without
+     * extent is treated as 1 m wide.
      *
      * @param aspect width of the picture divided by its height
      */

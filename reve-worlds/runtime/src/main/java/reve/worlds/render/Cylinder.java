@@ -3,11 +3,11 @@ package reve.worlds.render;
 
 import reve.core.world.Mesh;
 
-/** The mesh of a cylinder of diameter and height 1 along its Y axis, with smooth sides. */
+/** The mesh of a cylinder with diameter 1 and height 1 along its Y axis, with smooth sides. */
 final class Cylinder {
     private static final int SIDES = 32;
 
-    /** The mesh, which instances scale. */
+    /** The mesh; instances scale it to their size. */
     static final Mesh MESH = make();
 
     private Cylinder() {}
@@ -21,7 +21,7 @@ final class Cylinder {
             double angle = 2 * Math.PI * side / SIDES;
             float x = (float) Math.cos(angle);
             float z = (float) Math.sin(angle);
-            // Lower and upper edge of the side, then of the caps.
+            // Rings of corners: lower and upper edge of the side, then those of the two caps.
             for (int ring = 0; ring < 4; ring++) {
                 int at = 3 * (ring * SIDES + side);
                 boolean upper = ring % 2 == 1;

@@ -5,7 +5,10 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.util.List;
 
-/** A growing buffer of packed little-endian numbers of 4 bytes, as in the scene stream. */
+/**
+ * A growing buffer of packed little-endian numbers of 4 bytes, the format of columns in messages to
+ * the renderer.
+ */
 final class GrowingColumn {
 
     private ByteBuffer bytes = allocate(1024);
@@ -28,7 +31,7 @@ final class GrowingColumn {
     }
 
     /**
-     * Returns the number of rows of columns that belong together.
+     * Returns the number of rows of columns that must have the same length.
      *
      * @param components numbers per row of each column
      */

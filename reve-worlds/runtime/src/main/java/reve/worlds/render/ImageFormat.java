@@ -6,7 +6,7 @@ package reve.worlds.render;
  *
  * @param width [px], 1 to 8192
  * @param height [px], 1 to 8192; at most 2^24 pixels in all
- * @param samples requested per pixel, 0 to 16; 0 is fast and gives jagged edges
+ * @param samples samples per pixel for smooth edges, 0 to 16; 0 is fast and gives jagged edges
  * @param shadows whether the light casts shadows
  */
 public record ImageFormat(int width, int height, int samples, boolean shadows) {

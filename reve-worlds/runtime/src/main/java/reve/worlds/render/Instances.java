@@ -4,15 +4,16 @@ package reve.worlds.render;
 import java.util.List;
 
 /**
- * Items of one shape, as columns. A row is one value in each column. Rows may be written item by
- * item or column by column; all columns must have the same length when the scene is rendered.
+ * Drawn objects of one shape, as columns; an object's row is its value in each column. Rows may be
+ * written item by item or column by column; all columns must have the same length when the scene is
+ * rendered.
  */
 public final class Instances {
 
-    /** Flag: shows the exact colour and casts no shadow. */
+    /** Flag: draws the exact colour, without light, and casts no shadow. */
     public static final int UNLIT = 1;
 
-    /** Flag: draws lines at powers of ten of a metre on a plane. */
+    /** Flag: draws grid lines on a plane, at distances of powers of ten of a metre. */
     public static final int GRID = 2;
 
     /** Flag: fades a plane into the background away from the camera's target. */
@@ -39,7 +40,9 @@ public final class Instances {
         return this;
     }
 
-    /** Adds the extents along the item's own axes [m]; scale factors for a mesh. Not negative. */
+    /**
+     * Adds the extents along the object's own axes [m]; for a mesh, scale factors. Not negative.
+     */
     public Instances size(double x, double y, double z) {
         sizes.add((float) x, (float) y, (float) z);
         return this;
@@ -66,7 +69,7 @@ public final class Instances {
     }
 
     /**
-     * Adds the number that pixels of the item have in {@link PixelLayers}.
+     * Adds the number of the object, which {@link PixelLayers} contains for each of its pixels.
      *
      * @param number positive, or 0 for no number
      */

@@ -12,8 +12,9 @@ import java.util.Optional;
  * @param height [px]
  * @param colour red, green and blue in sRGB, one byte each
  * @param depth of the surface at the centre of the pixel, along the view direction [m], f32; 0 if
- *     there is none
- * @param item number of the item at the centre of the pixel, u32; 0 if there is none with a number
+ *     there is no surface
+ * @param item number of the item at the centre of the pixel, u32; 0 if there is no item with a
+ *     number
  */
 public record PixelLayers(
         int width,

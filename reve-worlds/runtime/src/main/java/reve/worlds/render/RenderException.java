@@ -10,7 +10,7 @@ public final class RenderException extends RuntimeException {
         super(message);
     }
 
-    /** Creates an exception with such a message and its cause. */
+    /** Creates an exception with a message as above, and its cause. */
     public RenderException(String message, Throwable cause) {
         super(message, cause);
     }

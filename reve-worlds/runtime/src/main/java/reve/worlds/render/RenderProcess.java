@@ -23,8 +23,8 @@ final class RenderProcess {
     RenderProcess(Path program) throws IOException {
         process = new ProcessBuilder(List.of(program.toString())).start();
         stream = new SceneStream(process.getOutputStream(), process.getInputStream());
-        // Not a virtual thread: reading a pipe would pin its carrier thread for the life of the
-        // process.
+        // A platform thread, because reading a pipe would pin a virtual thread's carrier as long as
+        // the process lives.
         errorReader =
                 Thread.ofPlatform().daemon().name("vesper-render errors").start(this::keepErrors);
     }

@@ -14,15 +14,16 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.ReentrantLock;
 
 /**
- * Renderer of scenes in a separate process, so that a crash in a graphics library costs a picture
- * and never the world. The process starts with the first picture, and again after it has ended.
+ * Renderer of scenes in a separate process, so that a crash in a graphics library loses a picture
+ * but does not end the world's process. The process starts with the first picture, and again after
+ * it has ended.
  *
  * <p>Any thread may call it; pictures are made one after the other, and callers wait. {@link
  * #close()} never waits, and aborts the picture in progress.
  */
 public final class Renderer implements AutoCloseable {
 
-    /** Default time limit for a picture; the largest pictures fit into it on a busy machine. */
+    /** Default time limit for a picture; enough for the largest picture on a busy machine. */
     public static final Duration DEFAULT_DEADLINE = Duration.ofSeconds(60);
 
     private static final int ATTEMPTS = 2;
@@ -97,7 +98,7 @@ public final class Renderer implements AutoCloseable {
         return live != null && live.isAlive() ? live.pid() : -1;
     }
 
-    /** A request to the program. */
+    /** One exchange with the program: a request and its answer. */
     private interface Question {
         SceneStream.Answer ask(SceneStream stream) throws IOException;
     }
@@ -166,7 +167,7 @@ public final class Renderer implements AutoCloseable {
         process = null;
         RenderProcess started = new RenderProcess(program);
         process = started;
-        if (closed) { // close() may have missed the new process
+        if (closed) { // close() may have been called while the process started
             started.kill();
         }
         SceneStream.Answer hello = started.stream().hello();
@@ -177,8 +178,8 @@ public final class Renderer implements AutoCloseable {
     }
 
     /**
-     * Ends the process, whose stream is in an unknown state. Returns if a retry makes sense; throws
-     * otherwise.
+     * Ends the process, whose stream is in an unknown state. Returns if another attempt makes
+     * sense; otherwise throws an exception with the reason.
      */
     private void explain(IOException cut, boolean expired, int attempt) {
         RenderProcess broken = process;

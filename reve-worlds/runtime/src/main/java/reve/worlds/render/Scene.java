@@ -13,8 +13,8 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * The content of one picture, as the columns of the scene stream. One thread fills it; then it may
- * be rendered any number of times. Coordinates are in metres, finite and at most 1e15.
+ * The content of one picture, as columns in the form that the renderer reads. One thread fills it;
+ * then it may be rendered any number of times. Coordinates are in metres, finite and at most 1e15.
  */
 public final class Scene {
 
@@ -29,7 +29,7 @@ public final class Scene {
      * The shape and the material that instances share.
      *
      * @param shape code of the shape
-     * @param mesh for {@link Shape#MESH}
+     * @param mesh the mesh, only for {@link Shape#MESH}
      * @param triangleCount triangles of the mesh from {@code firstTriangle} on; 0 for all
      */
     record Look(
@@ -61,17 +61,17 @@ public final class Scene {
         return environment;
     }
 
-    /** Returns the spheres, boxes or planes of the default material, to add to. */
+    /** Returns the spheres, boxes or planes of the default material; the caller adds rows. */
     public Instances instances(int shape) {
         return instances(shape, Material.DEFAULT);
     }
 
-    /** Returns the instances of a mesh in the default material, to add to. */
+    /** Returns the instances of a mesh in the default material; the caller adds rows. */
     public Instances instances(Mesh mesh) {
         return instances(mesh, Material.DEFAULT);
     }
 
-    /** Returns the spheres, boxes or planes of one material, to add to. */
+    /** Returns the spheres, boxes or planes of one material; the caller adds rows. */
     public Instances instances(int shape, Material material) {
         if (shape != Shape.SPHERE && shape != Shape.BOX && shape != Shape.PLANE) {
             throw new IllegalArgumentException(
@@ -88,14 +88,14 @@ public final class Scene {
     }
 
     /**
-     * Returns the instances of a mesh in one material, to add to. Each mesh is sent to the renderer
-     * once.
+     * Returns the instances of a mesh in one material; the caller adds rows. Each mesh is sent to
+     * the renderer once.
      */
     public Instances instances(Mesh mesh, Material material) {
         return of(new Look(Shape.MESH, mesh, material, 0, 0));
     }
 
-    /** Returns the instances of a part of a mesh in the part's material, to add to. */
+    /** Returns the instances of a part of a mesh in the part's material; the caller adds rows. */
     public Instances instances(Mesh mesh, Mesh.Part part) {
         return of(
                 new Look(
@@ -110,13 +110,13 @@ public final class Scene {
         return instances.computeIfAbsent(look, key -> new Instances());
     }
 
-    /** Returns the triangles that belong to no instance, to add to. */
+    /** Returns the triangles that are drawn as they are, without a mesh; the caller adds rows. */
     public Triangles triangles() {
         return triangles;
     }
 
     /**
-     * Returns the lines of one width, to add to.
+     * Returns the lines of one width; the caller adds rows.
      *
      * @param widthPixels 0.25 to 64 [px]
      */
@@ -125,6 +125,8 @@ public final class Scene {
     }
 
     /**
+     * Refuses an incomplete scene.
+     *
      * @throws IllegalStateException if a row lacks a value
      */
     void requireComplete() {

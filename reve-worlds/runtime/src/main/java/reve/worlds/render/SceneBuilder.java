@@ -19,16 +19,17 @@ import java.util.Optional;
 
 /**
  * Builder of a scene from the state of a world at the end of a frame: bodies by shape and material,
- * springs as lines, surfaces as triangles in the colours of the bodies at their corners. The number
- * of an instance is the value of its {@link ItemId}. A body whose colour has alpha 0 is hidden, and
- * so is a surface whose corners are three such bodies. Planes have a grid. A world without planes
- * stands over a faint ground that fades, so that depth and motion are visible.
+ * springs as lines, surfaces as triangles in the colours of the bodies at their corners. Each drawn
+ * item has the value of its {@link ItemId} as its number. A body whose colour has alpha 0 is
+ * hidden, and so is a surface whose corners are three such bodies. Planes have a grid. In a world
+ * without planes, a faint ground that fades with distance is added, so that depth and motion are
+ * visible.
  *
  * @param image size and quality
  * @param environment background and light
- * @param camera viewpoint; empty fits all bodies except planes into the picture, which needs their
- *     bounding boxes, computed in DERIVE
- * @param without body that is not shown, for example the one that carries the camera
+ * @param camera viewpoint; if empty, all bodies except planes are fitted into the picture, which
+ *     needs their bounding boxes, computed in DERIVE (the frame's phase for derived properties)
+ * @param without a body that is not drawn, for example the one that carries the camera
  */
 public record SceneBuilder(
         ImageFormat image,
@@ -52,8 +53,8 @@ public record SceneBuilder(
     private static final float SPRING_WIDTH = 1 / 200f;
 
     /**
-     * Side of the ground as a multiple of the world's longest side; the ground fades before its
-     * edge.
+     * Side of the added ground as a multiple of the world's longest side; the ground fades out
+     * before its edge.
      */
     private static final double GROUND_SIDE = 60;
 
@@ -94,7 +95,8 @@ public record SceneBuilder(
     }
 
     /**
-     * Returns the view from a body's origin along its +Z axis, with its +Y axis up.
+     * Returns the camera at a body's origin that looks along the body's +Z axis, with its +Y axis
+     * up.
      *
      * @param verticalFovRadians see {@link Camera#extent()}
      * @return empty if the body does not exist
@@ -117,7 +119,7 @@ public record SceneBuilder(
         double y = orientation.at(4L * row + 1);
         double z = orientation.at(4L * row + 2);
         double w = orientation.at(4L * row + 3);
-        // Columns 2 and 3 of the rotation matrix.
+        // Columns 2 and 3 of the rotation matrix: the body's +Y and +Z axes in the world.
         var up = new Point(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x));
         var ahead = new Point(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y));
         return Optional.of(Camera.perspective(eye, eye.plus(1, ahead), up, verticalFovRadians));
@@ -275,7 +277,7 @@ public record SceneBuilder(
         return hasPlane;
     }
 
-    /** Adds a cylinder, or the cylinder and the two balls of a capsule. */
+    /** Adds a cylinder; for a capsule, a cylinder and two balls. */
     private static void addRound(
             Scene scene, TableSnapshot bodies, int row, Point place, ItemSymbols item) {
         Material material = item.material().orElse(Material.DEFAULT);
@@ -298,7 +300,7 @@ public record SceneBuilder(
         double y = orientation.at(row * 4L + 1);
         double z = orientation.at(row * 4L + 2);
         double w = orientation.at(row * 4L + 3);
-        // Column 2 of the rotation matrix.
+        // Column 2 of the rotation matrix: the body's +Y axis in the world.
         var axis = new Point(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x));
         for (double end : new double[] {-middle / 2, middle / 2}) {
             Point centre = place.plus(end, axis);
@@ -310,8 +312,8 @@ public record SceneBuilder(
     }
 
     /**
-     * Returns the instances to which an item is added: one, or one for each part of a mesh that has
-     * its own materials.
+     * Returns the instances to which an item is added: one, or one per part if the item's mesh has
+     * materials of its own.
      */
     private static List<Instances> looks(Scene scene, ItemSymbols item) {
         Material material = item.material().orElse(Material.DEFAULT);
@@ -324,7 +326,10 @@ public record SceneBuilder(
         return mesh.parts().stream().map(part -> scene.instances(mesh, part)).toList();
     }
 
-    /** Adds a normalized orientation, because a law may let the length of a quaternion drift. */
+    /**
+     * Adds a normalized orientation, because rounding errors in laws may change the length of a
+     * quaternion.
+     */
     private static void addOrientation(Instances instances, Reals orientation, long at) {
         double x = orientation.at(at);
         double y = orientation.at(at + 1);
@@ -338,7 +343,10 @@ public record SceneBuilder(
         }
     }
 
-    /** Adds a ground below all items. It does not move when items move slightly. */
+    /**
+     * Adds a ground below all items. Its height is rounded, so that it does not move when items
+     * move slightly.
+     */
     private static void addGround(Scene scene, Bounds bounds) {
         double side = Math.max(bounds.longestSide(), 1e-3);
         double low = bounds.low().y();

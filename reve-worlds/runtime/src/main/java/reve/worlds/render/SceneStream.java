@@ -53,7 +53,10 @@ final class SceneStream {
     private static final int COLOURS = 4;
     private static final int MAX_ANSWER_BYTES = 256 << 20;
 
-    /** An answer: the PNG, the pixels or nothing if the status is OK, otherwise the reason. */
+    /**
+     * An answer of the renderer: if the status is OK, the PNG, the pixels or nothing; otherwise the
+     * reason.
+     */
     record Answer(int status, byte[] payload) {
         String reason() {
             return new String(payload, StandardCharsets.UTF_8);
@@ -85,7 +88,7 @@ final class SceneStream {
     /**
      * Sends a scene and waits for its picture.
      *
-     * @param path the file to write, or empty for a picture in the answer
+     * @param path the file to write; if empty, the answer contains the picture
      */
     Answer render(Scene scene, String path) throws IOException {
         byte[] bytes = path.getBytes(StandardCharsets.UTF_8);
@@ -111,7 +114,10 @@ final class SceneStream {
         return readAnswer();
     }
 
-    /** Reads the answer that the renderer sent before it stopped reading; it gives the reason. */
+    /**
+     * After a failed write, reads the answer that the renderer sent before it stopped reading: it
+     * contains the reason.
+     */
     private Answer lastWords(IOException cut) throws IOException {
         try {
             return readAnswer();
@@ -166,8 +172,8 @@ final class SceneStream {
     }
 
     /**
-     * Sends the scene's meshes that the renderer lacks, and frees those that the scene does not
-     * use.
+     * Sends the scene's meshes that the renderer lacks, and makes it free those that the scene does
+     * not use.
      */
     private void writeMeshes(Scene scene) throws IOException {
         Set<Mesh> wanted = new LinkedHashSet<>();
@@ -225,7 +231,10 @@ final class SceneStream {
         return ByteBuffer.allocate(4 * numbers).order(ByteOrder.LITTLE_ENDIAN);
     }
 
-    /** Sends the textures that the renderer lacks, and frees those that the scene does not use. */
+    /**
+     * Sends the textures that the renderer lacks, and makes it free those that the scene does not
+     * use.
+     */
     private void writeTextures(Collection<Material> materials) throws IOException {
         Set<Texture> wanted = new LinkedHashSet<>();
         materials.forEach(material -> material.texture().ifPresent(wanted::add));
@@ -282,7 +291,10 @@ final class SceneStream {
         scratch.putFloat((float) point.x()).putFloat((float) point.y()).putFloat((float) point.z());
     }
 
-    /** Begins a message in the scratch buffer. Its length is written at the end. */
+    /**
+     * Begins a message in the scratch buffer. The length in front is set when the message is
+     * complete.
+     */
     private ByteBuffer begin(int type) {
         return scratch.clear().putInt(type).putInt(0);
     }

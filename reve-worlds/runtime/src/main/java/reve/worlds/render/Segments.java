@@ -36,7 +36,7 @@ public final class Segments {
     }
 
     /**
-     * Adds the number that pixels of the line have in {@link PixelLayers}.
+     * Adds the number of the line, which {@link PixelLayers} contains for each of its pixels.
      *
      * @param number positive, or 0 for no number
      */

@@ -24,7 +24,7 @@ public final class Triangles {
     }
 
     /**
-     * Adds the number that pixels of the triangle have in {@link PixelLayers}.
+     * Adds the number of the triangle, which {@link PixelLayers} contains for each of its pixels.
      *
      * @param number positive, or 0 for no number
      */

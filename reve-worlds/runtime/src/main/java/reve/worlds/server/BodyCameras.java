@@ -37,7 +37,10 @@ final class BodyCameras implements Cameras, AutoCloseable {
     private static final int SAMPLES = 4;
     private static final int MAX_WAITING = 1024;
 
-    /** Maximum number of attempts at a picture whose snapshot is overwritten during the build. */
+    /**
+     * Maximum number of attempts at a picture; an attempt fails if its snapshot is overwritten
+     * while the scene is built.
+     */
     private static final int ATTEMPTS = 3;
 
     private static final int MAX_NAMES = 0xffff;
@@ -153,7 +156,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
         return ByteBuffer.wrap(bytes).order(ByteOrder.LITTLE_ENDIAN);
     }
 
-    /** Clears pixels beyond the camera's range: black, without an item. */
+    /** Clears pixels beyond the camera's range: they become black and have no item. */
     private static void forgetBeyond(
             float range, byte[] depth, Optional<byte[]> colour, Optional<byte[]> items) {
         ByteBuffer depths = numbers(depth);
@@ -174,7 +177,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
         }
     }
 
-    /** Numbers the items in the order of their first pixels. */
+    /** Replaces the items' ids by small numbers, in the order of the items' first pixels. */
     private static byte[] number(byte[] ids, WorldSnapshot snapshot, List<String> names) {
         Map<Integer, Short> known = new HashMap<>();
         ByteBuffer from = numbers(ids);

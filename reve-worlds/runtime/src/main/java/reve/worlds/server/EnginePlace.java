@@ -11,19 +11,22 @@ import reve.pe.vesper.VesperEngine;
 
 import java.time.Duration;
 
-/** The place where a world's engine and its laws run. */
+/** The process in which a world's engine and laws run. */
 public interface EnginePlace {
-    /** This process: a law that crashes ends it. */
+    /** The server's own process: a law that crashes ends the server. */
     EnginePlace IN_PROCESS = (config, prototype, arena) -> new VesperEngine(config, prototype);
 
     /**
      * Creates an engine.
      *
-     * @param arena of the columns that will be lent to it
+     * @param arena memory of the columns that the engine will use
      */
     PhysicsEngine engine(VesperConfig config, Prototype prototype, SharedArena arena);
 
-    /** Returns a process for each engine: a law that crashes costs one repeated frame. */
+    /**
+     * Returns a place that starts a process for each engine: after the crash of a law, only one
+     * frame is repeated.
+     */
     static EnginePlace hosted(Hosts hosts, Duration frameLimit) {
         return (config, prototype, arena) ->
                 new HostedEngine(hosts, frameLimit, config, prototype, arena::part);

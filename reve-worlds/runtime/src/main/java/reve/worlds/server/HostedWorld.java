@@ -51,7 +51,7 @@ final class HostedWorld implements AutoCloseable {
     /**
      * Builds the world, loads its laws, and opens its journals.
      *
-     * @param lawsFolder watched for law libraries, if present
+     * @param lawsFolder folder that is watched for law libraries, if present
      */
     HostedWorld(WorldPlan plan, Pacing pacing, Optional<Path> lawsFolder, ServerEvents events)
             throws IOException {
@@ -118,7 +118,10 @@ final class HostedWorld implements AutoCloseable {
                                 problem -> tellProblem("store", problem)));
     }
 
-    /** Opens the journals. Called last, so that they subscribe to ACT after all other listeners. */
+    /**
+     * Opens the journals. Called last, because journals must be the last listeners of ACT, the
+     * phase for commands.
+     */
     private void keepJournals(boolean waits) throws IOException {
         Persistence persistence = plan.persistence();
         if (stored.isPresent()) {
@@ -155,13 +158,13 @@ final class HostedWorld implements AutoCloseable {
         }
     }
 
-    /** Reports a failure that does not belong to one law. Any thread. */
+    /** Reports a failure that no single law caused. Any thread. */
     void tellProblem(String source, String message) {
         LOG.warn("{}: {}: {}", name(), source, message);
         events.happened("fault", WorldServer.fault(source, message));
     }
 
-    /** Returns the warnings about the world; none if it resumes from a store. */
+    /** Returns the warnings about the world; none if it was restored from a store. */
     List<Problem> warnings() {
         return simulation.loop().frame() > 0 ? List.of() : simulation.warnings(true);
     }
@@ -170,7 +173,7 @@ final class HostedWorld implements AutoCloseable {
         return plan.description().name();
     }
 
-    /** Returns the interface of the world for an agent server. */
+    /** Returns the interface through which an agent server uses the world. */
     WorldPort port() {
         return new WorldPort(
                 name(),
@@ -184,7 +187,7 @@ final class HostedWorld implements AutoCloseable {
                 cameras);
     }
 
-    /** Returns the interface of the world for a watchdog. */
+    /** Returns the interface through which a watchdog observes the world. */
     Watchdog.Subject watched() {
         return new Watchdog.Subject(name(), simulation.loop(), events);
     }
@@ -222,7 +225,7 @@ final class HostedWorld implements AutoCloseable {
         events.happened("ready", fields);
     }
 
-    /** Makes the planned frames, or fewer if {@link #stop} is called, and returns the report. */
+    /** Computes the planned frames, or fewer if {@link #stop} is called, and returns the report. */
     RunReport run() {
         long start = System.nanoTime();
         simulation.loop().run(plan.frames());

@@ -10,7 +10,10 @@ import java.util.Optional;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.stream.Collectors;
 
-/** The equations of laws, from the section "Equation" of their README. Any thread. */
+/**
+ * Reader of the equations of laws, which are in the section "Equation" of the law's README. Any
+ * thread.
+ */
 final class LawEquations {
     private static final String SECTION = "## Equation";
     private static final String NEXT = "## ";
@@ -27,7 +30,7 @@ final class LawEquations {
                 place -> laws.forEach(law -> known.computeIfAbsent(law, name -> in(place, name))));
     }
 
-    /** Returns the equation of a law that was read. */
+    /** Returns the equation of a law, if it was read. */
     Optional<String> of(String law) {
         return known.getOrDefault(law, Optional.empty());
     }

@@ -21,8 +21,8 @@ import java.util.Map;
 import java.util.function.Consumer;
 
 /**
- * The law libraries on disk by the SHA-256 of their bytes, which replace damaged ones of a store.
- * One thread.
+ * Finder of law libraries on disk by the SHA-256 of their bytes, to replace damaged ones of a
+ * store. One thread.
  */
 final class LawFiles {
     private final List<Path> folders;
@@ -33,7 +33,7 @@ final class LawFiles {
     /**
      * Searches the shipped laws and the operator's folder.
      *
-     * @param found receives a line for each library that was found
+     * @param found receives a message for each library that replaces a damaged one
      */
     LawFiles(LawPath laws, Consumer<String> found) {
         folders = new ArrayList<>(List.of(laws.shipped()));

@@ -18,13 +18,13 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** A check that finds wrong parameters of a law and their places in the world file. */
+/** Finder of wrong parameters of a law and their places in the world file. */
 final class LawParameters {
     private LawParameters() {}
 
     /**
-     * Returns the parameters whose unit has another dimension than the law requires: a message with
-     * its place for each, by name.
+     * Returns the parameters whose unit has another dimension than the law requires: by name, a
+     * message with the parameter's place.
      *
      * @param loaded the laws of the library
      */
@@ -65,7 +65,10 @@ final class LawParameters {
         return wrong;
     }
 
-    /** Returns why a law was refused: lines with the places of wrong parameters, or of the law. */
+    /**
+     * Returns why a law was refused: messages with the places of the wrong parameters, or with the
+     * law's place.
+     */
     static List<String> refused(
             LawReference law, PhysicsException refused, PhysicsEngine engine, LawPath lawPath) {
         List<String> wrong = new ArrayList<>();
@@ -90,7 +93,7 @@ final class LawParameters {
                                     }
                                 });
             } catch (PhysicsException notForItsParameters) {
-                // then the law itself is wrong
+                // no parameter is wrong, so the law itself is
             }
         }
         if (wrong.isEmpty()) {
@@ -99,7 +102,7 @@ final class LawParameters {
         return wrong;
     }
 
-    /** Returns the engine's objection to one parameter alone, if there is one. */
+    /** Returns the engine's refusal of the law with this one parameter, if it refuses it. */
     private static Optional<String> refusal(
             LawReference law, String name, PhysicsEngine engine, LawPath lawPath) {
         try {
@@ -110,7 +113,7 @@ final class LawParameters {
         }
     }
 
-    /** Loads and unloads the law, and returns the units that do not fit. */
+    /** Loads and unloads the law, and returns messages about units that do not fit. */
     private static Map<String, String> load(
             LawReference law,
             Map<String, Double> parameters,

@@ -31,16 +31,17 @@ import java.util.stream.Stream;
 /**
  * The search path of laws, and the decision which native code may be opened. A name is searched
  * among the shipped laws, then in the operator's folder, then in {@code laws/} beside the world
- * file. Code of the last place, of a store and of a recording comes with the world. It is opened
- * only if the operator trusts the world, or if its bytes equal a library of the first two places.
- * Any thread.
+ * file. Code from {@code laws/} beside the world file, from a store or from a recording came with
+ * the world. It is opened only if the operator trusts the world, or if its bytes equal a library of
+ * the first two places. Any thread.
  *
  * @param shipped folder of the shipped laws
  * @param folder the operator's folder
  * @param world folder of the world file
- * @param trusted whether native code that comes with the world may be opened
- * @param place where the laws run
- * @param validated whether laws run on guarded copies that hold them to their declarations (slower)
+ * @param trusted whether native code that came with the world may be opened
+ * @param place process in which the laws run
+ * @param validated whether laws run on guarded copies of the columns, so that accesses against
+ *     their declarations are detected (slower)
  */
 public record LawPath(
         Path shipped,
@@ -54,16 +55,16 @@ public record LawPath(
     private static final String SUFFIX = ".so";
     private static final String WORLDS_OWN = "laws";
 
-    /** Endings of the files that are a law's source. */
+    /** Suffixes of files with a law's source code. */
     private static final List<String> SOURCES =
             List.of(PreparedLibrary.TEXT_ENDING, PreparedLibrary.PYTHON_ENDING);
 
-    /** Creates a path of laws that run in this process, without validation. */
+    /** Creates a search path of laws that run in this process, without validation. */
     public LawPath(Path shipped, Optional<Path> folder, Optional<Path> world, boolean trusted) {
         this(shipped, folder, world, trusted, EnginePlace.IN_PROCESS, false);
     }
 
-    /** The origin of a library. */
+    /** Where a library comes from. */
     public enum Origin {
         /** Shipped with the release. */
         SHIPPED,
@@ -75,13 +76,13 @@ public record LawPath(
 
     /** The file found for a name. */
     public record Found(Path file, Origin origin) {
-        /** Returns whether it is a law as text, which is safe by construction. */
+        /** Returns whether the library is a law as text, which cannot harm the process. */
         boolean isText() {
             return file.toString().endsWith(PreparedLibrary.TEXT_ENDING);
         }
     }
 
-    /** Returns this path with laws that are held to their declarations, or not. */
+    /** Returns this path with validation on or off. */
     public LawPath withValidation(boolean on) {
         return new LawPath(shipped, folder, world, trusted, place, on);
     }
@@ -92,7 +93,7 @@ public record LawPath(
                 Product.nativeFolder().resolve("laws"), Optional.empty(), Optional.empty(), false);
     }
 
-    /** Returns this path for a world whose file lies in this folder. */
+    /** Returns this path for a world whose file is in this folder. */
     public LawPath forWorld(Path worldFolder) {
         return new LawPath(shipped, folder, Optional.of(worldFolder), trusted, place, validated);
     }
@@ -100,8 +101,8 @@ public record LawPath(
     /**
      * Finds the library of a law without opening it.
      *
-     * @throws PhysicsException if there is none, or the world's own is not a regular file in its
-     *     folder
+     * @throws PhysicsException if there is none, or the library beside the world file is not a
+     *     regular file in that folder
      */
     public Found find(String name) {
         List<String> files = filesOf(name);
@@ -147,7 +148,7 @@ public record LawPath(
         }
     }
 
-    /** Returns a message that a law of the world's own is not opened, with the reason. */
+    /** Returns the message that a law of the world's own folder is not opened, with the reason. */
     public String untrusted(String name) {
         String file = find(name).file().getFileName().toString();
         return "law '"
@@ -163,8 +164,8 @@ public record LawPath(
     }
 
     /**
-     * Returns a message if the found law hides a library of the same name with other bytes in the
-     * world's own folder.
+     * Returns a message if the found law is used instead of a library in the world's own folder
+     * that has the same name and other bytes.
      */
     Optional<String> hidden(String name, Found found) {
         try {
@@ -188,8 +189,8 @@ public record LawPath(
     /**
      * Opens the library of a law.
      *
-     * @throws PhysicsException as {@link #find}, and if the library comes with the world and the
-     *     operator does not trust the world
+     * @throws PhysicsException as in {@link #find}; also if the library comes with the world and
+     *     the operator does not trust the world
      */
     PreparedLibrary prepare(PhysicsEngine engine, String name, Found found) {
         if (found.origin() == Origin.WORLD && !trusted && !found.isText()) {
@@ -223,8 +224,8 @@ public record LawPath(
     }
 
     /**
-     * Refuses a library of a store or a recording unless it is trusted, the operator has it, or it
-     * was a shipped library when this account stored a world.
+     * Refuses a library of a store or a recording unless the world is trusted, the operator's
+     * folders contain it, or it is in {@link KnownLaws}.
      *
      * @throws PhysicsException naming it
      */
@@ -246,7 +247,10 @@ public record LawPath(
         }
     }
 
-    /** Adds the shipped ones among a stored world's libraries to the known laws. Reads files. */
+    /**
+     * Adds those libraries of a stored world that ship with this release to {@link KnownLaws}.
+     * Reads files.
+     */
     void remember(List<LawLibrary> libraries) {
         KnownLaws.keep(
                 libraries.stream().filter(library -> holds(shipped, library.bytes())).toList());
@@ -274,7 +278,9 @@ public record LawPath(
                 + world.map(_ -> ", or in the world's own folder " + WORLDS_OWN + "/").orElse("");
     }
 
-    /** Returns the names of all libraries in these places, in alphabetical order. Reads folders. */
+    /**
+     * Returns the names of all libraries on the search path, in alphabetical order. Reads folders.
+     */
     List<String> names() {
         SortedSet<String> names = new TreeSet<>();
         Stream.concat(
@@ -287,14 +293,14 @@ public record LawPath(
         return List.copyOf(names);
     }
 
-    /** Returns the name that was probably meant, or all names. */
+    /** Returns a suggestion for a name that was not found: the most similar name, or all names. */
     private String suggestion(String wrong) {
         List<String> names = names();
         String near = Suggestion.of(wrong, names);
         return near.isEmpty() ? "; known are " + String.join(", ", names) : near;
     }
 
-    /** Lists the laws of a folder. Opening a pipe of that name would wait for a writer. */
+    /** Lists the laws of a folder. Ignores pipes, because opening one would block. */
     private static List<String> namesIn(Path folder) {
         if (!Files.isDirectory(folder)) {
             return List.of();
@@ -309,8 +315,8 @@ public record LawPath(
     }
 
     /**
-     * Returns the name of the law in a file, or nothing if the file is no law. Names of files come
-     * with a world, so they may contain anything.
+     * Returns the name of the law for which a file name stands, or nothing if it is no file of a
+     * law. Names of files come with a world, so they may contain anything.
      */
     private static Optional<String> nameOf(String file) {
         Optional<String> name =
@@ -349,8 +355,8 @@ public record LawPath(
     }
 
     /**
-     * Returns the names of the files for a law, the first before the others: the compiled library,
-     * then the text, then the file in Python. A name that ends in ".law" or ".py" is that file.
+     * Returns the names of the files for a law, in order of preference: the compiled library, the
+     * text, the file in Python. A name that ends in ".law" or ".py" stands for that file only.
      */
     public static List<String> filesOf(String name) {
         for (String ending : SOURCES) {

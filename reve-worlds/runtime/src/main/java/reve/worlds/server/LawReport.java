@@ -19,7 +19,7 @@ final class LawReport {
     private LawReport() {}
 
     /**
-     * World's thread.
+     * Returns the report. World's thread.
      *
      * @param available names of libraries that can be loaded
      * @param faults whether to include messages of faults, which may name files of the server

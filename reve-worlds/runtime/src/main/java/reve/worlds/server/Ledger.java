@@ -9,7 +9,10 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** The ledger of a served world, open while clients read it. World's thread, between frames. */
+/**
+ * The ledger of a served world, which is open only while clients ask for it. World's thread,
+ * between frames.
+ */
 final class Ledger {
     private final PhysicsAdapter physics;
     private boolean open;

@@ -8,11 +8,11 @@ import java.nio.file.Path;
 import java.util.Optional;
 
 /**
- * What is stored of a world while it runs.
+ * What is written to disk about a world while it runs.
  *
  * @param folder of the world file
- * @param recording of the run; empty for none
- * @param store file from which the world resumes and to which it is stored; empty for none
+ * @param recording plan for a recording of the run; empty for none
+ * @param store file from which the world resumes and in which it is stored; empty for none
  * @param saves folder for world files that are saved while the world runs
  * @param imageSeconds world time between two images in the store [s]
  * @param durability of the store

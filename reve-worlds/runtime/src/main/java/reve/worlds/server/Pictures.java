@@ -22,7 +22,7 @@ import java.util.concurrent.TimeUnit;
 
 /**
  * Pictures of a running world at given frames. The world's thread only builds the scene; another
- * thread draws it. A failed picture has no other effect.
+ * thread draws it. If a picture fails, the world continues.
  */
 public final class Pictures implements AutoCloseable {
     /** Default size of pictures. */
@@ -49,7 +49,7 @@ public final class Pictures implements AutoCloseable {
         this.frames = frames.stream().mapToLong(Long::longValue).sorted().distinct().toArray();
     }
 
-    /** Subscribes to a simulation; called once, before its loop runs. */
+    /** Subscribes to the frames of a simulation; called once, before its loop runs. */
     void subscribeTo(Simulation simulation, ServerEvents events) {
         simulation.onPublish("pictures", frame -> onFrame(frame, simulation, events));
     }

@@ -114,8 +114,8 @@ public final class Replay implements AutoCloseable {
      * Applies the next record of a journal.
      *
      * @return false from the first difference on
-     * @throws CorruptException if the record has no meaning, or the journal does not begin with an
-     *     image
+     * @throws CorruptException if the record cannot be interpreted, or the journal does not begin
+     *     with an image
      * @throws PhysicsException if a law library may not be opened, or does not load
      */
     public boolean take(JournalRecord record) {
@@ -123,7 +123,7 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Applies the next record, but makes no frame after {@code until}. Returns false also when that
+     * Applies the next record, but makes no frame after {@code until}. Also returns false once that
      * frame is made.
      */
     public boolean take(JournalRecord record, long until) {
@@ -166,7 +166,7 @@ public final class Replay implements AutoCloseable {
     /**
      * Ends the replay and returns its simulation at the current frame; the caller closes it.
      *
-     * @throws CorruptException if there was no image
+     * @throws CorruptException if the journal contained no image
      */
     public Simulation release() {
         if (simulation == null) {
@@ -188,8 +188,8 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Stores a library by the actual hash of its bytes, so a damaged one counts as missing when it
-     * is used.
+     * Keeps a library under the actual hash of its bytes; a damaged one is then not found under the
+     * hash that the journal names.
      */
     private void keep(JournalRecord.Library library) {
         libraries.put(LawFiles.sha256(library.bytes()), library.bytes());
@@ -228,7 +228,7 @@ public final class Replay implements AutoCloseable {
         subscriptions.add(made.bus().subscribe(FramePhase.PUBLISH, "replay", this::comeLate));
     }
 
-    /** Returns a description of a world that has only the content of an image. */
+    /** Returns a description of a world from an image alone, without its world file. */
     private static WorldDescription description(WorldHeader header) {
         return WorldDescription.bare(header.name(), header.prototype(), header.timing());
     }
@@ -298,7 +298,10 @@ public final class Replay implements AutoCloseable {
         compare(frame, "digest");
     }
 
-    /** Compares the digest, and stores the first difference. */
+    /**
+     * Compares the world with the digest {@code name} of a recorded frame, and stores the first
+     * difference.
+     */
     private void compare(JsonNode frame, String name) {
         if (codec != null && digest != null) {
             long[] recorded = codec.readDigest(frame, name);
@@ -312,7 +315,10 @@ public final class Replay implements AutoCloseable {
         }
     }
 
-    /** Applies the inputs of the frame. Runs last in ACT, where the journal noted them. */
+    /**
+     * Applies the inputs of the frame. Runs as the last listener of ACT, because the journal
+     * recorded them there.
+     */
     private void comeIn(FrameEvent event) {
         apply(
                 event,
@@ -364,8 +370,8 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Compares the changes of laws. A law that fails here also failed in the recorded run, and was
-     * removed by then.
+     * Records the failure of a law as a difference: a law that failed in the recorded run was
+     * already removed here.
      */
     private void compareLaws(JsonNode frame) {
         for (LawChange change : lawChanges) {

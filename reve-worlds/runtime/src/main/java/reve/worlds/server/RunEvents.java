@@ -38,7 +38,7 @@ public final class RunEvents implements FrameListener {
         return counts.getOrDefault(type, 0L);
     }
 
-    /** Returns all law libraries that were ever loaded, in order of loading. */
+    /** Returns the names of all law libraries that were loaded at any time, in order of loading. */
     public List<String> libraries() {
         return List.copyOf(libraries);
     }

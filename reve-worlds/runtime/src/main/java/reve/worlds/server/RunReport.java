@@ -22,7 +22,7 @@ import java.util.Map;
  * @param frames number of frames made
  * @param worldSeconds simulated time [s]
  * @param wallSeconds elapsed time [s]
- * @param stateHash of all columns that laws see, at the end
+ * @param stateHash hash, at the end, of all columns that laws can access
  * @param items number of items, without the one that holds the world's constants
  * @param bodies rows of kind {@code body} that laws may move
  * @param laws loaded at the end, with their cost
@@ -144,7 +144,10 @@ public record RunReport(
         }
     }
 
-    /** Returns disjoint parts of the busy time [ns]; PHYSICS is split into the adapter's parts. */
+    /**
+     * Returns the parts of the busy time [ns], which do not overlap; PHYSICS is split into the
+     * adapter's parts.
+     */
     Map<String, Long> parts() {
         Map<FramePhase, Long> phases = profile.phaseNanoseconds();
         Map<String, Long> parts = new LinkedHashMap<>();

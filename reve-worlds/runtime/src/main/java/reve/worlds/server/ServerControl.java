@@ -45,19 +45,19 @@ import java.util.regex.Pattern;
 final class ServerControl implements WorldControl, AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("reve.control");
 
-    /** End of messages to remote operators: file names of the server appear only in its log. */
+    /** End of messages to remote operators, who must not learn file names of the server. */
     private static final String SEE_LOG = "; the server's log says why";
 
     /**
-     * Permitted names of laws. Never a path, because a remote operator must not choose which files
-     * the server runs.
+     * Permitted names of laws. They exclude paths, because a remote operator must not choose which
+     * files the server runs.
      */
     private static final Pattern LIBRARY = Pattern.compile("[A-Za-z0-9_]{1,64}(\\.law|\\.py)?");
 
-    /** Permitted names of texts in messages. */
+    /** Permitted names for laws that are sent as text. */
     private static final Pattern SOURCE = Pattern.compile("[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}");
 
-    /** Permitted names of world files; never a path. */
+    /** Permitted names of world files; they exclude paths. */
     private static final Pattern FILE = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_-]{0,63}");
 
     private static final long FORESEE_NANOSECONDS = 10_000_000_000L;
@@ -72,6 +72,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private @Nullable SimulationImage beginning;
 
     /**
+     * Creates the operations for one world.
+     *
      * @param saves folder for world files; empty if saving is not permitted
      */
     ServerControl(
@@ -262,7 +264,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
     }
 
-    /** An image of this simulation. */
+    /** An image of this simulation that a client has named, for rewinding and forks. */
     private final class Kept implements Image {
         private final SimulationImage image;
 
@@ -358,7 +360,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         return new ActionRefused("law-refused", String.valueOf(refused.getMessage()));
     }
 
-    /** An open library that waits to be activated. */
+    /** A prepared library that waits until the world's thread activates it. */
     private final class Load implements Change {
         private final PreparedLibrary prepared;
         private final Map<String, Double> parameters;
@@ -379,7 +381,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
             }
         }
 
-        /** Loads the library in place of a loaded text of its name, which returns if it fails. */
+        /**
+         * Loads the library in place of a loaded text of the same name. If the engine refuses it,
+         * loads the old text again.
+         */
         private void replaceText(long frame) {
             Laws laws = simulation.physics().laws();
             OptionalInt old =

@@ -13,8 +13,8 @@ public interface ServerEvents {
      * Receives an event.
      *
      * @param event {@code ready}, {@code snapshot}, {@code end}, or the type of a world event
-     * @param fields text, numbers, booleans, or lists of these, by name, in order; not changed
-     *     afterwards
+     * @param fields text, numbers, booleans, or lists of these, by name, in order; the caller does
+     *     not change them afterwards
      */
     void happened(String event, Map<String, Object> fields);
 

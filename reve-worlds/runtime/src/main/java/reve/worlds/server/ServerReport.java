@@ -14,8 +14,8 @@ import java.util.Map;
  *
  * @param runs reports of the worlds that did not fail
  * @param worlds number of worlds
- * @param unkept what the stores lack
- * @param gaps what the recordings lack
+ * @param unkept messages about data that the stores lack
+ * @param gaps messages about frames that the recordings lack
  */
 public record ServerReport(
         List<RunReport> runs,
@@ -37,7 +37,8 @@ public record ServerReport(
 
     /**
      * Returns true if a world failed, messages lack their audit record, a store lacks the end of
-     * the run, or a recording lacks frames. A fault event reported it when it happened.
+     * the run, or a recording lacks frames. Each of these was already reported as a fault event
+     * when it happened.
      */
     public boolean failed() {
         return runs.size() < worlds

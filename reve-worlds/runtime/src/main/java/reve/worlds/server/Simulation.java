@@ -61,7 +61,7 @@ public final class Simulation implements AutoCloseable {
     private static final int MAX_IMAGES = 64;
     private static final long MAX_IMAGE_BYTES = 1L << 30;
 
-    /** Changes only in its rules. */
+    /** Replaced only when its rules change. */
     private volatile WorldDescription description;
 
     private final LawPath lawPath;
@@ -87,16 +87,16 @@ public final class Simulation implements AutoCloseable {
      * Builds the world and loads its laws.
      *
      * @param lawPath search path of the laws
-     * @throws PhysicsException if laws do not load or fit; the message has a line for each, with
-     *     its place in the world file
+     * @throws PhysicsException if laws do not load or fit; the message has one line for each law,
+     *     with its place in the world file
      */
     public Simulation(WorldDescription description, Pacing pacing, LawPath lawPath) {
         this(description, pacing, lawPath, Optional.empty());
     }
 
     /**
-     * Builds the world of an image. It continues, to the bit, as the simulation of which the image
-     * was taken.
+     * Builds the world of an image (a saved state). It continues with the same bits as the
+     * simulation from which the image was taken.
      *
      * @param description from which that simulation was built
      * @param lawPath search path of laws that are loaded later; the image's laws are opened without
@@ -166,7 +166,7 @@ public final class Simulation implements AutoCloseable {
         }
     }
 
-    /** Starts at the world's age, so that laws see the time that corresponds to it. */
+    /** Sets the engine's step count to the world's age, so that laws see the right time. */
     private void begin() {
         loadAll(description.laws());
         engine.setStepCount(
@@ -265,8 +265,8 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Returns warnings about the world as described and its loaded laws: of values that do nothing,
-     * of bodies that fall for ever, and of steps that are too long. Between frames.
+     * Returns warnings about the described world with its loaded laws, for example about values
+     * without effect, bodies that fall for ever, and steps that are too long. Between frames.
      *
      * @param complete whether all laws of the world are loaded
      */
@@ -285,7 +285,8 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Returns a description of the current world, with the laws that act on it now. World's thread.
+     * Returns a description of the current world, with the laws that are loaded now. World's
+     * thread.
      */
     public WorldDescription descriptionNow() {
         return description.of(
@@ -309,14 +310,17 @@ public final class Simulation implements AutoCloseable {
                 : Optional.empty();
     }
 
-    /** Returns the name by which a world file has the library: a shipped text is not its twin. */
+    /**
+     * Returns the name under which a world file refers to the library; for a shipped text this
+     * includes ".law", because the bare name is the compiled library.
+     */
     private String nameOf(LawLibrary library) {
         return library.isText() && lawPath.ships(library)
                 ? library.name() + ".law"
                 : library.name();
     }
 
-    /** Returns what {@link #descriptionNow} cannot describe, for messages. World's thread. */
+    /** Returns what {@link #descriptionNow} cannot describe, one message each. World's thread. */
     public List<String> notDescribed() {
         List<String> left = new ArrayList<>();
         for (PhysicsLaw law : physics.laws().loaded()) {
@@ -328,8 +332,9 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Replaces the rules; symbols change in the next frame. Journals do not contain rules: a
-     * resumed world has those of its world file. World's thread, outside DERIVE.
+     * Replaces the rules; the symbols that they derive change in the next frame. Journals do not
+     * contain rules: a resumed world has the rules of its world file. World's thread, outside
+     * DERIVE.
      */
     public void setRules(List<Rule> newRules) {
         rules.set(newRules);
@@ -377,9 +382,9 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Takes an image of the current state, to {@link #rewind} to or to {@link #fork} from, until
-     * the image or the simulation is closed. Costs one bulk copy of the columns. World's thread,
-     * between frames.
+     * Takes an image of the current state, for {@link #rewind} and {@link #fork}. It stays valid
+     * until the image or the simulation is closed. Costs one bulk copy of the columns. World's
+     * thread, between frames.
      *
      * @throws IllegalStateException if the maximum number or size of images is reached
      */
@@ -404,9 +409,9 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Restores an image: time, items and laws. Without other inputs, the same frames follow, to the
-     * bit. Frame numbers continue; the next frame shows the restored world. Messages and
-     * perceptions of earlier frames are not withdrawn. World's thread, between frames.
+     * Restores an image: time, items and laws. With the same inputs, the same frames follow, with
+     * equal bits. Frame numbers continue; the next frame shows the restored world. What clients
+     * have received about other frames stays as it is. World's thread, between frames.
      *
      * @return the number of the next frame
      * @throws IllegalStateException if a frame is in progress
@@ -418,16 +423,16 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Continues with the frame after that of an image, which is not before the current one. World's
-     * thread.
+     * Continues with the frame after that of an image, which must not be older than the current
+     * one. World's thread.
      */
     void goOnFrom(SimulationImage image) {
         restore(image, image.frame());
     }
 
     /**
-     * Returns an image of the world as described, before its first frame. Any thread; the caller
-     * closes it.
+     * Returns an image of the world as its file describes it, before the first frame. Any thread;
+     * the caller closes it.
      */
     SimulationImage beginning() {
         try (Simulation begun = new Simulation(description, Pacing.FAST, lawPath)) {
@@ -448,8 +453,9 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Starts a journal with the next published frame. World's thread, between frames, after all
-     * other listeners have subscribed to ACT. The caller closes the journal before the simulation.
+     * Starts a journal; its first record is an image of the next published frame. World's thread,
+     * between frames, after all other listeners have subscribed to ACT. The caller closes the
+     * journal before the simulation.
      *
      * @param folder of the world file
      * @param members ids of the bodies of agents in the world, by agent
@@ -469,7 +475,7 @@ public final class Simulation implements AutoCloseable {
                         change -> {
                             if (change
                                     instanceof
-                                    // file access here would delay the world
+                                    // reading the file here would delay the world
                                     LawChange.Loaded added) {
                                 Thread.ofVirtual()
                                         .start(() -> lawPath.remember(List.of(added.library())));
@@ -485,7 +491,7 @@ public final class Simulation implements AutoCloseable {
         physics.restore(frame, image.physics());
     }
 
-    /** Calls a listener in PUBLISH of each frame, when its snapshot can be acquired. */
+    /** Calls a listener in PUBLISH of each frame, at which the frame's snapshot is available. */
     public void onPublish(String name, FrameListener listener) {
         bus.subscribe(FramePhase.PUBLISH, name, listener);
     }

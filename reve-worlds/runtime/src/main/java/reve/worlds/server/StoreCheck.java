@@ -42,17 +42,17 @@ public record StoreCheck(
         long knownFrame,
         long stateHash,
         List<String> problems) {
-    /** The frame before which a replay ended early, and the reason. */
+    /** The place where a replay ended early: before this frame, for this reason. */
     record End(long frame, String reason) {}
 
-    /** The result of a replay. */
+    /** The result of replaying a store. */
     private record Made(StoreContents contents, LawFiles laws, StoreCheck check) {}
 
     /**
      * Checks a store without changing it.
      *
-     * @param laws where replacements of damaged laws are searched, and which of the store's laws
-     *     may be opened
+     * @param laws where to search for replacements of damaged laws; also decides which of the
+     *     store's laws may be opened
      * @throws CorruptException if it is not a store
      * @throws IOException if it cannot be read, or another process has it open
      * @throws PhysicsException if a law of the store may not be opened
@@ -62,10 +62,10 @@ public record StoreCheck(
     }
 
     /**
-     * Replaces a damaged store by a complete one with the recoverable frames. Moves the damaged
-     * files unchanged to the folder STORE.damaged-N. A complete store stays unchanged.
+     * Replaces a damaged store by a complete one that contains the recoverable frames. Moves the
+     * damaged files unchanged to the folder STORE.damaged-N. A complete store stays unchanged.
      *
-     * @return the result of the check and the folder, if there is one now
+     * @return the result of the check, and the folder if the store was repaired
      * @throws CorruptException if nothing can be recovered; no file is changed
      * @throws IOException if a file cannot be read, written or moved; all changes are undone
      */
@@ -97,7 +97,7 @@ public record StoreCheck(
             for (Path file : made.contents().files()) {
                 moves.put(file, aside.resolve(file.getFileName()));
             }
-            // The database is moved last: until it exists, the store is refused.
+            // The database is moved last: servers refuse the store until its database exists.
             for (Path file : StoreContents.read(repaired).files().reversed()) {
                 moves.put(file, store.resolveSibling(file.getFileName()));
             }
@@ -111,7 +111,7 @@ public record StoreCheck(
         return Map.entry(made.check(), Optional.of(aside));
     }
 
-    /** Moves all files, in order, or none. */
+    /** Moves all files, in order; if one move fails, undoes the others. */
     static void moveAll(Map<Path, Path> moves) throws IOException {
         List<Path> done = new ArrayList<>();
         for (Map.Entry<Path, Path> move : moves.entrySet()) {
@@ -160,9 +160,9 @@ public record StoreCheck(
     }
 
     /**
-     * Applies the records of a store, up to the first that does not fit.
+     * Applies the records of a store, up to the first one that cannot be applied.
      *
-     * @return the place of that record; empty if all fit
+     * @return where and why that was; empty if all records were applied
      */
     static Optional<End> make(Replay replay, StoreContents contents) {
         for (JournalRecord record : contents.records()) {

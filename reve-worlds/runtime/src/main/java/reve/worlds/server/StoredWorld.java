@@ -24,7 +24,7 @@ import java.util.function.Consumer;
  * A world at the last frame of its store, or a new one if the store is empty. The caller closes the
  * simulation and the store.
  *
- * @param stateHash of the world at that frame, before the bodies of disconnected agents were
+ * @param stateHash of the world at that frame, before the agents of the previous process were
  *     removed
  */
 record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
@@ -77,7 +77,10 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
         }
     }
 
-    /** Repeats all frames of a store, or refuses the store before it is changed. */
+    /**
+     * Replays all frames of a store. If this fails, refuses the store before anything in it is
+     * changed.
+     */
     private static void make(Replay replay, StoreContents contents) {
         Optional<StoreCheck.End> end = StoreCheck.make(replay, contents);
         if (end.isPresent() && replay.frame() < 0) {

@@ -16,9 +16,9 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * A reporter of stalled worlds: worlds that should make frames and have made none for some time.
- * Its thread only reads counters that the worlds' threads publish anyway. A world does not stall
- * while it is paused, waits for agents in lock-step, or waits until its next frame is due.
+ * Detects and reports stalled worlds: worlds that should make frames and have made none for some
+ * time. Its thread only reads counters that the worlds' threads publish anyway. A world does not
+ * stall while it is paused, waits for agents in lock-step, or waits until its next frame is due.
  */
 final class Watchdog implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("watchdog");
@@ -61,8 +61,8 @@ final class Watchdog implements AutoCloseable {
         while (!closed) {
             LockSupport.parkNanos(periodNanos);
             long now = System.nanoTime();
-            // Caps the elapsed time: if the whole process was stopped or had no processor, the
-            // worlds could not run either.
+            // If the whole process was stopped or got no processor, the worlds could not run
+            // either: so one check counts at most two periods.
             long seen = Math.min(now - last, 2 * periodNanos);
             last = now;
             for (Watched world : worlds) {
@@ -150,8 +150,7 @@ final class Watchdog implements AutoCloseable {
         }
 
         /**
-         * Returns the methods that the thread is in, innermost first, without those called by the
-         * JDK.
+         * Returns the stack of the thread, innermost method first, without the JDK's own methods.
          */
         private static List<String> stackOf(Thread thread) {
             return Stream.of(thread.getStackTrace())

@@ -5,7 +5,7 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * The time after which a world counts as stalled, and the reaction besides the report.
+ * The time after which a world counts as stalled, and what else is done besides the report.
  *
  * @param limit time without a frame; 0 disables the watchdog
  * @param onStall called after each report, on the watchdog's thread

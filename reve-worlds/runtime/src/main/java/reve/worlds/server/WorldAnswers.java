@@ -20,7 +20,7 @@ import java.util.Map;
 
 /** The answers to operators' questions about a world. World's thread, between frames. */
 final class WorldAnswers {
-    /** Maximum number of changes that wait to be asked for. */
+    /** Maximum number of changes that are kept until a client asks for them. */
     private static final int MAX_CHANGES = 10_000;
 
     private static final int MAX_FOUND = 1000;
@@ -28,7 +28,7 @@ final class WorldAnswers {
 
     private final Simulation simulation;
 
-    /** Changes since the last question about them; null before the first. */
+    /** The collected changes since the last question about them; null before the first question. */
     private @Nullable List<Map<String, Object>> changes;
 
     private long lost;
@@ -110,7 +110,7 @@ final class WorldAnswers {
                 BAD, name + " is " + value + ", expected a number from 0 to " + most);
     }
 
-    /** Returns the changes since the last question, and follows them from now on. */
+    /** Returns the changes since the last question, and collects further changes from now on. */
     private Map<String, Object> changes() {
         List<Map<String, Object>> seen = changes == null ? List.of() : changes;
         Map<String, Object> answer = new LinkedHashMap<>();

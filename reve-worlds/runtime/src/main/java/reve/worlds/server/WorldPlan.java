@@ -8,7 +8,7 @@ import reve.core.file.WorldDescription;
  *
  * @param frames number of frames after which the world ends
  * @param persistence the store from which it resumes, if any, and what is stored of the run
- * @param pictures to take of it; closed by the server
+ * @param pictures taker of pictures of the world; the server closes it
  * @param laws search path of its laws
  */
 public record WorldPlan(

@@ -20,9 +20,9 @@ import java.util.Optional;
 
 /**
  * A server of worlds that agents join over TCP and that load law libraries while they run. Each
- * world has its own thread and shares only the address with the others. It runs as it would alone,
- * to the bit, and its failure does not affect the others. Created, started, run and closed by one
- * thread; {@link #stop} may be called on any thread.
+ * world has its own thread and shares only the address with the others. It computes the same bits
+ * as it would alone, and its failure does not affect the others. Created, started, run and closed
+ * by one thread; {@link #stop} may be called on any thread.
  */
 public final class WorldServer implements AutoCloseable {
     private final Closing closing = new Closing();
@@ -48,7 +48,8 @@ public final class WorldServer implements AutoCloseable {
      * Builds the worlds, loads their laws, and starts to listen.
      *
      * @param plans at least one; the worlds have different names
-     * @param lawsFolder watched for law libraries, which act in all worlds, if present
+     * @param lawsFolder folder that is watched for law libraries, if present; they act in all
+     *     worlds
      * @throws IOException if the port cannot be bound, or a file cannot be opened
      * @throws reve.core.image.CorruptException if a store is damaged or belongs to another world
      * @throws reve.pe.PhysicsException if a law of a world file does not load
@@ -86,7 +87,7 @@ public final class WorldServer implements AutoCloseable {
         }
     }
 
-    /** Returns the fields of a fault that does not belong to one law. */
+    /** Returns the fields of a fault event that no single law caused. */
     static Map<String, Object> fault(String source, String message) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("source", source);
@@ -112,7 +113,10 @@ public final class WorldServer implements AutoCloseable {
         };
     }
 
-    /** Returns the server of agents, which admits further clients of this process. */
+    /**
+     * Returns the server for agents; programs in this process may also connect clients to it
+     * directly.
+     */
     public AgentServer agents() {
         return agents;
     }
@@ -122,17 +126,23 @@ public final class WorldServer implements AutoCloseable {
         return descriptions;
     }
 
-    /** Returns the interfaces of the worlds for further servers, in the order of the plans. */
+    /**
+     * Returns the interfaces of the worlds, for other servers such as that of the web page, in the
+     * order of the plans.
+     */
     public List<WorldPort> ports() {
         return ports;
     }
 
-    /** Returns the port for agents. */
+    /** Returns the TCP port for agents. */
     public int port() {
         return agents.address().getPort();
     }
 
-    /** Returns the warnings about the worlds, in their order. Before {@link #start}. */
+    /**
+     * Returns the warnings about the worlds, in the order of the plans. Call it before {@link
+     * #start}.
+     */
     public List<Problem> warnings() {
         return worlds.stream().flatMap(world -> world.warnings().stream()).toList();
     }
@@ -145,7 +155,7 @@ public final class WorldServer implements AutoCloseable {
     /**
      * Starts as {@link #start()}.
      *
-     * @param page address of the page that shows the worlds
+     * @param page address of the web page that shows the worlds
      */
     public void start(Optional<String> page) {
         worlds.forEach(world -> world.start(agents.address(), page));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Wiring: builds a running world from a world file, with or without agents and a watched laws
- * folder.
+ * Builds running worlds from world files, and connects them to agents, journals, pictures and a
+ * watched laws folder.
  */
 @NullMarked
 package reve.worlds.server;

@@ -11,7 +11,7 @@ import java.nio.IntBuffer;
 import java.util.Optional;
 import java.util.function.ToIntFunction;
 
-/** Meshes and textures as messages to pages; page/view.js reads them. */
+/** Encodes meshes and textures as binary messages to web pages; page/view.js reads them. */
 final class AssetWriter {
 
     /** Type of a message with a mesh. */
@@ -29,9 +29,9 @@ final class AssetWriter {
     private AssetWriter() {}
 
     /**
-     * Returns a mesh: type, id, number of vertices, of indices, attributes, number of parts; then
-     * coordinates, normals, texture coordinates, colours, indices; then for each part the first
-     * triangle, the number of triangles, colour, roughness, metallic, id of the texture.
+     * Encodes a mesh as a message: type, id, number of vertices, of indices, attributes, number of
+     * parts; then coordinates, normals, texture coordinates, colours, indices; then for each part
+     * the first triangle, the number of triangles, colour, roughness, metallic, id of the texture.
      */
     static ByteBuffer mesh(int id, Mesh mesh, ToIntFunction<Object> assetId) {
         FloatBuffer vertices = mesh.vertices();

@@ -13,8 +13,8 @@ import java.net.URI;
 import java.util.Set;
 
 /**
- * Refuses requests that a page of another origin caused. A request names this server as its host,
- * so that no foreign name leads to it (DNS rebinding); a WebSocket comes from a page of the same
+ * Refuses requests that a page of another origin may have caused: the Host header of a request must
+ * name this server, which prevents DNS rebinding, and a WebSocket must come from a page of this
  * origin.
  */
 final class HostGuard extends Handler.Wrapper {
@@ -24,7 +24,7 @@ final class HostGuard extends Handler.Wrapper {
     private final boolean loopback;
 
     /**
-     * @param loopback whether the server listens on a loopback address only
+     * @param loopback true if the server listens on a loopback address only
      */
     HostGuard(boolean loopback) {
         this.loopback = loopback;

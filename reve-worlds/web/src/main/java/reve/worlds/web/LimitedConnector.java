@@ -41,12 +41,12 @@ final class LimitedConnector extends ServerConnector {
                 return true;
             }
         } catch (IOException closed) {
-            // The peer has closed already.
+            // The peer has already closed the connection.
         }
         try {
             channel.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even if it fails.
+            // Ignored: close frees the descriptor even if it fails.
         }
         return false;
     }

@@ -25,7 +25,7 @@ import java.util.function.ToLongFunction;
 
 /**
  * The counters of a server, or of some of its worlds, in the text format of Prometheus. They are
- * read when they are requested; frames do not contribute to them. Any thread.
+ * read only on request, so they cost nothing in frames. Any thread.
  */
 final class Metrics {
 
@@ -36,7 +36,7 @@ final class Metrics {
     private final List<WorldPort> worlds;
 
     /**
-     * @param agents if empty, the counters of the server as a whole are left out
+     * @param agents if empty, the text does not contain the counters of the whole server
      */
     Metrics(List<WorldPort> worlds, Optional<AgentServer> agents) {
         this.worlds = List.copyOf(worlds);
@@ -81,7 +81,7 @@ final class Metrics {
                 AgentStats::unrecorded);
     }
 
-    /** Returns whether a thread makes the frames of the loop. */
+    /** Returns whether a world's frame loop is running, that is, owned by a thread. */
     static boolean isRunning(FrameLoop loop) {
         return loop.thread() != null && !loop.isStopped();
     }
@@ -156,13 +156,13 @@ final class Metrics {
                 .register(registry);
     }
 
-    /** Returns the present values. */
+    /** Returns the present values of the counters as text. */
     byte[] text() {
         var out = new ByteArrayOutputStream();
         try {
             PrometheusTextFormatWriter.create().write(out, registry.scrape());
         } catch (IOException e) {
-            throw new UncheckedIOException(e); // memory has no failures
+            throw new UncheckedIOException(e); // cannot happen: it writes to memory
         }
         return out.toByteArray();
     }

@@ -12,15 +12,15 @@ import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.locks.LockSupport;
 
 /**
- * The outputs of all pages, and the memory of the frames that they have not read. A frame that
- * several pages share is counted once. Above a limit, the pages that have been slow the longest are
- * disconnected. Any thread.
+ * The connections to all web pages, and the memory of the frames that these have not read. A frame
+ * that several pages share is counted once. Above a limit, the pages that have been slow the
+ * longest are disconnected. Any thread.
  */
 final class OpenPages implements AutoCloseable {
 
     private static final long MOST_BYTES = 256L * 1024 * 1024;
 
-    /** The limit is this fraction of a small heap. */
+    /** The memory limit is this fraction of a small heap (1/8). */
     private static final int SHARE = 8;
 
     private static final long CHECK_NANOS = 500_000_000;
@@ -29,10 +29,10 @@ final class OpenPages implements AutoCloseable {
     private final long startNanos = System.nanoTime();
     private final Set<PageOutput> open = ConcurrentHashMap.newKeySet();
 
-    /** Slowest first. Guarded by this. */
+    /** The frame that waits for each page, slowest page first. Guarded by this object's lock. */
     private final Map<PageOutput, ByteBuffer> waiting = new LinkedHashMap<>();
 
-    /** Number of pages that wait for a frame. Guarded by this. */
+    /** Number of pages that wait for each frame. Guarded by this object's lock. */
     private final Map<ByteBuffer, Integer> holders = new IdentityHashMap<>();
 
     private long bytes;
@@ -44,14 +44,14 @@ final class OpenPages implements AutoCloseable {
     }
 
     /**
-     * @param mostBytes limit of the frames that wait [bytes]
+     * @param mostBytes limit of the memory of waiting frames [bytes]
      */
     OpenPages(long mostBytes) {
         this.mostBytes = mostBytes;
         this.checker = Thread.ofPlatform().daemon().name("page deadlines").start(this::check);
     }
 
-    /** Returns the time since the start [ns]. */
+    /** Returns the time since this object was created [ns]. */
     long nowNanos() {
         return System.nanoTime() - startNanos;
     }
@@ -65,7 +65,10 @@ final class OpenPages implements AutoCloseable {
         release(page);
     }
 
-    /** Counts a frame that waits for a page, and disconnects the slowest pages if necessary. */
+    /**
+     * Counts a frame that waits for a page. If the memory limit is exceeded, disconnects the
+     * slowest pages.
+     */
     void hold(PageOutput page, ByteBuffer frame) {
         synchronized (this) {
             release(page);
@@ -88,7 +91,7 @@ final class OpenPages implements AutoCloseable {
         return slowest;
     }
 
-    /** Ends the count of a page's frame. */
+    /** Records that no frame waits for the page any more. */
     synchronized void release(PageOutput page) {
         ByteBuffer frame = waiting.remove(page);
         if (frame != null && holders.merge(frame, -1, Integer::sum) == 0) {
@@ -97,7 +100,7 @@ final class OpenPages implements AutoCloseable {
         }
     }
 
-    /** Returns the memory of the frames that wait [bytes]. */
+    /** Returns the memory of all waiting frames [bytes]. */
     synchronized long bytes() {
         return bytes;
     }

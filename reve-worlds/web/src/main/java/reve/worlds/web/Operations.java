@@ -23,10 +23,10 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The paths for supervisors: {@code /health} answers 200 if all worlds make frames or wait, else
- * 503, and names no world; {@code /metrics} has the counters. On a server with tokens, the counters
- * need one with the role observer or control, as a bearer token. A token for some worlds reads the
- * counters of these worlds only.
+ * The HTTP paths for monitoring: {@code /health} answers 200 if all worlds make frames or wait,
+ * else 503, and names no world; {@code /metrics} returns the counters. If the server requires
+ * tokens, the counters require a bearer token with the role observer or control. A token for some
+ * worlds reads the counters of these worlds only.
  */
 final class Operations extends Handler.Wrapper {
 

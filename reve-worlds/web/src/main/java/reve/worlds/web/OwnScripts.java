@@ -3,7 +3,7 @@ package reve.worlds.web;
 
 import java.util.List;
 
-/** The scripts of the page. */
+/** The project's own scripts of the web page. */
 final class OwnScripts {
 
     /** Names of the files, in alphabetical order. */

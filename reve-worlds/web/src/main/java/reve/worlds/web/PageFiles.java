@@ -24,8 +24,8 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * The files of the page, which jars on the class path contain. Only listed files are served. The
- * content security policy permits requests to this server only.
+ * Serves the files of the web page from jars on the class path, and no others. The content security
+ * policy permits the page requests to this server only.
  */
 final class PageFiles extends Handler.Abstract.NonBlocking {
 
@@ -78,7 +78,7 @@ final class PageFiles extends Handler.Abstract.NonBlocking {
         }
     }
 
-    /** Returns the hash of the import map, which the policy must permit because it is inline. */
+    /** Returns the hash of the inline import map, which the content security policy must permit. */
     private String importMapHash() {
         Page index = files.get("/");
         Matcher map = INLINE.matcher(new String(index.bytes, StandardCharsets.UTF_8));

@@ -11,16 +11,19 @@ import java.util.concurrent.locks.ReentrantLock;
 import java.util.function.Consumer;
 
 /**
- * The messages to one page: lines of the agent protocol and frames of the scene, in turn. Each is
- * written in pieces, so that one piece waits in memory, and a page that accepts no piece for some
- * seconds is disconnected.
+ * The output to one web page: lines of the agent protocol and frames of the scene take turns. Each
+ * message is written in pieces, so only one piece at a time waits in memory. A page that accepts no
+ * piece for some seconds is disconnected.
  */
 final class PageOutput {
 
     /** Maximum size of a piece [bytes]. */
     static final int PIECE_BYTES = 16 * 1024;
 
-    /** Maximum time for a piece, and for the rest after the session has ended [ns]. */
+    /**
+     * Maximum time until the page accepts a piece, and until it accepts the remaining messages
+     * after the session has ended [ns].
+     */
     static final long PATIENCE_NANOS = 5_000_000_000L;
 
     private static final long NEVER = Long.MAX_VALUE;
@@ -28,7 +31,7 @@ final class PageOutput {
     private final Session page;
     private final OpenPages pages;
 
-    /** Held while a message is written; fair, so that lines and frames take turns. */
+    /** Held while a message is written; a fair lock, so that lines and frames take turns. */
     private final ReentrantLock turn = new ReentrantLock(true);
 
     /** Time by which the page must accept the present piece [ns since the start]. */
@@ -48,7 +51,7 @@ final class PageOutput {
     /**
      * Sends a part of a line, and returns when the page's socket has accepted it. One thread.
      *
-     * @param last whether the line ends here
+     * @param last true if the line ends with this part
      * @throws CompletionException if the connection ended first
      */
     void line(String piece, boolean last) {
@@ -61,7 +64,7 @@ final class PageOutput {
         }
     }
 
-    /** Gives the turn back if a line was interrupted. The thread of {@link #line}. */
+    /** Lets frames be sent again after a line was interrupted. The thread of {@link #line}. */
     void abandonLine() {
         if (turn.isHeldByCurrentThread()) {
             turn.unlock();
@@ -71,9 +74,9 @@ final class PageOutput {
     /**
      * Sends a frame of the scene on a thread of its own.
      *
-     * @param assets messages before it, which the scene keeps
-     * @param frame counted until it is sent; not modified
-     * @param sent called afterwards, unless the connection ended first
+     * @param assets meshes and textures to send before the frame; the scene owns these messages
+     * @param frame its memory counts as waiting until it is sent; not modified
+     * @param sent called after the frame was sent, unless the connection ended first
      */
     void frame(List<ByteBuffer> assets, ByteBuffer frame, Runnable sent) {
         pages.hold(this, frame);
@@ -118,7 +121,7 @@ final class PageOutput {
         pieceDueNanos = NEVER;
     }
 
-    /** Limits the time for the messages that still wait. Any thread. */
+    /** Starts the time limit for the messages that still wait. Any thread. */
     void endSoon() {
         if (endDueNanos == NEVER) {
             endDueNanos = pages.nowNanos() + PATIENCE_NANOS;
@@ -138,13 +141,13 @@ final class PageOutput {
         }
     }
 
-    /** Disconnects the page; waiting messages fail. Any thread. */
+    /** Disconnects the page at once; waiting messages fail. Any thread. */
     void cut() {
         closed = true;
         page.disconnect();
     }
 
-    /** Forgets the page, whose connection has ended. Any thread. */
+    /** Removes the page, whose connection has ended. Any thread. */
     void close() {
         closed = true;
         pages.remove(this);

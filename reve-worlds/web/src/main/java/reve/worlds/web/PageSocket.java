@@ -21,10 +21,10 @@ import java.nio.charset.StandardCharsets;
 import java.util.Map;
 
 /**
- * One WebSocket of a page. A text message is one line of the agent protocol in either direction;
- * the session behind it decides about roles, tokens, rights and limits, as for a TCP connection.
- * Binary messages of the page control the view of the scene, see {@link Watcher}; they have no
- * effect unless the session's role perceives everything.
+ * One WebSocket of a web page. A text message is one line of the agent protocol in either
+ * direction; the session behind it decides about roles, tokens, rights and limits, as for a TCP
+ * connection. Binary messages from the page request frames of the scene, see {@link Watcher}; they
+ * have an effect only if the session's role perceives everything.
  */
 public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
 
@@ -37,10 +37,10 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
     private volatile @Nullable PageOutput output;
     private volatile @Nullable SocketChannel line;
 
-    /** Set when the client is welcomed. Changes with this held. */
+    /** Set when the client is welcomed; written only with this object's lock held. */
     private volatile @Nullable Watcher watcher;
 
-    /** Guarded by this. */
+    /** Guarded by this object's lock. */
     private boolean ended;
 
     PageSocket(
@@ -69,7 +69,9 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
                                 end();
                             });
         } catch (IOException e) {
-            page.end(StatusCode.SERVER_ERROR, "the server has no free sockets"); // the log says why
+            page.end(StatusCode.SERVER_ERROR, "the server has no free sockets"); // the server's log
+            // contains the
+            // reason
         }
     }
 
@@ -125,15 +127,15 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
             try {
                 channel.close();
             } catch (IOException e) {
-                // Closing frees the descriptor even if it fails.
+                // Ignored: close frees the descriptor even if it fails.
             }
         }
     }
 
     /**
      * Sends the lines of the agent server to the page until its connection ends. A long line is
-     * sent in pieces, so that a page that does not read holds up the agent server's connection,
-     * whose limits for slow clients then apply.
+     * sent in pieces. So if a page does not read, the agent server's connection fills up, and the
+     * agent server's limits for slow clients apply.
      */
     static void relay(ReadableByteChannel channel, PageOutput page) {
         byte[] bytes = new byte[PageOutput.PIECE_BYTES];
@@ -173,7 +175,7 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
         return new String(bytes, start, end - start, StandardCharsets.UTF_8);
     }
 
-    /** Returns the position of the last character, which may be incomplete, in UTF-8. */
+    /** Returns the position of the last UTF-8 character in the bytes, which may be incomplete. */
     private static int lastCharacter(byte[] bytes, int end) {
         int at = end - 1;
         while (at > 0 && (bytes[at] & 0xc0) == 0x80) {
@@ -182,7 +184,7 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
         return at;
     }
 
-    /** Permits the view of the scene if the role perceives everything. */
+    /** Permits the page to request the scene if its role perceives everything. */
     @Override
     public synchronized void welcomed(Role role, String world, String name) {
         SceneFeed feed = feeds.get(world);
@@ -200,7 +202,7 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
         }
     }
 
-    /** Ends the view, and limits the time for the lines that still wait. */
+    /** Ends the view of the scene, and starts the time limit for the lines that still wait. */
     @Override
     public synchronized void ended() {
         ended = true;

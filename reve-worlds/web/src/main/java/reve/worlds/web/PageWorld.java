@@ -7,8 +7,8 @@ import reve.core.file.CameraDescription;
 import java.util.Optional;
 
 /**
- * A world that pages show.
+ * A world that web pages can show.
  *
- * @param camera first viewpoint; if empty, the view contains all bodies
+ * @param camera first viewpoint; if empty, the page shows all bodies
  */
 public record PageWorld(WorldPort port, Optional<CameraDescription> camera) {}

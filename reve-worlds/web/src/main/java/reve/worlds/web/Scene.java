@@ -29,9 +29,9 @@ import java.util.Set;
 import java.util.TreeMap;
 
 /**
- * The newest state of a world as pages show it, with the version in which each part changed. An
- * item has a slot as long as it exists; the columns of bodies are arrays by slot, in single
- * precision. One thread.
+ * The newest state of a world as web pages show it. A version counts changes, and each part has the
+ * version of its last change. An item keeps the same slot (an index) as long as it exists; the
+ * columns of bodies are arrays by slot, in single precision. One thread.
  */
 final class Scene {
 
@@ -41,7 +41,7 @@ final class Scene {
 
     private static final int[] NO_REFERENCES = {};
 
-    /** Minimum time between two comparisons of all symbols [ns]. */
+    /** Minimum time between two comparisons of all items' symbols [ns]. */
     private static final long SYMBOLS_NANOS = 200_000_000;
 
     private static final int FIRST_SLOTS = 64;
@@ -52,16 +52,19 @@ final class Scene {
     private @Nullable ItemSymbols[] items = new ItemSymbols[FIRST_SLOTS];
     private int[][] references = new int[FIRST_SLOTS][];
 
-    /** Version in which an item entered, left, or changed its symbols or references. */
+    /**
+     * By slot: the version in which its item entered, left, or last changed its symbols or
+     * references.
+     */
     private int[] structureChanged = new int[FIRST_SLOTS];
 
     private int newestStructure;
     private final Column[] columns = new Column[SceneColumns.values().length];
 
-    /** The slot of each body's row. */
+    /** By row of the body table: the body's slot. */
     private int[] slotOfRow = {};
 
-    /** Number of times that the slots of rows were found. */
+    /** How often slotOfRow was computed. */
     private int mapping;
 
     private long[] ids = {};
@@ -69,7 +72,7 @@ final class Scene {
     private long symbolsNanos;
     private boolean stale = true;
 
-    /** Optional columns of the last read. */
+    /** Bits of the optional columns that the last read included. */
     private int optional;
 
     private int version;
@@ -79,19 +82,19 @@ final class Scene {
     private final Map<Object, Integer> assetIds = new IdentityHashMap<>();
     private final Map<Integer, ByteBuffer> assets = new TreeMap<>();
 
-    /** One column by slot; colours are the bits of integers. */
+    /** The values of one column, by slot; for colours, a float holds the bits of an integer. */
     private static final class Column {
         private final int components;
         private float[] values;
         private int[] changed;
 
-        /** Newest version in which a value changed. */
+        /** Version of the last change of any value. */
         private int newest;
 
-        /** Slots of the rows in the last read, see {@link Scene#mapping}. */
+        /** The {@link Scene#mapping} that the last read used. */
         private int mapping;
 
-        /** Bytes of the snapshot's column in the last read. */
+        /** The snapshot's column as bytes, from the last read. */
         private byte[] seen = {};
 
         Column(int components) {
@@ -142,7 +145,10 @@ final class Scene {
         return items[slot];
     }
 
-    /** Returns the slots to which the item refers, -1 for none. */
+    /**
+     * Returns the slots of the items to which this slot's item refers, such as a spring's two
+     * bodies; -1 for none.
+     */
     int[] references(int slot) {
         return references[slot] == null ? NO_REFERENCES : references[slot];
     }
@@ -167,7 +173,10 @@ final class Scene {
         return columns[column.ordinal()].values;
     }
 
-    /** Returns the ids of meshes and textures; textures before the meshes that use them. */
+    /**
+     * Returns the ids of meshes and textures, ordered so that textures come before the meshes that
+     * use them.
+     */
     Set<Integer> assets() {
         return assets.keySet();
     }
@@ -177,12 +186,12 @@ final class Scene {
         return assets.get(id).duplicate();
     }
 
-    /** Returns the id of a mesh or texture, 0 if it has none. */
+    /** Returns the id of a mesh or texture; 0 if it has none. */
     int assetId(Object asset) {
         return assetIds.getOrDefault(asset, 0);
     }
 
-    /** Makes the next read compare everything. */
+    /** Makes the next read compare all data, not only what seems changed. */
     void forget() {
         stale = true;
     }
@@ -196,7 +205,8 @@ final class Scene {
      * Reads a snapshot.
      *
      * @param wanted optional columns to read
-     * @return false if it was overwritten meanwhile; the scene is then invalid until another read
+     * @return false if the snapshot was overwritten during the read; the scene is then invalid
+     *     until the next read
      */
     boolean read(WorldSnapshot snapshot, int wanted) {
         if (snapshot.frame() == frame && !stale && hasRead(wanted)) {
@@ -234,7 +244,10 @@ final class Scene {
         return true;
     }
 
-    /** Compares and copies the ids of the bodies' rows. */
+    /**
+     * Copies the ids of the bodies' rows, and returns whether they differ from those of the last
+     * read.
+     */
     private boolean hasOtherRows(TableSnapshot bodies) {
         MemorySegment rows = bodies.ids().segment();
         boolean same =
@@ -292,7 +305,7 @@ final class Scene {
         }
     }
 
-    /** Returns whether the page must draw or name the item in another way. */
+    /** Returns whether the change of symbols changes how the page draws or names the item. */
     private static boolean looksOther(ItemSymbols before, ItemSymbols after) {
         return !before.name().equals(after.name())
                 || before.shape() != after.shape()
@@ -318,7 +331,8 @@ final class Scene {
                 column.changed = Arrays.copyOf(column.changed, room);
             }
         }
-        for (Column column : columns) { // a slot that was free has the values of another item
+        for (Column column : columns) { // a reused slot still contains the values of its earlier
+            // item
             column.changed[slot] = version;
             column.newest = version;
         }
@@ -400,7 +414,7 @@ final class Scene {
         return any;
     }
 
-    /** Reads numbers of 32 bits, whose bits are kept. */
+    /** Reads a column of 32-bit numbers unchanged, as bits. */
     private boolean readWords(MemorySegment segment, Column column, int rows) {
         int components = column.components;
         float[] values = column.values;

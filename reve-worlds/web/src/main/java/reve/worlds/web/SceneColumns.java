@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.web;
 
-/** The columns of bodies in frames of the scene; page/view.js reads them. */
+/** The columns of bodies in frames of the scene, as sent to web pages; page/view.js reads them. */
 enum SceneColumns {
-    /** Place of the origin [m]. */
+    /** Position of the body's origin [m]. */
     POSITION("position", 3, 0),
     /** Unit quaternion xyzw. */
     ORIENTATION("orientation", 4, 0),
-    /** Extents along the own axes [m]. */
+    /** Extents along the body's own axes [m]. */
     SIZE("size", 3, 0),
     /** Bytes r g b a. */
     COLOUR("colour", 1, 0),
-    /** Velocity [m/s], on request. */
+    /** Velocity [m/s]; sent only on request. */
     VELOCITY("velocity", 3, 1),
-    /** Sum of the forces of laws [N], on request. */
+    /** Sum of the forces of laws [N]; sent only on request. */
     FORCE("externalForce", 3, 2);
 
-    /** All bits of columns that are sent on request only. */
+    /** The bits of all columns that are sent only on request. */
     static final int ALL_OPTIONAL = 3;
 
     private final String property;
@@ -37,7 +37,7 @@ enum SceneColumns {
         return components;
     }
 
-    /** Returns whether the column is among the requested ones. */
+    /** Returns whether a page that requested these optional columns receives this column. */
     boolean isWanted(int requested) {
         return bit == 0 || (requested & bit) != 0;
     }

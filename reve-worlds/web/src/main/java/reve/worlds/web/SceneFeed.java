@@ -13,9 +13,9 @@ import java.util.concurrent.CopyOnWriteArrayList;
 import java.util.concurrent.locks.LockSupport;
 
 /**
- * The scene of one world for all watchers. One thread reads snapshots and encodes frames; it works
- * only while a watcher has requested a frame, and looks for new frames every few milliseconds, so
- * that the world's thread never has to wake it.
+ * Sends the scene of one world to all its watchers (web pages). One thread reads snapshots and
+ * encodes frames. It works only while a watcher has requested a frame. It polls for new frames
+ * every few milliseconds, so the world's thread never has to wake it.
  */
 final class SceneFeed implements AutoCloseable {
 
@@ -24,10 +24,13 @@ final class SceneFeed implements AutoCloseable {
     /** Minimum time between two frames for one watcher [ns]; a little less than 1/60 s. */
     private static final long MIN_INTERVAL_NANOS = 15_000_000;
 
-    /** Time between two looks for a new frame [ns]. */
+    /** Interval at which the thread polls for a new frame [ns]. */
     private static final long LOOK_NANOS = 2_000_000;
 
-    /** Maximum number of attempts to read a snapshot that is overwritten meanwhile. */
+    /**
+     * Maximum number of attempts to read a snapshot; an attempt fails if the snapshot is
+     * overwritten during the read.
+     */
     private static final int ATTEMPTS = 4;
 
     private final WorldPort port;
@@ -48,7 +51,7 @@ final class SceneFeed implements AutoCloseable {
                         .start(this::encode);
     }
 
-    /** Adds a watcher, or notes that it has a new request. Any thread. */
+    /** Adds a watcher, or records its new request. Any thread. */
     void add(Watcher watcher) {
         if (!watchers.contains(watcher)) {
             watchers.add(watcher);
@@ -60,7 +63,7 @@ final class SceneFeed implements AutoCloseable {
         watchers.remove(watcher);
     }
 
-    /** Makes the encoder check for work. Any thread. */
+    /** Makes the encoder's thread check for work. Any thread. */
     void wake() {
         LockSupport.unpark(encoder);
     }
@@ -85,7 +88,8 @@ final class SceneFeed implements AutoCloseable {
     /**
      * Sends the newest frame to all watchers that wait for it.
      *
-     * @return time until the next watcher is due [ns]; negative if the encoder must be woken
+     * @return time until the next watcher is due [ns]; negative if there is nothing to do until the
+     *     thread is woken
      */
     private long serve() {
         boolean waits = false;
@@ -126,8 +130,8 @@ final class SceneFeed implements AutoCloseable {
     /**
      * Reads the newest snapshot.
      *
-     * @param wanted optional columns
-     * @return false if each one was overwritten while it was read
+     * @param wanted optional columns to read
+     * @return false if in each attempt the snapshot was overwritten during the read
      */
     private boolean read(int wanted) {
         for (int attempt = 0; attempt < ATTEMPTS; attempt++) {

@@ -17,11 +17,11 @@ import java.nio.ByteOrder;
 import java.util.Optional;
 
 /**
- * Frames as messages to pages; page/view.js reads them. Numbers are little-endian: type (1), bytes
- * of the structure, number of sections, slots; frame and time as 64-bit floats; then the structure
- * as JSON, padded to 4 bytes; then the sections: column, number of bodies, their slots, their
- * values as 32-bit floats. The structure lists items that entered or changed, and slots that are
- * free. One thread.
+ * Encodes frames of the scene as binary messages to web pages; page/view.js reads them. A message
+ * consists of these little-endian numbers: type (1), bytes of the structure, number of sections,
+ * number of slots; frame and time as 64-bit floats; then the structure as JSON, padded to 4 bytes;
+ * then, for each section: column, number of bodies, their slots, their values as 32-bit floats. The
+ * structure lists items that entered or changed, and slots that are free. One thread.
  */
 final class SceneWriter {
 
@@ -36,7 +36,7 @@ final class SceneWriter {
     private final Optional<CameraDescription> camera;
     private int[] picked = {};
 
-    /** The last message, which watchers in the same state share. */
+    /** The last encoded message; watchers in the same state receive the same one. */
     private @Nullable ByteBuffer shared;
 
     private int sharedVersion;
@@ -44,19 +44,19 @@ final class SceneWriter {
     private int sharedColumns;
 
     /**
-     * @param camera first viewpoint, part of complete frames
+     * @param camera first viewpoint; only complete frames contain it
      */
     SceneWriter(Optional<CameraDescription> camera) {
         this.camera = camera;
     }
 
     /**
-     * Returns the difference between a version and the present one. Several watchers may share it,
-     * so the caller must not change its position.
+     * Returns a message with the changes between an earlier version of the scene and the present
+     * one. Several watchers may share it, so the caller must not change its position.
      *
-     * @param since 0 returns everything
+     * @param since the earlier version, which the client has; 0 returns everything
      * @param known optional columns that the client has in that version
-     * @param wanted optional columns that it wants now
+     * @param wanted optional columns that it requests now
      */
     ByteBuffer write(Scene scene, int since, int known, int wanted) {
         int key = known << 8 | wanted;
@@ -109,7 +109,7 @@ final class SceneWriter {
         return out.flip().asReadOnlyBuffer();
     }
 
-    /** Finds the bodies whose value has changed. */
+    /** Finds the bodies whose value in a column has changed since a version. */
     private int pick(Scene scene, SceneColumns column, int since, int first) {
         if (!scene.hasChanged(column, since)) {
             return 0;

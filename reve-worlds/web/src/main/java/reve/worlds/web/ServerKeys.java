@@ -9,7 +9,10 @@ import java.net.InetSocketAddress;
 
 import javax.net.ssl.SSLEngine;
 
-/** The TLS settings of the agent server, which reads its certificate again when it changes. */
+/**
+ * The TLS settings of the agent server, for the web port; the certificate file is read again when
+ * it changes.
+ */
 final class ServerKeys extends SslContextFactory.Server {
 
     private final ServerTls tls;

@@ -10,8 +10,8 @@ import java.util.Set;
 import java.util.function.BooleanSupplier;
 
 /**
- * The open connections of the web port, and their limits: in all, from one address, and by the file
- * descriptors of the process. Any thread.
+ * The open connections of the web port, and their limits: limits on their total number, on the
+ * number from one address, and by the file descriptors of the process. Any thread.
  */
 final class Visitors {
 
@@ -19,12 +19,13 @@ final class Visitors {
     private final int mostOfAddress;
     private final BooleanSupplier takeDescriptor;
 
-    /** Guarded by this. */
+    /** Guarded by this object's lock. */
     private final Set<SocketChannel> open = new HashSet<>();
 
     /**
      * @param most maximum number of open connections; one address may have three quarters of them
-     * @param takeDescriptor returns false if none is left for connections
+     * @param takeDescriptor reserves a file descriptor; returns false if none is left for
+     *     connections
      */
     Visitors(int most, BooleanSupplier takeDescriptor) {
         this.most = most;
@@ -32,7 +33,9 @@ final class Visitors {
         this.takeDescriptor = takeDescriptor;
     }
 
-    /** Returns whether an accepted connection may stay open, and counts it until it is closed. */
+    /**
+     * Returns whether an accepted connection may stay open; if so, counts it until it is closed.
+     */
     synchronized boolean admit(SocketChannel accepted) throws IOException {
         open.removeIf(channel -> !channel.isOpen());
         SocketAddress remote = accepted.getRemoteAddress();

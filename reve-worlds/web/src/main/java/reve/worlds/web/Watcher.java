@@ -11,13 +11,12 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.LongPredicate;
 
 /**
- * A client that watches the scene of a world. It receives one frame for each request, the newest
- * one when the server sends it: a slow client receives fewer frames, and at most one frame waits
- * for it.
+ * A client that watches the scene of a world. Each request is answered by one frame, the newest one
+ * at that time. So a slow client receives fewer frames, and at most one frame waits for it.
  */
 final class Watcher {
 
-    /** Size of a request: one byte with the wanted columns. */
+    /** Size of a request: one byte with the bits of the requested columns. */
     static final int MAX_REQUEST_BYTES = 1;
 
     private static final int STOP = 0xff;
@@ -32,20 +31,20 @@ final class Watcher {
     private volatile boolean sending;
     private volatile boolean closed;
 
-    // The encoder's thread.
+    // Fields for the encoder's thread only.
 
-    /** Version of the scene that the client has; 0 before the first frame. */
+    /** Version of the scene that the client has received; 0 before the first frame. */
     private int version;
 
-    /** Optional columns that the client has since that version. */
+    /** Optional columns that the client has received since that version. */
     private int columns;
 
     private long sentNanos;
     private final Set<Integer> sent = new HashSet<>();
 
     /**
-     * @param record writes the audit record before the first frame; returns false if nothing may be
-     *     sent
+     * @param record writes the audit record before the first frame; returns false if it failed, so
+     *     that nothing may be sent
      */
     Watcher(SceneFeed feed, PageOutput output, LongPredicate record) {
         this.feed = feed;

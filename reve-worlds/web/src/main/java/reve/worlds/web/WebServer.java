@@ -27,18 +27,21 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Server of the page and of its WebSocket at {@code /world}. Text messages of the WebSocket are
+ * Server of the web page and of its WebSocket at {@code /world}. Text messages of the WebSocket are
  * lines of the agent protocol, which pass through the sessions of the agent server. Binary messages
- * show the scene to clients that perceive everything.
+ * contain the scene, for clients that perceive everything.
  */
 public final class WebServer implements AutoCloseable {
 
     private static final String SOCKET = "/world";
 
-    /** Silence after which a connection without a WebSocket ends. */
+    /** Time without traffic after which a connection without a WebSocket is closed. */
     private static final Duration IDLE = Duration.ofSeconds(10);
 
-    /** Silence after which a WebSocket ends; the agent server pings earlier. */
+    /**
+     * Time without traffic after which a WebSocket is closed; the agent server sends pings more
+     * often.
+     */
     private static final Duration SOCKET_IDLE = Duration.ofSeconds(60);
 
     private static final int MAX_LINE = 65_536;
@@ -56,10 +59,10 @@ public final class WebServer implements AutoCloseable {
      * Starts the server.
      *
      * @param address port 0 selects a free port
-     * @param security as that of the agent server; TLS is required on addresses that other machines
+     * @param security as for the agent server; TLS is required on addresses that other machines
      *     reach
-     * @param agents admits the page's clients
-     * @param worlds that the page can show
+     * @param agents server whose sessions the page's clients use
+     * @param worlds worlds that the page can show
      * @throws BindException naming the address if it is not available
      */
     public static WebServer start(
@@ -123,7 +126,8 @@ public final class WebServer implements AutoCloseable {
                             container.addMapping(
                                     SOCKET,
                                     (request, response, callback) -> {
-                                        // compression would cost more than the loopback saves
+                                        // compression would take longer than it saves on a loopback
+                                        // connection
                                         response.setExtensions(List.of());
                                         return new PageSocket(
                                                 agents,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * The page that shows running worlds and controls them: a client of the agent protocol over a
- * WebSocket, and beside it binary messages with the columns that moved.
+ * The web page that shows and controls running worlds, and its server. The page is a client of the
+ * agent protocol over a WebSocket; binary messages beside it contain the changed columns of the
+ * scene.
  */
 @NullMarked
 package reve.worlds.web;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is in the world, a body of one's own, and what happened.
+// The panel of agents: who is in the world, joining with a body of one's own, and the log of
+// events.
 import { h, toast } from "./dom.js";
 import { Steer } from "./steer.js";
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// One client of the agent protocol (agents/protocol/PROTOCOL.md) over the WebSocket.
+// A client of the agent protocol (agents/protocol/PROTOCOL.md) over the WebSocket.
 
 const RETRY_MILLISECONDS = [250, 500, 1000, 2000, 4000];
 const SILENT = new Set(["goodbye", "token-revoked", "bad-token", "not-permitted", "too-many-attempts", "name-taken"]);
 
-/** A refused command. */
+/** The error of a command that the server refused. */
 export class Refused extends Error {
   constructor(code, reason) {
     super(reason);
@@ -13,8 +13,9 @@ export class Refused extends Error {
 }
 
 /**
- * A client that connects again when the server comes back. Events: "welcome", "event" and
- * "perception" with the message, "binary" with an ArrayBuffer, "end" with the bye or null, "retry".
+ * A client that reconnects when the server is available again. It dispatches the events "welcome",
+ * "event" and "perception" with the message, "binary" with an ArrayBuffer, "end" with the bye or
+ * null, and "retry".
  */
 export class Connection extends EventTarget {
   #socket = null;
@@ -26,7 +27,7 @@ export class Connection extends EventTarget {
   #bye = null;
   #welcomed = false;
 
-  /** Connects; the token stays in memory only. */
+  /** Connects. The token in `hello` is kept in memory only. */
   open(hello) {
     this.close();
     this.#hello = hello;
@@ -121,7 +122,8 @@ export class Connection extends EventTarget {
     this.#waiting.clear();
   }
 
-  /** Sends a message that has an answer; rejects with Refused. */
+  /** Sends a message that has an answer. The promise rejects with Refused if the server refuses it.
+   *  */
   ask(t, fields = {}) {
     return new Promise((resolve, reject) => {
       if (!this.isOpen) {
@@ -134,7 +136,7 @@ export class Connection extends EventTarget {
     });
   }
 
-  /** Returns the content of a report. */
+  /** Asks a question and returns the content of the report. */
   async report(t, fields) {
     const message = await this.ask(t, fields);
     return { frame: message.frame, ...message.content };
@@ -145,7 +147,8 @@ export class Connection extends EventTarget {
     if (this.isOpen) this.#socket.send(JSON.stringify({ t, ...fields }));
   }
 
-  /** Requests the next frame of the scene, with optional columns; 255 stops the view. */
+  /** Requests the next frame of the scene, with the optional columns of these bits; 255 stops the
+   *  view. */
   watch(columns) {
     if (this.isOpen) this.#socket.send(new Uint8Array([columns]));
   }

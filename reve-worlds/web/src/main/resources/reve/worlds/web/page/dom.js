@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Helpers for elements, numbers and messages.
 
-/** Creates an element; properties whose names begin with "on" are listeners. */
+/** Creates an element; a property whose name begins with "on" becomes an event listener. */
 export function h(tag, properties, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(properties ?? {})) {
@@ -19,7 +19,7 @@ export function h(tag, properties, ...children) {
 
 export const $ = (id) => document.getElementById(id);
 
-/** Shows a number with at most five significant digits. */
+/** Returns a number as text with at most five significant digits. */
 export function number(value) {
   if (typeof value !== "number") return String(value);
   if (value === 0 || Object.is(value, -0)) return "0";
@@ -28,7 +28,7 @@ export function number(value) {
   return String(+value.toPrecision(5));
 }
 
-/** Shows a number, a list of numbers, a text or a truth value. */
+/** Returns a number, a list of numbers, a text or a truth value as text. */
 export function show(value) {
   if (Array.isArray(value)) return value.length === 0 ? "–" : value.map(show).join(", ");
   if (value === true) return "yes";
@@ -44,7 +44,7 @@ export function toast(message, bad = false) {
   setTimeout(() => element.remove(), bad ? 9000 : 4000);
 }
 
-/** Replaces the children of an element, unless they would look the same. */
+/** Replaces the children of an element, unless the new ones look the same. */
 export function fill(element, ...children) {
   const next = h("div", null, ...children);
   if (next.innerHTML !== element.innerHTML) element.replaceChildren(...next.childNodes);

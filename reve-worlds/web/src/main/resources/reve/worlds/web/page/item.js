@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Search, and the four aspects of the selected item, live.
+// The panel of items: search, and the live properties of the selected item in its four aspects.
 import { h, show, toast } from "./dom.js";
 
 const FOUND = 60;
@@ -25,7 +25,7 @@ export class ItemPanel {
     this.timer = setInterval(() => this.read(), READ_MILLISECONDS);
   }
 
-  /** Lists the items that match the search. */
+  /** Shows the items that match the search. */
   list() {
     const wanted = this.search.value.trim().toLowerCase();
     const found = [];

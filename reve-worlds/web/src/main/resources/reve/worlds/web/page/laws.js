@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws: what is loaded, what it uses, its parameters, its cost and its entry in the ledger.
+// The panel of laws: which are loaded, what they use, their parameters, their cost and their lines
+// in the ledger.
 import { h, number, toast } from "./dom.js";
 
 const READ_MILLISECONDS = 1000;

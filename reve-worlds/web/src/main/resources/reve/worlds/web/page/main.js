@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The control room: one client of the agent protocol, and the panels around its view of the world.
+// The main program of the page: one client of the agent protocol, the view of its world, and the
+// panels around it.
 import { AgentsPanel } from "./agents.js";
 import { Connection } from "./connection.js";
 import { $, h, number, toast } from "./dom.js";

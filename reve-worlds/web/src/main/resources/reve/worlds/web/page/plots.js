@@ -7,13 +7,13 @@ const POINTS = 600;
 const MARKS = 24;
 const COLOURS = ["#4fd1c5", "#f6ad55", "#fc8181", "#90cdf4", "#b794f4", "#68d391", "#f687b3", "#faf089", "#a0aec0"];
 
-/** Shows a number of an axis in few characters. */
+/** Returns a number on an axis as a short text. */
 function short(value) {
   return Math.abs(value) >= 1e5 ? value.toExponential(1).replace("e+", "e") : number(value);
 }
 
 class Plot {
-  /** @param marks changes of the laws, shown as lines */
+  /** @param marks changes of the laws, drawn as vertical lines */
   constructor(title, unit, holder, marks, onremove) {
     this.marks = marks;
     this.title = title;
@@ -126,7 +126,7 @@ export class PlotsPanel {
     }
   }
 
-  /** Adds the mean time of each phase since the state before. */
+  /** Adds the mean time of each phase per frame between two reports of the state. */
   state(state, before) {
     if (!before || state.frames <= before.frames) return;
     const values = {};
@@ -148,7 +148,7 @@ export class PlotsPanel {
     this.energy.add(time, values);
   }
 
-  /** Notes a change of the laws; plots over the world's time show it as a line. */
+  /** Records a change of the laws; plots over the world's time draw it as a vertical line. */
   mark(label) {
     this.marks.push({ time: this.app.view.time, label });
     if (this.marks.length > MARKS) this.marks.shift();
@@ -169,7 +169,7 @@ export class PlotsPanel {
     return [...this.watched.values()].some((watch) => watch.item === item);
   }
 
-  /** Takes the plotted properties from a report of an item. */
+  /** Adds the values of the plotted properties from a report about an item. */
   sample(report, time) {
     for (const { item, path, plot } of this.watched.values()) {
       if (item !== report.name) continue;
@@ -182,7 +182,8 @@ export class PlotsPanel {
     }
   }
 
-  /** Reads watched items that are not the selected one. */
+  /** Requests reports about the plotted items except the selected one, which is requested anyway.
+   *  */
   async readOthers() {
     const app = this.app;
     if (this.reading || !app.connection.isOpen || app.role === "agent" || document.hidden) return;
@@ -193,7 +194,7 @@ export class PlotsPanel {
       try {
         this.sample(await app.connection.report("inspect", { item }), app.view.time);
       } catch {
-        // It has left the world.
+        // The item has left the world.
       }
     }
     this.reading = false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a View: bodies as instances, springs as lines, surfaces as triangles, and what helps to see them.
+// Draws a View: bodies as instances, springs as lines, surfaces as triangles, and aids such as a
+// ground, a grid and arrows.
 import * as THREE from "three";
 import { OrbitControls } from "./three/OrbitControls.js";
 import { CAPSULE, CYLINDER, MESH_SHAPE, NONE, PLANE, SPHERE } from "./view.js";
@@ -9,16 +10,17 @@ const TRAIL_POINTS = 240;
 const TRAIL_ITEMS = 120;
 const MANY = 600;
 const SLOW_SECONDS = 0.09;
-/** Largest time that an arrow of a velocity stands for, so that bodies at rest have none [s]. */
+/** Maximum length of a velocity arrow, as the time in which the body moves along it [s]; so bodies
+ *  almost at rest have short arrows. */
 const MOST_SECONDS = 2;
-/** Bounds of objects whose parts move, so that none are computed. */
+/** Bounds for objects whose parts move: infinite, so that three.js does not compute any. */
 const EVERYWHERE = new THREE.Sphere(new THREE.Vector3(), Infinity);
 const LINEAR = Float32Array.from({ length: 256 }, (_, i) => {
   const c = i / 255;
   return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
 });
 
-/** Adds a grid in metres to a material; `fade` lets it end softly. */
+/** Adds a grid in metres to a material; with `fade`, the grid fades out with distance. */
 function withGrid(material, uniforms, fade) {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
@@ -223,7 +225,7 @@ export class Scene {
       case SPHERE:
         geometry = detailed ? new THREE.SphereGeometry(0.5, 40, 24) : new THREE.SphereGeometry(0.5, 14, 9);
         break;
-      case CAPSULE: // its caps are round if it is twice as high as wide
+      case CAPSULE: // the mesh's caps are round if the height is twice the width
         geometry = new THREE.CapsuleGeometry(0.5, 1, detailed ? 12 : 4, detailed ? 32 : 12).scale(1, 0.5, 1);
         break;
       case CYLINDER:
@@ -399,7 +401,8 @@ export class Scene {
     this.#trail();
   }
 
-  /** Lines from the bodies along a vector column; the longest is an eighth of the scene, if `most` permits that scale. */
+  /** Draws arrows from the bodies along a vector column, on one scale of at most `most`; unless
+   *  that limits it, the longest arrow is an eighth of the scene. */
   #arrows(lines, on, column, most) {
     lines.visible = on;
     if (!on) return;
@@ -482,7 +485,7 @@ export class Scene {
     attribute.needsUpdate = true;
   }
 
-  /** The box around all shown bodies except planes. */
+  /** Returns the box around all shown bodies except planes. */
   bounds() {
     const box = new THREE.Box3();
     const { position, size, colourBytes } = this.view;
@@ -500,7 +503,7 @@ export class Scene {
     return box;
   }
 
-  /** Takes the world's own viewpoint, or shows all bodies. */
+  /** Moves the camera to the world's own viewpoint; if there is none, shows all bodies. */
   #first() {
     const own = this.view.camera;
     if (!own) {
@@ -522,10 +525,10 @@ export class Scene {
     const seen = this.bodies.some(
       (slot) => this.view.items[slot].shape !== PLANE && sight.containsPoint(place.fromArray(this.view.position, 3 * slot)),
     );
-    if (!seen) this.fit(); // what the world began with has moved away
+    if (!seen) this.fit(); // no body is visible from the world's viewpoint any more
   }
 
-  /** Draws less carefully on machines that are too slow, for example without a GPU. */
+  /** Reduces the quality of drawing if the machine is too slow, for example without a GPU. */
   #adapt(seconds) {
     this.slow = this.slow * 0.9 + seconds * 0.1;
     if (this.quality > 0 && this.slow > SLOW_SECONDS && this.frames > 30) {
@@ -537,7 +540,7 @@ export class Scene {
     }
   }
 
-  /** Shows all bodies, or one. */
+  /** Moves the camera so that all bodies, or the body of one slot, are visible. */
   fit(slot = null) {
     const box = slot === null ? this.bounds() : this.#boxOf(slot);
     if (box.isEmpty()) return;
@@ -560,7 +563,7 @@ export class Scene {
     return new THREE.Box3(centre.clone().subScalar(r), centre.clone().addScalar(r));
   }
 
-  /** Turns the camera around its target by a step. */
+  /** Rotates the camera around its target by x and y steps (about 5 degrees each). */
   orbit(x, y) {
     const offset = this.camera.position.clone().sub(this.controls.target);
     const place = new THREE.Spherical().setFromVector3(offset);
@@ -605,7 +608,7 @@ export class Scene {
     this.raycaster.params.Line.threshold = radius / 120;
   }
 
-  /** Returns the slot at a point of the canvas in pixels, or null. */
+  /** Returns the slot of the item at a point of the canvas [px], or null. */
   pick(x, y) {
     const box = this.canvas.getBoundingClientRect();
     const at = new THREE.Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2);
@@ -637,7 +640,7 @@ export class Scene {
     this.camera.updateProjectionMatrix();
   }
 
-  /** Shows another state of the world as white shapes; null hides it. */
+  /** Shows another state of the world, such as a predicted one, as white shapes; null hides it. */
   showGhost(items) {
     this.ghost.count = 0;
     if (!items) return;
@@ -658,7 +661,7 @@ export class Scene {
     this.ghost.instanceMatrix.needsUpdate = true;
   }
 
-  /** Draws; `moved` is true if the view has a new frame. */
+  /** Draws a picture; `moved` is true if the view has received a new frame. */
   draw(moved, seconds) {
     this.resize();
     if (this.built !== this.view.version) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A second client of the page: an agent whose body the keyboard steers.
+// A second client of the page: an agent whose body the user steers by the keyboard.
 import * as THREE from "three";
 import { Connection } from "./connection.js";
 import { h, toast } from "./dom.js";

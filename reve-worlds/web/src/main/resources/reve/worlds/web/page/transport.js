@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time: pause, step, speed, images and rewinds, and the state of the frame loop.
+// The controls of time: pause, step, speed, snapshots and rewinding, and the state of the frame
+// loop.
 import { $, toast } from "./dom.js";
 
 const READ_MILLISECONDS = 500;
@@ -47,7 +48,7 @@ export class Transport {
     this.command("step", { frames: 1 });
   }
 
-  /** Shows or hides where everything will be if there are no further actions. */
+  /** Shows or hides a prediction: where all items will be if no one acts. */
   async ahead() {
     const on = $("ahead").getAttribute("aria-pressed") !== "true";
     $("ahead").setAttribute("aria-pressed", String(on));
@@ -80,7 +81,7 @@ export class Transport {
       app.plots.state(state, this.state);
       this.state = state;
     } catch {
-      // The connection says why.
+      // The connection shows the reason.
     }
   }
 

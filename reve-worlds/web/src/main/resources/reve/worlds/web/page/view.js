@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The items of a world as columns by slot, read from binary frames or from perceptions.
+// The items of a world as columns; an item's slot is its index in them. They are read from binary
+// frames or from perceptions.
 
 const FRAME = 1, MESH = 2, TEXTURE = 3;
 const HEADER_BYTES = 32;
@@ -10,7 +11,8 @@ export const NONE = 0, SPHERE = 1, BOX = 2, PLANE = 3, MESH_SHAPE = 4, CAPSULE =
 
 const text = new TextDecoder();
 
-/** Columns of all items by slot; `version` counts changes of the structure. */
+/** Columns of all items by slot. `version` counts changes of the structure: which items exist, and
+ *  how they look. */
 export class View {
   constructor() {
     this.clear();
@@ -148,7 +150,8 @@ export class View {
     this.meshes.set(data.getUint32(4, true), mesh);
   }
 
-  /** Reads a perception of an agent, which has places and symbols but no shapes: boxes stand for them. */
+  /** Reads a perception of an agent, which contains locations and symbols but no shapes, so all
+   *  items are drawn as boxes. */
   perceive(message) {
     this.frame = message.frame;
     this.time = message.time;
