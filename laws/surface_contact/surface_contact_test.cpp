@@ -229,7 +229,7 @@ TYPED_TEST(SurfaceContactTest, ForceOverAnInnerEdgeIsThatOverAFace) {
 }
 
 // Inside a solid, the force is the hardness times the distance from its surface, everywhere; also
-// for points on both sides of each edge and corner.
+// near edges and corners, whichever of the adjacent faces is the nearest one.
 TYPED_TEST(SurfaceContactTest, ForceInsideASolidIsHardnessTimesTheDistanceFromItsSkin) {
   const uint32_t seed = 7;
   std::mt19937 random(seed);

@@ -80,7 +80,7 @@ class Commands(ABC, Generic[R, Q]):
 
     def change(self, item: Union[str, Item], **to: object) -> R:
         """Changes fields of an item: `name`, `parent`, `physical`, `physics`, `semantic` or
-        `access`, as in a world file. None removes a value.
+        `access`, as in a world file. The value `None` removes a field.
 
         For example `change("spring", physics={"end2": "hook"})`.
         """

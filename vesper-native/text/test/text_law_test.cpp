@@ -41,8 +41,8 @@ TEST_P(TextLawTest, TerminalSpeedIsWhereWeightAndDragBalance) {
   EXPECT_NEAR(bodies.velocity[1], -2.5, 1e-12);
 }
 
-// x'' = -x with the velocity half a step behind: the period of this scheme is 2 pi /
-// asin-corrected.
+// An oscillator x'' = -x, integrated with the velocity half a step behind: with the step h, this
+// scheme has the period pi h / asin(h / 2), and not 2 pi.
 TEST_P(TextLawTest, OscillatorHasThePeriodOfTheScheme) {
   TestEngine engine(Options());
   Bodies bodies(1);

@@ -6,7 +6,9 @@ import org.jspecify.annotations.Nullable;
 import reve.core.frame.Command;
 import reve.core.frame.FrameEvent;
 import reve.core.world.World;
+import reve.pe.LawParameter;
 import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.Status;
 
@@ -14,6 +16,7 @@ import java.nio.file.Path;
 import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
@@ -43,9 +46,23 @@ final class FolderLaws implements AutoCloseable {
      * @param spare a second prepared copy of the library, to restore it if its successor is
      *     refused; null after it was used, until the folder has prepared another one from {@code
      *     bytes}
+     * @param parameters those of the file beside it, by name
      */
     private record ActiveFile(
-            int libraryId, String sha256, @Nullable PreparedLibrary spare, byte[] bytes) {}
+            int libraryId,
+            String sha256,
+            @Nullable PreparedLibrary spare,
+            byte[] bytes,
+            Map<String, Double> parameters) {
+
+        ActiveFile with(@Nullable PreparedLibrary newSpare) {
+            return new ActiveFile(libraryId, sha256, newSpare, bytes, parameters);
+        }
+
+        ActiveFile as(int newId) {
+            return new ActiveFile(newId, sha256, spare, bytes, parameters);
+        }
+    }
 
     /** An active file whose spare copy was used, so another one is wanted. */
     record SpareWanted(String name, byte[] bytes) {}
@@ -85,17 +102,22 @@ final class FolderLaws implements AutoCloseable {
     void giveSpare(String name, PreparedLibrary spare) {
         ActiveFile file = byName.get(name);
         if (file != null && file.spare == null && file.sha256.equals(spare.sha256())) {
-            byName.put(name, new ActiveFile(file.libraryId, file.sha256, spare, file.bytes));
+            byName.put(name, file.with(spare));
         } else {
             drop(spare);
         }
     }
 
     /** Activates the library of a file, in place of the file's previous library if there is one. */
-    void put(long frame, Path file, PreparedLibrary library, PreparedLibrary spare) {
+    void put(
+            long frame,
+            Path file,
+            PreparedLibrary library,
+            PreparedLibrary spare,
+            FolderParameters parameters) {
         String name = file.getFileName().toString();
         ActiveFile old = byName.get(name);
-        if (old == null && adopted(name, library, spare)) {
+        if (old == null && adopted(name, library, spare, parameters)) {
             return;
         }
         if (old != null) {
@@ -105,18 +127,28 @@ final class FolderLaws implements AutoCloseable {
         if (replaces && old.sha256.equals(library.sha256())) {
             drop(library);
             drop(spare);
+            if (!old.parameters.equals(parameters.values())) {
+                change(frame, name, old, parameters);
+            }
             return;
         }
         try {
             int id =
                     replaces
-                            ? replace(frame, file, old, library)
-                            : laws.load(frame, library, Map.of(), file);
+                            ? replace(frame, file, old, library, parameters)
+                            : load(frame, file, library, parameters);
             untrack(library);
             if (old != null) {
                 drop(old.spare);
             }
-            byName.put(name, new ActiveFile(id, library.sha256(), spare, library.bytes()));
+            byName.put(
+                    name,
+                    new ActiveFile(
+                            id,
+                            library.sha256(),
+                            spare,
+                            library.bytes(),
+                            parameters.values()));
         } catch (PhysicsException refusal) {
             drop(library);
             drop(spare);
@@ -129,13 +161,24 @@ final class FolderLaws implements AutoCloseable {
 
     /**
      * Adopts a library with the same bytes that is already active, because a store was restored or
-     * the world file names it. Returns false if there is none.
+     * the world file names it; it keeps its parameters until the file with them changes. Returns false if there is none.
      */
-    private boolean adopted(String name, PreparedLibrary library, PreparedLibrary spare) {
+    private boolean adopted(
+            String name,
+            PreparedLibrary library,
+            PreparedLibrary spare,
+            FolderParameters parameters) {
         Optional<Integer> free = free(library.sha256());
         free.ifPresent(
                 id -> {
-                    byName.put(name, new ActiveFile(id, library.sha256(), spare, library.bytes()));
+                    byName.put(
+                            name,
+                            new ActiveFile(
+                                    id,
+                                    library.sha256(),
+                                    spare,
+                                    library.bytes(),
+                                    parameters.values()));
                     drop(library);
                 });
         return free.isPresent();
@@ -161,10 +204,58 @@ final class FolderLaws implements AutoCloseable {
         }
         ActiveFile found =
                 free(file.sha256)
-                        .map(id -> new ActiveFile(id, file.sha256, file.spare, file.bytes))
+                        .map(file::as)
                         .orElse(file);
         byName.put(name, found);
         return found;
+    }
+
+    /** Loads a library whose parameters have units that fit. */
+    private int load(
+            long frame, Path file, PreparedLibrary library, FolderParameters parameters) {
+        int id = laws.load(frame, library, parameters.values(), file);
+        try {
+            parameters.check().check(lawsOf(id));
+            return id;
+        } catch (PhysicsException wrong) {
+            laws.unload(frame, id);
+            throw wrong;
+        }
+    }
+
+    private List<PhysicsLaw> lawsOf(int libraryId) {
+        return laws.loaded().stream().filter(law -> law.libraryId() == libraryId).toList();
+    }
+
+    /**
+     * Changes the parameters of an active library to those of the changed file beside it. Those
+     * that the file no longer contains return to their default.
+     */
+    private void change(long frame, String name, ActiveFile active, FolderParameters wanted) {
+        List<PhysicsLaw> present = lawsOf(active.libraryId);
+        try {
+            wanted.check().check(present);
+            Map<String, Double> changed = new LinkedHashMap<>();
+            for (PhysicsLaw law : present) {
+                for (LawParameter parameter : law.parameters()) {
+                    for (String known :
+                            List.of(parameter.name(), law.name() + "." + parameter.name())) {
+                        if (active.parameters.containsKey(known)) {
+                            changed.put(known, parameter.standard());
+                        }
+                    }
+                }
+            }
+            changed.putAll(wanted.values());
+            laws.setParameters(frame, present.getFirst().library(), changed);
+            ActiveFile now = followed(name, active);
+            byName.put(
+                    name,
+                    new ActiveFile(
+                            now.libraryId, now.sha256, now.spare, now.bytes, wanted.values()));
+        } catch (PhysicsException refusal) {
+            refuse(frame, name, refusal);
+        }
     }
 
     /** Unloads the library of a removed file. */
@@ -199,7 +290,12 @@ final class FolderLaws implements AutoCloseable {
      * name and integrate the same property. So the old one is unloaded first, and restored if the
      * engine refuses the new one.
      */
-    private int replace(long frame, Path file, ActiveFile old, PreparedLibrary library) {
+    private int replace(
+            long frame,
+            Path file,
+            ActiveFile old,
+            PreparedLibrary library,
+            FolderParameters parameters) {
         String name = file.getFileName().toString();
         if (old.spare == null) {
             throw new PhysicsException(
@@ -210,7 +306,7 @@ final class FolderLaws implements AutoCloseable {
         }
         laws.unload(frame, old.libraryId);
         try {
-            return laws.load(frame, library, Map.of(), file);
+            return load(frame, file, library, parameters);
         } catch (PhysicsException refusal) {
             goBack(frame, name, old, old.spare, refusal);
             throw refusal;
@@ -225,9 +321,9 @@ final class FolderLaws implements AutoCloseable {
             PreparedLibrary spare,
             PhysicsException refusal) {
         try {
-            int back = laws.load(frame, spare, Map.of());
+            int back = laws.load(frame, spare, old.parameters);
             untrack(spare);
-            byName.put(name, new ActiveFile(back, old.sha256, null, old.bytes));
+            byName.put(name, old.as(back).with(null));
             want(new SpareWanted(name, old.bytes));
         } catch (PhysicsException e) {
             refusal.addSuppressed(e);

@@ -21,6 +21,7 @@ import java.nio.file.attribute.BasicFileAttributes;
 import java.nio.file.attribute.PosixFilePermission;
 import java.time.Duration;
 import java.util.Map;
+import java.util.Objects;
 import java.util.TreeMap;
 import java.util.TreeSet;
 import java.util.concurrent.TimeUnit;
@@ -35,6 +36,10 @@ import java.util.stream.Stream;
  * <p>Only files whose name ends in ".so", ".law" or ".py" count, as soon as two scans have found
  * the same size and time of change. A file that cannot be loaded may still be incomplete, so it is
  * reported only after further scans have found it unchanged.
+ *
+ * <p>A file {@code wind.yaml} contains the parameters of the library in {@code wind.law}, {@code
+ * wind.py}, {@code wind.so} or {@code libvesper_law_wind.so}. When it changes, the parameters of
+ * the running laws change.
  */
 public final class LawFolder implements AutoCloseable {
     /** Origin of this folder's commands; it contains a space, so no agent can have this name. */
@@ -46,6 +51,10 @@ public final class LawFolder implements AutoCloseable {
     /** Interval between two scans of the folder. */
     public static final Duration INTERVAL = Duration.ofMillis(200);
 
+    /** Ending of a file with parameters, after the name of the library. */
+    private static final String PARAMETERS_ENDING = ".yaml";
+
+    private static final String PREFIX = "libvesper_law_";
     private static final Logger LOG = LoggerFactory.getLogger(LawFolder.class);
     private static final int LOOKS_UNTIL_STABLE = 2;
     private static final int LOOKS_UNTIL_TOLD = 12;
@@ -53,6 +62,7 @@ public final class LawFolder implements AutoCloseable {
     private final Path folder;
     private final PhysicsEngine engine;
     private final CommandQueue commands;
+    private final FolderParameters.Reader parameters;
     private final FolderLaws active;
     private final Map<String, WatchedFile> files = new TreeMap<>();
     private long sequence;
@@ -60,11 +70,22 @@ public final class LawFolder implements AutoCloseable {
     private @Nullable String lastWarning;
 
     /** The identity of a file's content as far as it is known without reading the file. */
-    private record Stamp(@Nullable Object key, long size, long modifiedNanoseconds) {}
+    private record Stamp(@Nullable Object key, long size, long modifiedNanoseconds) {
+        static Stamp of(BasicFileAttributes attributes) {
+            return new Stamp(
+                    attributes.fileKey(),
+                    attributes.size(),
+                    attributes.lastModifiedTime().to(TimeUnit.NANOSECONDS));
+        }
+    }
 
     /** A file in the state in which the last scans found it. */
     private static final class WatchedFile {
         @Nullable Stamp stamp;
+
+        /** Of the file with its parameters; null if there is none. */
+        @Nullable Stamp parameters;
+
         int equalLooks;
 
         /**
@@ -91,9 +112,16 @@ public final class LawFolder implements AutoCloseable {
      * Creates a watcher; it scans only after {@link #start}, or when {@link #look} is called.
      *
      * @param engine prepares libraries; closed after this object
+     * @param parameters reads the files with parameters, on the thread that scans
      * @throws IllegalArgumentException if the path is not a folder, or is world-writable
      */
-    public LawFolder(Path folder, PhysicsEngine engine, Laws laws, CommandQueue commands) {
+    public LawFolder(
+            Path folder,
+            PhysicsEngine engine,
+            Laws laws,
+            CommandQueue commands,
+            FolderParameters.Reader parameters) {
+        this.parameters = parameters;
         this.folder = require(folder);
         this.engine = engine;
         this.commands = commands;
@@ -194,13 +222,11 @@ public final class LawFolder implements AutoCloseable {
             BasicFileAttributes attributes =
                     Files.readAttributes(
                             path, BasicFileAttributes.class, LinkOption.NOFOLLOW_LINKS);
-            Stamp stamp =
-                    new Stamp(
-                            attributes.fileKey(),
-                            attributes.size(),
-                            attributes.lastModifiedTime().to(TimeUnit.NANOSECONDS));
-            if (!stamp.equals(file.stamp)) {
+            Stamp stamp = Stamp.of(attributes);
+            Stamp parameters = stampOf(parameterFile(name));
+            if (!stamp.equals(file.stamp) || !Objects.equals(parameters, file.parameters)) {
                 file.stamp = stamp;
+                file.parameters = parameters;
                 file.equalLooks = 0;
                 file.settled = false;
                 file.refusal = null;
@@ -215,6 +241,41 @@ public final class LawFolder implements AutoCloseable {
         } catch (IOException e) {
             warnOnce(path + " cannot be read: " + e.getMessage());
         }
+    }
+
+    private static @Nullable Stamp stampOf(Path file) throws IOException {
+        try {
+            return Stamp.of(
+                    Files.readAttributes(
+                            file, BasicFileAttributes.class, LinkOption.NOFOLLOW_LINKS));
+        } catch (NoSuchFileException e) {
+            return null;
+        }
+    }
+
+    /** Returns the name of the library in a file: {@code wind} for {@code wind.law}. */
+    private static String libraryIn(String name) {
+        String library = name.substring(0, name.lastIndexOf('.'));
+        return library.startsWith(PREFIX) ? library.substring(PREFIX.length()) : library;
+    }
+
+    private Path parameterFile(String name) {
+        return folder.resolve(libraryIn(name) + PARAMETERS_ENDING);
+    }
+
+    private FolderParameters parametersOf(String name) {
+        Path file = parameterFile(name);
+        if (Files.notExists(file, LinkOption.NOFOLLOW_LINKS)) {
+            return FolderParameters.NONE;
+        }
+        if (!Files.isRegularFile(file, LinkOption.NOFOLLOW_LINKS)) {
+            throw new PhysicsException(
+                    Status.INVALID_ARGUMENT,
+                    file
+                            + " cannot be read: expected a regular file with the parameters of "
+                            + name);
+        }
+        return parameters.read(libraryIn(name), file);
     }
 
     private void settle(String name, Path path, BasicFileAttributes attributes, WatchedFile file) {
@@ -255,6 +316,7 @@ public final class LawFolder implements AutoCloseable {
 
     /** Prepares the library twice; the second copy restores it if a successor is refused. */
     private void prepareAndOffer(String name, Path path, WatchedFile file) {
+        FolderParameters given = parametersOf(name);
         PreparedLibrary library = active.track(engine.prepare(path));
         PreparedLibrary spare;
         try {
@@ -265,7 +327,7 @@ public final class LawFolder implements AutoCloseable {
         }
         file.settled =
                 library.sha256().equals(spare.sha256())
-                        && offer(frame -> active.put(frame, path, library, spare));
+                        && offer(frame -> active.put(frame, path, library, spare, given));
         if (file.settled) {
             file.accepted = true;
         } else {

@@ -77,7 +77,7 @@ public final class Hosts implements AutoCloseable {
      * Starts the next process in advance on another thread, unless there is one. A failure is only
      * logged, because it only delays the replacement of a lost process.
      */
-    synchronized void refill() {
+    public synchronized void refill() {
         if (warm == null && !closed) {
             try {
                 warm = startLater();

@@ -43,8 +43,8 @@ final class Losses {
     }
 
     /**
-     * Returns how much of a time limit remains in this frame after the laws that did not return
-     * [ns].
+     * Returns how much of a time limit remains in this frame: the limit minus the time that laws
+     * used which did not return [ns].
      */
     long left(long limitNanos) {
         return Math.clamp(MOST_LATE_NANOS - lateNanos, 0, limitNanos);

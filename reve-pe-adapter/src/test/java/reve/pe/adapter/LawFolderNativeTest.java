@@ -14,10 +14,13 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 import reve.pe.NativeFiles;
+import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
+import reve.pe.Status;
 
 import java.io.IOException;
+import java.io.UncheckedIOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
@@ -48,13 +51,74 @@ class LawFolderNativeTest {
     void follow() {
         world.world.add(AdapterFixture.body("stone", 1, 0, 0, 0, 0, 0, 0));
         world.load("newton_motion");
-        laws = new LawFolder(folder, world.engine, world.adapter.laws(), world.commands);
+        laws = new LawFolder(folder, world.engine, world.adapter.laws(), world.commands, this::parameters);
     }
 
     @AfterEach
     void close() {
         laws.close();
         world.close();
+    }
+
+    /** Stands for the reader of YAML, which is not in this room: one line {@code name value}. */
+    private FolderParameters parameters(String library, Path file) {
+        try {
+            String[] words = Files.readString(file).strip().split(" ");
+            Map<String, Double> values =
+                    words.length < 2 ? Map.of() : Map.of(words[0], Double.valueOf(words[1]));
+            return new FolderParameters(
+                    values,
+                    laws -> {
+                        assertThat(laws).extracting(PhysicsLaw::library).containsOnly(library);
+                        if (words.length > 2) {
+                            throw new PhysicsException(
+                                    Status.INVALID_ARGUMENT, file + ": unit " + words[2]);
+                        }
+                    });
+        } catch (IOException e) {
+            throw new UncheckedIOException(e);
+        }
+    }
+
+    @Test
+    void theFileBesideALawSetsItsParametersWhileItRuns() throws IOException {
+        Path beside = folder.resolve("wind.yaml");
+        Files.writeString(beside, "force 3");
+        drop("wind", "libvesper_law_wind.so");
+        lookAndRun(2);
+        assertThat(speed()).isCloseTo(3 * GAIN, offset(1e-14));
+        Files.writeString(beside, "force 10");
+        lookAndRun(2);
+        assertThat(speed()).isCloseTo(3 * GAIN + 3 * GAIN + 10 * GAIN, offset(1e-13));
+        Files.writeString(beside, "force 2 kg");
+        lookAndRun(2);
+        assertThat(world.events("fault"))
+                .last()
+                .satisfies(
+                        event ->
+                                assertThat(String.valueOf(event.fields().get("message")))
+                                        .contains("wind.yaml: unit kg"));
+        assertThat(speed()).as("as before").isCloseTo(36 * GAIN, offset(1e-13));
+        Files.delete(beside);
+        lookAndRun(2);
+        assertThat(speed()).as("the default").isCloseTo(47 * GAIN, offset(1e-13));
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        Files.delete(folder.resolve("libvesper_law_wind.so"));
+        lookAndRun(1);
+        assertThat(loaded()).containsExactly("newton_motion");
+    }
+
+    @Test
+    void aLawWhoseParametersHaveWrongUnitsIsNotLoaded() throws IOException {
+        Files.writeString(folder.resolve("wind.yaml"), "force 3 kg");
+        drop("wind", "wind.so");
+        lookAndRun(3);
+        assertThat(loaded()).containsExactly("newton_motion");
+        assertThat(speed()).isZero();
+        assertThat(world.events("fault")).hasSize(1);
+        Files.writeString(folder.resolve("wind.yaml"), "force 3");
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
     }
 
     @Test

@@ -201,25 +201,14 @@ final class WorldReader {
      */
     private LawReference law(
             String name, Optional<String> text, Node law, String place, PhysicsReader physics) {
-        Map<String, Double> values = new LinkedHashMap<>();
-        Map<String, LawReference.Mention> mentions = new LinkedHashMap<>();
-        for (Node node : law.get("parameters").map(Node::children).orElse(List.of())) {
-            if (problems.full()) {
-                break;
-            }
-            quantities
-                    .quantity(node)
-                    .filter(read -> physics.isWorkable(node, read.value()))
-                    .ifPresent(
-                            quantity -> {
-                                values.put(node.key(), quantity.value());
-                                mentions.put(
-                                        node.key(),
-                                        new LawReference.Mention(
-                                                Problems.keyPlace(node), quantity.unit()));
-                            });
-        }
-        return new LawReference(name, text, values, place, mentions);
+        return ParameterFile.reference(
+                name,
+                text,
+                law.get("parameters").map(Node::children).orElse(List.of()),
+                place,
+                quantities,
+                physics,
+                problems);
     }
 
     private Optional<CameraDescription> camera(Node node) {

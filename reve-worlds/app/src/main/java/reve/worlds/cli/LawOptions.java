@@ -142,9 +142,9 @@ final class LawOptions {
                     "--law-memory is " + memory.getAsLong() + ", expected 0 or more MiB");
         }
         long bytes = memory.isPresent() ? memory.getAsLong() * MIB : halfOfMemory();
-        return EnginePlace.hosted(
-                new Hosts(Product.nativeFolder().resolve("vesper-host"), bytes),
-                Duration.ofMillis(millis));
+        Hosts hosts = new Hosts(Product.nativeFolder().resolve("vesper-host"), bytes);
+        hosts.refill(); // the first process starts while the world file is read
+        return EnginePlace.hosted(hosts, Duration.ofMillis(millis));
     }
 
     private static long halfOfMemory() {

@@ -80,7 +80,8 @@ final class HostedWorld implements AutoCloseable {
                                                             folder,
                                                             simulation.engine(),
                                                             simulation.physics().laws(),
-                                                            simulation.commands())))
+                                                            simulation.commands(),
+                                                            LawParameters::inFile)))
                             .orElse(null);
             control =
                     closing.add(

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
+import reve.core.disk.Reason;
 import reve.core.file.LawReference;
+import reve.core.file.ParameterFile;
+import reve.core.file.WorldFileException;
 import reve.core.text.Visible;
 import reve.core.unit.Unit;
 import reve.pe.LawParameter;
@@ -10,7 +13,12 @@ import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.SiUnit;
+import reve.pe.Status;
+import reve.pe.adapter.FolderParameters;
 
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.LinkedHashMap;
@@ -20,6 +28,9 @@ import java.util.Optional;
 
 /** Finder of wrong parameters of a law and their places in the world file. */
 final class LawParameters {
+    /** Maximum size of a file with parameters [bytes]. */
+    private static final int MOST_BYTES = 64 * 1024;
+
     private LawParameters() {}
 
     /**
@@ -125,6 +136,36 @@ final class LawParameters {
             Map<String, String> wrong = wrongUnits(law, lawsOf(id, engine));
             engine.unloadPhysicsLaw(id);
             return wrong;
+        }
+    }
+
+    /**
+     * Reads the file with the parameters of a library in a watched folder.
+     *
+     * @throws PhysicsException with the places of all mistakes
+     */
+    static FolderParameters inFile(String library, Path file) {
+        try {
+            if (Files.size(file) > MOST_BYTES) {
+                throw new PhysicsException(
+                        Status.INVALID_ARGUMENT,
+                        file + ": more than " + MOST_BYTES + " bytes; expected parameters of a law");
+            }
+            LawReference read =
+                    ParameterFile.read(library, Files.readString(file), file.toString());
+            return new FolderParameters(
+                    read.parameters(),
+                    laws -> {
+                        Map<String, String> wrong = wrongUnits(read, laws);
+                        if (!wrong.isEmpty()) {
+                            throw new PhysicsException(
+                                    Status.INVALID_ARGUMENT, String.join("\n", wrong.values()));
+                        }
+                    });
+        } catch (WorldFileException mistakes) {
+            throw new PhysicsException(Status.INVALID_ARGUMENT, mistakes.getMessage());
+        } catch (IOException unreadable) {
+            throw new PhysicsException(Status.INVALID_ARGUMENT, file + ": " + Reason.of(unreadable));
         }
     }
 

@@ -2,9 +2,12 @@
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
+import static org.assertj.core.api.Assertions.offset;
 
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
 
@@ -13,8 +16,11 @@ import reve.core.file.WorldFile;
 import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
 import reve.pe.PhysicsException;
+import reve.pe.adapter.FolderParameters;
 
 import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
 
 /** Problems of laws and parameters are reported at their places in the world file. */
 class LawParametersNativeTest {
@@ -71,6 +77,34 @@ class LawParametersNativeTest {
                                 + " N/m\n"
                                 + "w:8:5: law sphere_contact: parameter dampingRatio: unit s does not"
                                 + " fit 1");
+    }
+
+    @Test
+    void aFileOfParametersHasUnits(@TempDir Path folder) throws Exception {
+        Path file = Files.writeString(folder.resolve("drag.yaml"), "a: 20 km/h\nb: 3\n");
+        FolderParameters read = LawParameters.inFile("drag", file);
+        assertThat(read.values()).containsOnlyKeys("a", "b").containsEntry("b", 3.0);
+        assertThat(read.values().get("a")).isCloseTo(5.5556, offset(1e-4));
+    }
+
+    @Test
+    void mistakesInAFileOfParametersHaveTheirPlaces(@TempDir Path folder) throws Exception {
+        Path file = folder.resolve("sphere_contact.yaml");
+        Files.writeString(file, "a: [1, 2]\nb: 3 kg/\n");
+        assertThatThrownBy(() -> LawParameters.inFile("sphere_contact", file))
+                .isInstanceOf(PhysicsException.class)
+                .hasMessageContaining("sphere_contact.yaml:1:4: a: expected a number with a unit")
+                .hasMessageNotContaining("Exception");
+        Files.writeString(file, "stiffness: 1 kg*K\n");
+        FolderParameters wrong = LawParameters.inFile("sphere_contact", file);
+        try (var simulation = new Simulation(world("- sphere_contact"), Pacing.FAST)) {
+            var laws = simulation.physics().laws().loaded();
+            assertThatThrownBy(() -> wrong.check().check(laws))
+                    .isInstanceOf(PhysicsException.class)
+                    .hasMessageEndingWith(
+                            "sphere_contact.yaml:1:1: law sphere_contact: parameter stiffness: unit"
+                                    + " kg*K does not fit N/m");
+        }
     }
 
     @Test
