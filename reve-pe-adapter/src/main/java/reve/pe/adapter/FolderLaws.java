@@ -144,11 +144,7 @@ final class FolderLaws implements AutoCloseable {
             byName.put(
                     name,
                     new ActiveFile(
-                            id,
-                            library.sha256(),
-                            spare,
-                            library.bytes(),
-                            parameters.values()));
+                            id, library.sha256(), spare, library.bytes(), parameters.values()));
         } catch (PhysicsException refusal) {
             drop(library);
             drop(spare);
@@ -161,7 +157,8 @@ final class FolderLaws implements AutoCloseable {
 
     /**
      * Adopts a library with the same bytes that is already active, because a store was restored or
-     * the world file names it; it keeps its parameters until the file with them changes. Returns false if there is none.
+     * the world file names it; it keeps its parameters until the file with them changes. Returns
+     * false if there is none.
      */
     private boolean adopted(
             String name,
@@ -202,17 +199,13 @@ final class FolderLaws implements AutoCloseable {
         if (laws.isLoaded(file.libraryId)) {
             return file;
         }
-        ActiveFile found =
-                free(file.sha256)
-                        .map(file::as)
-                        .orElse(file);
+        ActiveFile found = free(file.sha256).map(file::as).orElse(file);
         byName.put(name, found);
         return found;
     }
 
     /** Loads a library whose parameters have units that fit. */
-    private int load(
-            long frame, Path file, PreparedLibrary library, FolderParameters parameters) {
+    private int load(long frame, Path file, PreparedLibrary library, FolderParameters parameters) {
         int id = laws.load(frame, library, parameters.values(), file);
         try {
             parameters.check().check(lawsOf(id));

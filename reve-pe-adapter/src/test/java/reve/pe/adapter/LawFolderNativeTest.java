@@ -51,7 +51,13 @@ class LawFolderNativeTest {
     void follow() {
         world.world.add(AdapterFixture.body("stone", 1, 0, 0, 0, 0, 0, 0));
         world.load("newton_motion");
-        laws = new LawFolder(folder, world.engine, world.adapter.laws(), world.commands, this::parameters);
+        laws =
+                new LawFolder(
+                        folder,
+                        world.engine,
+                        world.adapter.laws(),
+                        world.commands,
+                        this::parameters);
     }
 
     @AfterEach
@@ -472,7 +478,8 @@ class LawFolderNativeTest {
     }
 
     private void followAnother(Path path) {
-        new LawFolder(path, world.engine, world.adapter.laws(), world.commands).close();
+        new LawFolder(path, world.engine, world.adapter.laws(), world.commands, this::parameters)
+                .close();
     }
 
     private Path drop(String law, String name) throws IOException {

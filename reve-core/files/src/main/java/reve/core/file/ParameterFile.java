@@ -3,8 +3,8 @@ package reve.core.file;
 
 import reve.core.world.WorldPrototype;
 
+import java.util.Collection;
 import java.util.LinkedHashMap;
-import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
@@ -35,8 +35,7 @@ public final class ParameterFile {
         for (Node value : root.children()) {
             if (value.text().isEmpty() && value.number().isEmpty()) {
                 problems.add(
-                        value,
-                        value.label() + ": expected a number with a unit, such as `3 kg/s`");
+                        value, value.label() + ": expected a number with a unit, such as `3 kg/s`");
             }
         }
         problems.throwIfAny();
@@ -57,7 +56,7 @@ public final class ParameterFile {
     static LawReference reference(
             String name,
             Optional<String> text,
-            List<Node> parameters,
+            Collection<Node> parameters,
             String place,
             Quantities quantities,
             PhysicsReader physics,

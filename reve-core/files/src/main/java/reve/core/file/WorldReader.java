@@ -11,8 +11,8 @@ import reve.core.world.ItemDefinition;
 import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
+import java.util.Collection;
 import java.util.HashMap;
-import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -204,7 +204,7 @@ final class WorldReader {
         return ParameterFile.reference(
                 name,
                 text,
-                law.get("parameters").map(Node::children).orElse(List.of()),
+                law.get("parameters").<Collection<Node>>map(Node::children).orElse(List.of()),
                 place,
                 quantities,
                 physics,

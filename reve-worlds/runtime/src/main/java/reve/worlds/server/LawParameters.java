@@ -149,7 +149,10 @@ final class LawParameters {
             if (Files.size(file) > MOST_BYTES) {
                 throw new PhysicsException(
                         Status.INVALID_ARGUMENT,
-                        file + ": more than " + MOST_BYTES + " bytes; expected parameters of a law");
+                        file
+                                + ": more than "
+                                + MOST_BYTES
+                                + " bytes; expected parameters of a law");
             }
             LawReference read =
                     ParameterFile.read(library, Files.readString(file), file.toString());
@@ -165,7 +168,8 @@ final class LawParameters {
         } catch (WorldFileException mistakes) {
             throw new PhysicsException(Status.INVALID_ARGUMENT, mistakes.getMessage());
         } catch (IOException unreadable) {
-            throw new PhysicsException(Status.INVALID_ARGUMENT, file + ": " + Reason.of(unreadable));
+            throw new PhysicsException(
+                    Status.INVALID_ARGUMENT, file + ": " + Reason.of(unreadable));
         }
     }
 
