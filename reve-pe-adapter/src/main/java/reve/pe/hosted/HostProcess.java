@@ -72,7 +72,7 @@ class HostProcess implements AutoCloseable {
      * Pause between two calls below which a world counts as running without a clock [ns]; with a
      * clock, pauses are longer.
      */
-    private static final long QUICK_NANOS = 200_000;
+    private static final long QUICK_NANOS = 5_000_000;
 
     /**
      * A host is ended after this multiple of the time limit of wall-clock time, even if it got no
