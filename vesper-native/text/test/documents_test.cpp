@@ -36,6 +36,7 @@ TEST(DocumentsTest, TheirTextsAreRight) {
   EXPECT_EQ(readme[0], texts[0]);
 }
 
+// `reve control` indents all lines of a refusal but the first.
 TEST(DocumentsTest, TheMistakeReadsAsShown) {
   const std::string page = Page("docs/laws-as-text.md");
   std::string text = Blocks(page, "law title=wind.law").at(0);
@@ -43,6 +44,9 @@ TEST(DocumentsTest, TheMistakeReadsAsShown) {
   text.replace(text.find(right), right.size(), "c w - velocity");
   std::string report = ReportOn(text);
   report.replace(report.find("x.law"), 5, "wind.law");
+  for (size_t end = report.find('\n'); end + 1 < report.size(); end = report.find('\n', end + 1)) {
+    report.insert(end + 1, "  ");
+  }
   EXPECT_EQ(report, Blocks(page, "text title=mistake").at(0));
 }
 
