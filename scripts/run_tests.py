@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the tests of rooms, two suites at a time; the last line is `N passed, N failed`.
+"""Runs the tests of rooms, three suites at a time; the last line is `N passed, N failed`.
 
     run_tests.py ROOT [--quick] [--failed] [ROOM[/PART] ...]
 
@@ -46,7 +46,8 @@ LONG = {"laws", "python"}
 SHORT_LIVED = "-XX:TieredStopAtLevel=1"
 SHORT_LIVES = {"REVE_JAVA_OPTIONS": SHORT_LIVED}
 
-AT_ONCE = 2
+# More than two processors: many tests wait for servers.
+AT_ONCE = 3
 PROGRESS_SECONDS = 20
 
 # A finished test, as printed by ctest, JUnit's feed and pytest.

@@ -20,6 +20,7 @@ import java.util.ArrayList;
 import java.util.HashSet;
 import java.util.List;
 import java.util.Set;
+import java.util.concurrent.TimeUnit;
 
 /** The commands as a new user meets them: output, messages, exit codes. */
 @Tag("slow")
@@ -27,6 +28,18 @@ class CommandLineIT {
     private static final String SPRING_ORBIT = Project.WORLDS.resolve("spring-orbit").toString();
 
     @TempDir private Path folder;
+
+    @Test
+    void aCommandLeavesNoProcessBehind() throws Exception {
+        Reve.Outcome check =
+                Reve.run("check", Project.ROOT.resolve("worlds/spring-orbit").toString());
+        assertThat(check.code()).as(check.err()).isZero();
+        for (ProcessHandle child : ProcessHandle.current().children().toList()) {
+            if (child.info().command().orElse("").endsWith("vesper-host")) {
+                child.onExit().get(10, TimeUnit.SECONDS); // it is being ended
+            }
+        }
+    }
 
     @Test
     void helpNamesEveryCommandAndExitCode() throws Exception {

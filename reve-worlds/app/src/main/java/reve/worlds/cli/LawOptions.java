@@ -17,9 +17,14 @@ import java.time.Duration;
 import java.util.Locale;
 import java.util.Optional;
 import java.util.OptionalLong;
+import java.util.Queue;
+import java.util.concurrent.ConcurrentLinkedQueue;
 
 /** The options that name the folder of laws and permit native code. */
 final class LawOptions {
+    /** The hosts of the commands that run in this JVM. */
+    private static final Queue<Hosts> STARTED = new ConcurrentLinkedQueue<>();
+
     /** Deadline of a frame in commands without clients that wait for frames. */
     private static final Duration PATIENT = Duration.ofSeconds(10);
 
@@ -144,7 +149,18 @@ final class LawOptions {
         long bytes = memory.isPresent() ? memory.getAsLong() * MIB : halfOfMemory();
         Hosts hosts = new Hosts(Product.nativeFolder().resolve("vesper-host"), bytes);
         hosts.refill(); // the first process starts while the world file is read
+        STARTED.add(hosts);
         return EnginePlace.hosted(hosts, Duration.ofMillis(millis));
+    }
+
+    /**
+     * Ends the processes that wait for an engine, at the end of a command. Otherwise they would end
+     * with this JVM, which runs several commands in tests.
+     */
+    static void endWaiting() {
+        for (Hosts hosts = STARTED.poll(); hosts != null; hosts = STARTED.poll()) {
+            hosts.close();
+        }
     }
 
     private static long halfOfMemory() {

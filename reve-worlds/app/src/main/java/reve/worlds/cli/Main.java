@@ -124,7 +124,11 @@ public final class Main {
             line.usage(System.err);
             return ExitCode.USAGE;
         }
-        return out.codeAfter(line.execute(arguments), line.getErr());
+        try {
+            return out.codeAfter(line.execute(arguments), line.getErr());
+        } finally {
+            LawOptions.endWaiting();
+        }
     }
 
     /**
