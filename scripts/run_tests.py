@@ -245,9 +245,9 @@ class Plan:
 
 
 def method_pattern(part):
-    """Returns what JUnit compares with CLASS#METHOD(PARAMETERS); CLASS may be a nested class."""
+    """Returns a pattern for JUnit's names: CLASS#METHOD, or CLASS#METHOD(PARAMETERS)."""
     name, _, method = part.replace("/", ".").partition("#")
-    return f".*{re.escape(name)}.*#{re.escape(method)}" + (r"\(.*" if method else ".*")
+    return f".*{re.escape(name)}.*#{re.escape(method)}" + (r"(\(.*)?" if method else ".*")
 
 
 class Runner:
