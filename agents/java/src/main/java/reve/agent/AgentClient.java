@@ -202,7 +202,7 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Returns the perception that would follow after that many frames if nobody acts. The server
+     * Returns the perception that would follow after that many frames if no agent acts. The server
      * computes it in a copy of the world. For the role control.
      *
      * @throws AgentException with the server's code if the number of frames is too large

@@ -82,7 +82,7 @@ final class References {
         }
     }
 
-    /** Counts all references in the columns anew. */
+    /** Counts all references in the columns again. */
     void countAll() {
         referrers.clear();
         for (Table table : tables) {

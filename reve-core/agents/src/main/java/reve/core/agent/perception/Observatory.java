@@ -317,7 +317,7 @@ public final class Observatory {
             Surroundings around,
             PerceivedItem[] shown,
             BooleanSupplier isTimeLeft) {
-        boolean anew =
+        boolean all =
                 sensor.lineOfSight()
                         ? bodies.haveAnyMoved(around.sensedIn)
                         : bodies.hasMoved(rows[eye], around.sensedIn);
@@ -325,7 +325,7 @@ public final class Observatory {
         for (; around.tested < around.count; around.tested++) {
             int k = around.tested;
             int i = around.items[k];
-            if (anew || bodies.hasMoved(rows[i], around.sensedIn)) {
+            if (all || bodies.hasMoved(rows[i], around.sensedIn)) {
                 if (k % interval == interval - 1 && !isTimeLeft.getAsBoolean()) {
                     return false;
                 }
