@@ -5,6 +5,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
 
@@ -200,40 +201,50 @@ class LookInSlicesTest {
 
     @ParameterizedTest
     @ValueSource(booleans = {false, true})
-    void aLookGoesOnInItsFrameAndTheEventLoopHasATurnBetweenItsSlices(boolean lockStep)
+    void aLongLookGoesOnInItsFrameAndTheOthersReceiveNewerFrames(boolean lockStep)
             throws BadMessage {
-        var ada = new Looker("ada", lockStep, 3, publisher);
+        var ada = new Looker("ada", lockStep, 4, publisher);
+        var bob = new Looker("bob", false, 0, publisher);
         step();
         publisher.tell();
-        assertThat(ada.looks).as("one slice").containsExactly(1L);
+        assertThat(ada.looks).as("a first slice").containsExactly(1L);
         assertThat(publisher.hasWork()).isTrue();
-        step();
         publisher.tell();
-        assertThat(ada.looks).containsExactly(1L, 1L);
-        assertThat(ada.served.sum()).isZero();
         publisher.tell();
         assertThat(ada.looks).containsExactly(1L, 1L, 1L);
-        assertThat(ada.served.sum()).isOne();
-        assertThat(publisher.hasWork()).as("the newer frame").isTrue();
+        assertThat(bob.looks).containsExactly(1L);
+        step();
         publisher.tell();
-        assertThat(ada.looks).containsExactly(1L, 1L, 1L, 2L);
+        assertThat(bob.looks).as("the newer frame").containsExactly(1L, 2L);
+        assertThat(ada.looks).containsExactly(1L, 1L, 1L, 1L);
+        assertThat(ada.served.sum()).isOne();
+        assertThat(bob.served.sum()).isEqualTo(2);
+        publisher.tell();
+        assertThat(ada.looks).as("then the newest frame").containsExactly(1L, 1L, 1L, 1L, 2L);
         assertThat(ada.served.sum()).isEqualTo(2);
+        publisher.tell();
+        assertThat(publisher.hasWork()).isFalse();
     }
 
     @ParameterizedTest
     @ValueSource(booleans = {false, true})
     void aSecondLongLookBeginsWhenTheFirstIsComplete(boolean lockStep) throws BadMessage {
-        var ada = new Looker("ada", lockStep, 2, publisher);
-        var bob = new Looker("bob", lockStep, 2, publisher);
+        var ada = new Looker("ada", lockStep, 4, publisher);
+        var bob = new Looker("bob", lockStep, 4, publisher);
         step();
         publisher.tell();
         assertThat(ada.looks.size() + bob.looks.size()).as("looks in one turn").isOne();
-        for (int turn = 0; turn < 4; turn++) {
+        int before = 1;
+        for (int turn = 0; turn < 8; turn++) {
             publisher.tell();
+            int looks = ada.looks.size() + bob.looks.size();
+            assertThat(looks - before).as("looks in turn %d", turn).isLessThanOrEqualTo(2);
+            before = looks;
         }
-        assertThat(ada.looks).containsExactly(1L, 1L);
-        assertThat(bob.looks).containsExactly(1L, 1L);
-        assertThat(ada.served.sum() + bob.served.sum()).isEqualTo(2);
+        assertThat(ada.looks).containsExactly(1L, 1L, 1L, 1L);
+        assertThat(bob.looks).containsExactly(1L, 1L, 1L, 1L);
+        assertThat(ada.served.sum()).isOne();
+        assertThat(bob.served.sum()).isOne();
     }
 
     @ParameterizedTest
@@ -251,5 +262,24 @@ class LookInSlicesTest {
         assertThat(bob.looks).containsExactly(2L);
         publisher.tell();
         assertThat(publisher.hasWork()).isFalse();
+    }
+
+    @Test
+    void aClientWhoseLooksHaveBecomeShortIsServedAsOthersAgain() throws BadMessage {
+        var ada = new Looker("ada", false, 2, publisher);
+        for (int frame = 1; frame <= 12; frame++) {
+            step();
+            publisher.tell();
+            publisher.tell();
+        }
+        assertThat(ada.looks).contains(11L, 12L);
+        var bob = new Looker("bob", false, 1000, publisher);
+        for (int frame = 13; frame <= 20; frame++) {
+            step();
+            publisher.tell();
+            publisher.tell();
+        }
+        assertThat(bob.looks).as("a long look").hasSizeGreaterThan(8);
+        assertThat(ada.looks).as("the frames during bob's look").contains(18L, 19L, 20L);
     }
 }

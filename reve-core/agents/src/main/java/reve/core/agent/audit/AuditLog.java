@@ -265,7 +265,7 @@ public final class AuditLog implements Closeable {
         return "what clients are sent is recorded in " + file + " again" + lastGap;
     }
 
-    /** Returns the number of messages that were sent without a record so far. */
+    /** Returns the number of messages sent so far without a record. */
     public synchronized long unrecorded() {
         return unrecorded;
     }

@@ -173,6 +173,11 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         return false;
     }
 
+    /** Lets a session wait, whatever its perceptions cost. */
+    public void postpone(C client) {
+        waiting.add(client);
+    }
+
     /**
      * Returns the waiting sessions, those with the lowest debt first; at equal debt, those that
      * have received a perception before come first. The caller serves them while {@link

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.perception;
 
+import org.jspecify.annotations.Nullable;
+
 import reve.core.agent.perception.EventSubjects.Mention;
 import reve.core.world.ItemId;
 import reve.core.world.Sensor;
@@ -19,7 +21,6 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.function.BooleanSupplier;
 import java.util.stream.Collectors;
-import java.util.stream.Stream;
 
 /**
  * The perceptions of one agent through its body's sensors, each with its own interval. The event
@@ -37,6 +38,10 @@ public final class Senses {
     private final Sample[] samples;
 
     private final Surroundings[] surroundings;
+
+    /** The copy of the world in which {@link #surroundings} were found; null before that. */
+    private @Nullable Observatory lastWorld;
+
     private View view = new View(0, 0, List.of());
 
     /** Relations last sent, by item; kept for items that no sensor senses in the current frame. */
@@ -52,10 +57,7 @@ public final class Senses {
         this.body = body;
         this.sensors = sensors;
         this.samples = new Sample[sensors.size()];
-        this.surroundings =
-                Stream.generate(Surroundings::new)
-                        .limit(sensors.size())
-                        .toArray(Surroundings[]::new);
+        this.surroundings = new Surroundings[sensors.size()];
     }
 
     /** Returns the id of the body. */
@@ -86,6 +88,10 @@ public final class Senses {
         View all = world.everything();
         if (all.frame() == view.frame()) {
             return Optional.of(view);
+        }
+        if (world != lastWorld) {
+            Arrays.setAll(surroundings, unknown -> new Surroundings());
+            lastWorld = world;
         }
         for (int i = 0; i < samples.length; i++) {
             Sample before = samples[i];

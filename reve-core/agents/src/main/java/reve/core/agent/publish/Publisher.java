@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.publish;
 
-import org.jspecify.annotations.Nullable;
-
 import reve.core.agent.embodiment.Rewound;
 import reve.core.agent.net.RateLimitedLog;
 import reve.core.agent.perception.EventSubjects;
 import reve.core.agent.perception.HeardEvent;
-import reve.core.agent.perception.Observatory;
 import reve.core.agent.perception.PerceptionEncoder;
 import reve.core.agent.perception.PerceptionShares;
-import reve.core.agent.perception.RelatedViews;
-import reve.core.agent.perception.View;
 import reve.core.agent.port.WorldPort;
 import reve.core.frame.FrameEvent;
 import reve.core.world.WorldEvent;
@@ -28,7 +23,7 @@ import java.util.Queue;
 import java.util.Set;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
-import java.util.concurrent.atomic.AtomicReference;
+import java.util.function.BooleanSupplier;
 
 /**
  * Sender of the results, events and perceptions of a world's frames to its clients. The world's
@@ -49,8 +44,8 @@ public final class Publisher {
     private static final long ACTS_NANOS = 5_000_000;
 
     /**
-     * Time for one session's view before the event loop serves other worlds [ns]; a later slice
-     * continues.
+     * Time for one session's view before the event loop does other work [ns]; a later slice
+     * continues, see {@link LongViews}.
      */
     private static final long LOOK_NANOS = 10_000_000;
 
@@ -74,9 +69,7 @@ public final class Publisher {
     private final WorldPort port;
     private final RateLimitedLog log;
     private final Runnable afterFrame;
-    private final Observatory observatory = new Observatory();
     private final PerceptionEncoder encoder = new PerceptionEncoder();
-    private final RelatedViews<Perceiver> relatedViews = new RelatedViews<>(System::nanoTime);
     private final PerceptionShares<Perceiver> shares = new PerceptionShares<>(System.nanoTime());
     private final Queue<Runnable> reports = new ConcurrentLinkedQueue<>();
     private final Queue<Perceiver> leavers = new ConcurrentLinkedQueue<>();
@@ -85,16 +78,12 @@ public final class Publisher {
     private final AtomicInteger lostEventFrames = new AtomicInteger();
     private final Map<String, Perceiver> members = new LinkedHashMap<>();
     private final EventRouting routing = new EventRouting();
+    private final FrameViews views = new FrameViews(routing);
+    private final LongViews longViews = new LongViews(routing);
     private final Runnable wake;
 
     /** True if sessions still wait for their perception of the frame that was served last. */
     private boolean owesPerceptions;
-
-    /**
-     * The session whose view of the frame that was read is not complete yet. Until it is, the
-     * publisher reads no newer frame, and the event loop serves other worlds between the slices.
-     */
-    private @Nullable Perceiver looking;
 
     private volatile long published;
     private volatile boolean news;
@@ -206,10 +195,6 @@ public final class Publisher {
 
     private void publish() {
         dropWhoHasLeft();
-        if (isLooking()) {
-            continueToLook();
-            return;
-        }
         // The order is snapshot, events, commands: a client receives the events of a frame before
         // its perception of that frame, and a client that joins in a frame receives the events of
         // that frame. Events wait for the snapshot of their frame, which determines the clients
@@ -225,14 +210,14 @@ public final class Publisher {
                     owesPerceptions
                             && snapshot.filter(frame -> frame.frame() == served).isPresent();
             owesPerceptions = false;
-            if (wanted && !isRead && !observatory.read(snapshot.get())) {
+            if (wanted && !isRead && !views.observatory().read(snapshot.get())) {
                 return; // the snapshot was overwritten while it was read, so the next frame is
                 // available already
             }
             served = snapshot.map(WorldSnapshot::frame).orElse(served);
             tellEvents();
             if (wanted) {
-                serve();
+                serve(snapshot);
             }
         } finally {
             snapshot.ifPresent(WorldSnapshot::close);
@@ -240,31 +225,11 @@ public final class Publisher {
         afterFrame.run();
     }
 
-    /** Returns whether a session still needs the frame that was read. */
-    private boolean isLooking() {
-        Perceiver member = looking;
-        if (member != null
-                && (members.get(member.name()) != member
-                        || !member.perceptions().isDue(observatory.everything().frame()))) {
-            looking = null;
-        }
-        return looking != null;
-    }
-
-    private void continueToLook() {
-        Perceiver member = looking;
-        beginSlice();
-        looking = null;
-        if (member != null) {
-            serve(member);
-        }
-        owesPerceptions = true; // the others may wait for this frame
-    }
-
     private void dropWhoHasLeft() {
         for (Perceiver gone = leavers.poll(); gone != null; gone = leavers.poll()) {
             members.remove(gone.name(), gone); // does not remove a newer client of the same name
             routing.forget(gone);
+            longViews.forget(gone);
         }
     }
 
@@ -296,7 +261,7 @@ public final class Publisher {
         if (events.isEmpty()) {
             return;
         }
-        routing.locate(members.values(), observatory);
+        routing.locate(members.values(), views.observatory());
         long end = System.nanoTime() + ACTS_NANOS;
         var acts = new Gap();
         var absences = new Gap();
@@ -375,10 +340,10 @@ public final class Publisher {
         if (!all && !routing.hasLockStep()) {
             return;
         }
-        EventSubjects subjects = EventSubjects.in(event, observatory, this::bodyOf);
+        EventSubjects subjects = EventSubjects.in(event, views.observatory(), this::bodyOf);
         var heard = new HeardEvent(event);
         tell(routing.withoutSensors(), all, subjects, heard);
-        tell(routing.of(subjects, observatory), all, subjects, heard);
+        tell(routing.of(subjects, views.observatory()), all, subjects, heard);
     }
 
     /**
@@ -401,7 +366,7 @@ public final class Publisher {
         if (agent == null) {
             return Optional.empty();
         }
-        EventSubjects subjects = EventSubjects.in(event, observatory, this::bodyOf);
+        EventSubjects subjects = EventSubjects.in(event, views.observatory(), this::bodyOf);
         return tell(agent, subjects, new HeardEvent(event)) ? Optional.of(agent) : Optional.empty();
     }
 
@@ -419,7 +384,7 @@ public final class Publisher {
      * @return false if the event is not sent, because the member does not perceive its items
      */
     private boolean tell(Perceiver member, EventSubjects subjects, HeardEvent heard) {
-        Optional<BitSet> fields = member.hear(heard.event(), subjects, observatory);
+        Optional<BitSet> fields = member.hear(heard.event(), subjects, views.observatory());
         fields.ifPresent(told -> member.tell(heard.with(told, member.encoding())));
         return fields.isPresent();
     }
@@ -428,72 +393,56 @@ public final class Publisher {
         return Optional.ofNullable(members.get(agent)).flatMap(Perceiver::body);
     }
 
-    private Optional<View> look(Perceiver member) {
-        long end = System.nanoTime() + LOOK_NANOS;
-        Optional<View> view = member.look(observatory, () -> System.nanoTime() - end < 0);
-        if (view.isEmpty()) {
-            looking = member;
-        } else if (member.hasSensors()) {
-            routing.shows(member, view.get());
-        }
-        return view;
-    }
-
-    private View beginSlice() {
-        View everything = observatory.everything();
-        encoder.begin(everything);
-        relatedViews.begin(member -> members.get(member.name()) == member);
-        shares.begin(members.values(), everything.frame(), System.nanoTime());
-        return everything;
-    }
-
-    private void serve() {
-        View everything = beginSlice();
+    private void serve(Optional<WorldSnapshot> newest) {
+        encoder.begin(views.observatory().everything());
+        views.beginSlice(member -> members.get(member.name()) == member);
+        shares.begin(members.values(), views.frame(), System.nanoTime());
+        boolean isCut = false;
         for (Perceiver member : members.values()) {
-            if (member.perceptions().isDue(everything.frame()) && shares.isServedNow(member)) {
-                if (looking != null && member.isInLockStep() && member.hasSensors()) {
-                    owesPerceptions = true; // one after the other
+            if (!member.perceptions().isDue(views.frame())) {
+                continue;
+            }
+            if (longViews.contains(member)) {
+                shares.postpone(member);
+            } else if (shares.isServedNow(member)) {
+                if (isCut && member.isInLockStep() && member.hasSensors()) {
+                    owesPerceptions = true; // at most one view of unknown duration in a slice
                 } else {
-                    serve(member);
+                    serve(member, newest);
+                    isCut |= longViews.contains(member);
                 }
             }
         }
         for (Perceiver member : shares.waiting()) {
-            if (!shares.isTimeLeft() || looking != null) {
+            if (isCut || !shares.isTimeLeft()) {
                 owesPerceptions = true;
                 return;
             }
-            serve(member);
+            boolean wasLong = longViews.contains(member);
+            serve(member, newest);
+            isCut = longViews.contains(member) && !wasLong;
         }
     }
 
-    private void serve(Perceiver member) {
+    private void serve(Perceiver member, Optional<WorldSnapshot> newest) {
         long begin = System.nanoTime();
-        var related = new AtomicReference<@Nullable View>();
-        boolean served =
-                member.perceptions()
-                        .serve(
-                                observatory.everything().frame(),
-                                relations -> relations ? relate(member, related) : look(member));
+        BooleanSupplier isTimeLeft = () -> System.nanoTime() - begin < LOOK_NANOS;
+        boolean served;
+        if (longViews.contains(member)) {
+            served = longViews.serve(member, newest, isTimeLeft);
+        } else {
+            served = views.serve(member, isTimeLeft);
+            if (views.isCut()) {
+                longViews.add(member);
+            }
+        }
         long nanos = System.nanoTime() - begin;
         if (served) {
             shares.serve(member.perceptionCost(), nanos);
         } else {
             shares.spend(member.perceptionCost(), nanos);
-            owesPerceptions = true;
         }
-    }
-
-    /**
-     * @param known receives the view with relations when it is computed; two requests of the client
-     *     share it
-     */
-    private Optional<View> relate(Perceiver member, AtomicReference<@Nullable View> known) {
-        View view = known.get();
-        if (view == null) {
-            view = relatedViews.of(member, () -> look(member), observatory).orElse(null);
-            known.set(view);
-        }
-        return Optional.ofNullable(view);
+        // A long view may have been one of an earlier frame.
+        owesPerceptions |= !served || member.perceptions().isDue(views.frame());
     }
 }

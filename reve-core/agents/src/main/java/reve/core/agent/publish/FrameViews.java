@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.publish;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.agent.perception.Observatory;
+import reve.core.agent.perception.RelatedViews;
+import reve.core.agent.perception.View;
+
+import java.util.Optional;
+import java.util.concurrent.atomic.AtomicReference;
+import java.util.function.BooleanSupplier;
+import java.util.function.Predicate;
+
+/**
+ * A copy of one frame, and the clients' views of it, with and without relations. The event loop's
+ * thread.
+ */
+final class FrameViews {
+
+    private final Observatory observatory = new Observatory();
+    private final RelatedViews<Perceiver> related = new RelatedViews<>(System::nanoTime);
+    private final EventRouting routing;
+    private boolean isCut;
+
+    /**
+     * @param routing receives the views of clients with sensors
+     */
+    FrameViews(EventRouting routing) {
+        this.routing = routing;
+    }
+
+    /** Returns the frame that was read. */
+    Observatory observatory() {
+        return observatory;
+    }
+
+    long frame() {
+        return observatory.everything().frame();
+    }
+
+    /**
+     * Begins a slice of the event loop's time.
+     *
+     * @param isThere returns false for clients that have left
+     */
+    void beginSlice(Predicate<Perceiver> isThere) {
+        related.begin(isThere);
+    }
+
+    /**
+     * Serves the client's requests for perceptions of this frame.
+     *
+     * @param isTimeLeft false if the event loop must do other work first
+     * @return false if a view is not computed yet; the next call in this frame continues
+     */
+    boolean serve(Perceiver member, BooleanSupplier isTimeLeft) {
+        isCut = false;
+        var known = new AtomicReference<@Nullable View>(); // two requests share a view
+        return member.perceptions()
+                .serve(
+                        frame(),
+                        relations ->
+                                relations
+                                        ? relate(member, isTimeLeft, known)
+                                        : look(member, isTimeLeft));
+    }
+
+    /** Returns whether the time was too short for what the client's sensors perceive. */
+    boolean isCut() {
+        return isCut;
+    }
+
+    private Optional<View> look(Perceiver member, BooleanSupplier isTimeLeft) {
+        Optional<View> view = member.look(observatory, isTimeLeft);
+        if (view.isEmpty()) {
+            isCut = true;
+        } else if (member.hasSensors()) {
+            routing.shows(member, view.get());
+        }
+        return view;
+    }
+
+    private Optional<View> relate(
+            Perceiver member, BooleanSupplier isTimeLeft, AtomicReference<@Nullable View> known) {
+        View view = known.get();
+        if (view == null) {
+            view = related.of(member, () -> look(member, isTimeLeft), observatory).orElse(null);
+            known.set(view);
+        }
+        return Optional.ofNullable(view);
+    }
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.publish;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.WorldSnapshot;
+
+import java.util.IdentityHashMap;
+import java.util.Map;
+import java.util.Optional;
+import java.util.function.BooleanSupplier;
+
+/**
+ * The clients whose views need more than one slice of the event loop's time. Their views are
+ * computed one after the other, in a copy of the frame of their own, so that the other clients
+ * receive newer frames between the slices. See docs/decisions/0006. The event loop's thread.
+ */
+final class LongViews {
+
+    /** Number of successive views in one slice each after which a client is served as others. */
+    private static final int SHORT_VIEWS = 10;
+
+    private final EventRouting routing;
+
+    /** Clients, and the number of their last views that needed one slice each. */
+    private final Map<Perceiver, Integer> shortViews = new IdentityHashMap<>();
+
+    /** The client whose view of the copied frame is not complete. */
+    private @Nullable Perceiver looking;
+
+    /** Null while no client has long views. */
+    private @Nullable FrameViews views;
+
+    /**
+     * @param routing receives the views
+     */
+    LongViews(EventRouting routing) {
+        this.routing = routing;
+    }
+
+    /** Records that the view of a client needs more than one slice. */
+    void add(Perceiver member) {
+        shortViews.put(member, 0);
+    }
+
+    boolean contains(Perceiver member) {
+        return shortViews.containsKey(member);
+    }
+
+    /** Removes a client that has left. */
+    void forget(Perceiver member) {
+        shortViews.remove(member);
+        if (looking == member) {
+            looking = null;
+        }
+        if (shortViews.isEmpty()) {
+            views = null;
+        }
+    }
+
+    /**
+     * Continues the view of a client, or begins one of the newest frame.
+     *
+     * @param newest empty or overwritten if that frame cannot be read now
+     * @param isTimeLeft false at the end of the slice
+     * @return false if a view is not computed yet
+     */
+    boolean serve(Perceiver member, Optional<WorldSnapshot> newest, BooleanSupplier isTimeLeft) {
+        FrameViews copy = views;
+        if (copy == null) {
+            copy = new FrameViews(routing);
+            views = copy;
+        }
+        Perceiver before = looking;
+        if (before != null && !before.perceptions().isDue(copy.frame())) {
+            looking = null; // its requests have changed
+        }
+        boolean isContinued = looking == member;
+        if (!isContinued && (looking != null || !read(copy, newest))) {
+            return false;
+        }
+        copy.beginSlice(this::contains);
+        boolean served = copy.serve(member, isTimeLeft);
+        looking = served ? null : member;
+        if (served) {
+            count(member, !isContinued);
+        }
+        return served;
+    }
+
+    private static boolean read(FrameViews copy, Optional<WorldSnapshot> newest) {
+        return newest.isPresent()
+                && (newest.get().frame() == copy.frame() || copy.observatory().read(newest.get()));
+    }
+
+    private void count(Perceiver member, boolean isShort) {
+        int successive = isShort ? shortViews.getOrDefault(member, 0) + 1 : 0;
+        if (successive < SHORT_VIEWS) {
+            shortViews.put(member, successive);
+        } else {
+            forget(member);
+        }
+    }
+}
