@@ -238,12 +238,22 @@ final class Browser implements AutoCloseable, WebSocket.Listener {
 
     /** Presses and releases a key. */
     void press(String key, String code, int number) throws Exception {
+        press(key, code, number, 0);
+    }
+
+    /**
+     * Presses and releases a key.
+     *
+     * @param modifiers 2 for Ctrl, as in the Chrome DevTools protocol
+     */
+    void press(String key, String code, int number, int modifiers) throws Exception {
         for (String type : List.of("rawKeyDown", "keyUp")) {
             send(
                     "Input.dispatchKeyEvent",
                     JSON.createObjectNode()
                             .put("type", type)
                             .put("key", key)
+                            .put("modifiers", modifiers)
                             .put("code", code)
                             .put("windowsVirtualKeyCode", number));
         }

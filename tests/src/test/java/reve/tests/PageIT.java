@@ -170,6 +170,69 @@ class PageIT {
     }
 
     @Test
+    void aLawIsWrittenInThePageAndAnotherIsDroppedOnIt() throws Exception {
+        String card = "document.querySelector('#law-list > section[data-library=%s]')";
+        try (Server server =
+                Server.start(
+                        folder, "serve", "worlds/sandbox", "--port", "0", "--web", "0", "--json")) {
+            open(server);
+            browser.await(OPEN);
+            browser.click("#tab-laws");
+            browser.await("document.querySelectorAll('#law-list > section').length === 2");
+            browser.click("#law-editor summary");
+
+            // A wrong unit is shown with its place, and changes nothing.
+            browser.click("#law-text");
+            browser.ask("document.activeElement.select()");
+            browser.type("law wind\n  parameter w = (5, 0, 0) m/s\n  each body: force += w");
+            browser.click("#law-text-load");
+            browser.await("document.querySelector('#law-problems').textContent !== ''");
+            assertThat(browser.text("#law-problems")).contains("text:3:", "velocity", "force");
+            assertThat(
+                            browser.ask(
+                                            "(t => t.value.slice(t.selectionStart, t.selectionEnd))(document.querySelector('#law-text'))")
+                                    .asString())
+                    .contains("each body");
+            browser.picture(PICTURES.resolve("law-problem.png"));
+            assertThat(browser.ask("Boolean(" + card.formatted("wind") + ")").booleanValue())
+                    .isFalse();
+
+            browser.ask("document.querySelector('#law-text').select()");
+            browser.type(
+                    "law wind\n  parameter w = (5, 0, 0) m/s\n  each body: force += 2 kg/s * (w - velocity)");
+            browser.press("Enter", "Enter", 13, 2);
+            browser.await(card.formatted("wind"));
+            assertThat(browser.text("#law-problems")).isEmpty();
+            browser.await(
+                    "reve.connection.report('inspect', {item: 'ball-1-1-1'}).then(r => r.physics.find(p => p.name === 'velocity').value[0] > 0.1)");
+            assertThat(browser.text("#law-list > section[data-library=wind] .equation"))
+                    .contains("2 kg/s * (w - velocity)");
+            browser.picture(PICTURES.resolve("law-written.png"));
+
+            // A file is dropped; a loaded text comes back into the editor.
+            drop("fall.law", "law fall\\n  each body: force += mass (0, -1, 0) m/s^2\\n");
+            browser.await(card.formatted("fall"));
+            browser.click("[aria-label=\"Edit wind\"]");
+            browser.await("document.querySelector('#law-text').value.startsWith('law wind')");
+            drop("libvesper_law_x.so", "");
+            browser.await(
+                    "document.querySelector('#toasts').textContent.includes('libvesper_law_x.so is not a law as text')");
+            assertThat(browser.errors).isEmpty();
+        }
+    }
+
+    private void drop(String name, String content) throws Exception {
+        browser.ask(
+                "(() => { const data = new DataTransfer(); data.items.add(new File(['"
+                        + content
+                        + "'], '"
+                        + name
+                        + "')); for (const type of ['dragover', 'drop'])"
+                        + " document.body.dispatchEvent(new DragEvent(type, {dataTransfer: data,"
+                        + " bubbles: true, cancelable: true})); })()");
+    }
+
+    @Test
     void aLawThatFailsIsShownInQuarantine() throws Exception {
         Path laws = Files.createDirectory(folder.resolve("laws"));
         Path source =

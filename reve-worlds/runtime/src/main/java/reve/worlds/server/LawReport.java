@@ -8,6 +8,7 @@ import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.Laws;
 import reve.pe.adapter.Quarantined;
 
+import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -65,6 +66,9 @@ final class LawReport {
         fields.put("library", library.name());
         fields.put("sha256", library.sha256());
         equations.of(library.name()).ifPresent(text -> fields.put("equation", text));
+        if (library.isText()) {
+            fields.put("text", new String(library.bytes(), StandardCharsets.UTF_8));
+        }
         fields.put("laws", laws.stream().map(law -> law(library, law)).toList());
         return fields;
     }

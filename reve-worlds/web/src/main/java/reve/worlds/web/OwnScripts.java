@@ -14,6 +14,7 @@ final class OwnScripts {
                     "dom.js",
                     "item.js",
                     "laws.js",
+                    "lawtext.js",
                     "main.js",
                     "plots.js",
                     "scene.js",

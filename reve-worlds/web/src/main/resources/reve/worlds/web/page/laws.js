@@ -2,6 +2,7 @@
 // The panel of laws: which are loaded, what they use, their parameters, their cost and their lines
 // in the ledger.
 import { h, number, toast } from "./dom.js";
+import { LawText } from "./lawtext.js";
 
 const READ_MILLISECONDS = 1000;
 const ACCESS = { read: "reads", write: "writes", accumulate: "adds to", scratch: "remembers" };
@@ -15,8 +16,9 @@ export class LawsPanel {
     this.ledgerSwitch = h("input", { type: "checkbox", id: "ledger-on", onchange: () => this.switchLedger() });
     this.list = h("div", { id: "law-list" });
     this.out = h("div", { id: "law-quarantine" });
+    this.editor = new LawText(app, () => this.read());
     panel.append(
-      this.loader,
+      this.loader, this.editor.element,
       h("h4", null, "Loaded laws"), this.list,
       this.out,
       h("h4", null, "Ledger"),
@@ -34,7 +36,7 @@ export class LawsPanel {
     this.out.replaceChildren();
     this.ledger.replaceChildren();
     this.ledgerSwitch.checked = false;
-    this.loader.hidden = this.ledgerSwitch.parentElement.hidden = this.app.role !== "control";
+    this.editor.element.hidden = this.loader.hidden = this.ledgerSwitch.parentElement.hidden = this.app.role !== "control";
     this.read();
   }
 
@@ -76,8 +78,9 @@ export class LawsPanel {
     const control = this.app.role === "control";
     return h("section", { className: "card", "data-library": library.library, "aria-label": `Library ${library.library}` },
       h("header", null, h("h3", null, library.library),
+        control && library.text ? h("button", { className: "small", "aria-label": `Edit ${library.library}`, onclick: () => this.editor.edit(library.text) }, "Edit") : null,
         control ? h("button", { className: "small danger", "aria-label": `Unload ${library.library}`, onclick: () => this.unload(library.library) }, "Unload") : null),
-      library.equation ? h("pre", { className: "equation" }, library.equation) : null,
+      library.text || library.equation ? h("pre", { className: "equation" }, library.text ?? library.equation) : null,
       library.laws.map((law) => {
         const cost = h("span", { className: "chip" }, "");
         this.cards.set(`${library.library}/${law.name}`, { cost });
