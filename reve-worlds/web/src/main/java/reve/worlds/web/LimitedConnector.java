@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.web;
 
+import org.eclipse.jetty.io.ManagedSelector;
 import org.eclipse.jetty.io.SelectorManager;
+import org.eclipse.jetty.io.SocketChannelEndPoint;
 import org.eclipse.jetty.server.ConnectionFactory;
 import org.eclipse.jetty.server.Server;
 import org.eclipse.jetty.server.ServerConnector;
@@ -9,10 +11,14 @@ import org.eclipse.jetty.util.thread.Scheduler;
 
 import java.io.IOException;
 import java.nio.channels.SelectableChannel;
+import java.nio.channels.SelectionKey;
 import java.nio.channels.SocketChannel;
 import java.util.concurrent.Executor;
 
-/** A connector that closes connections beyond the limits of {@link Visitors} at once. */
+/**
+ * A connector that closes connections beyond the limits of {@link Visitors} at once, and reads the
+ * others within their {@link ReadBudget}.
+ */
 final class LimitedConnector extends ServerConnector {
 
     private final Visitors visitors;
@@ -33,6 +39,15 @@ final class LimitedConnector extends ServerConnector {
                 }
             }
         };
+    }
+
+    @Override
+    protected SocketChannelEndPoint newEndPoint(
+            SocketChannel channel, ManagedSelector selector, SelectionKey key) {
+        var budget = new ReadBudget(() -> getConnectedEndPoints().size(), System::nanoTime);
+        var end = new MeteredEndPoint(channel, selector, key, getScheduler(), budget);
+        end.setIdleTimeout(getIdleTimeout());
+        return end;
     }
 
     private boolean mayStay(SocketChannel channel) {

@@ -34,6 +34,8 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
     private final Map<String, SceneFeed> feeds;
     private final InetSocketAddress peer;
     private final OpenPages pages;
+    private final ReadBudget budget;
+    private volatile @Nullable Session session;
     private volatile @Nullable PageOutput output;
     private volatile @Nullable SocketChannel line;
 
@@ -47,7 +49,9 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
             AgentServer agents,
             Map<String, SceneFeed> feeds,
             InetSocketAddress peer,
-            OpenPages pages) {
+            OpenPages pages,
+            ReadBudget budget) {
+        this.budget = budget;
         this.agents = agents;
         this.feeds = feeds;
         this.peer = peer;
@@ -58,6 +62,7 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
     public void onWebSocketOpen(Session opened) {
         var page = new PageOutput(opened, pages);
         output = page;
+        session = opened;
         try {
             SocketChannel channel = agents.connect(peer, this);
             line = channel;
@@ -98,6 +103,18 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
             watching.take(message);
         }
         callback.succeed();
+    }
+
+    /** Answers a ping. Browsers send none; a client that sends many waits. */
+    @Override
+    public void onWebSocketPing(ByteBuffer payload) {
+        budget.spend(ReadBudget.REQUEST_BYTES);
+        Session opened = session;
+        if (opened != null) {
+            byte[] bytes = new byte[payload.remaining()]; // the buffer is reused after this call
+            payload.get(bytes);
+            opened.sendPong(ByteBuffer.wrap(bytes), Callback.NOOP);
+        }
     }
 
     @Override

@@ -135,7 +135,8 @@ public final class WebServer implements AutoCloseable {
                                                 (InetSocketAddress)
                                                         request.getConnectionMetaData()
                                                                 .getRemoteSocketAddress(),
-                                                pages);
+                                                pages,
+                                                MeteredEndPoint.budgetOf(request));
                                     });
                         });
         sockets.setHandler(new PageFiles());
@@ -144,7 +145,9 @@ public final class WebServer implements AutoCloseable {
                         worlds.stream().map(PageWorld::port).toList(), agents, security.tokens());
         operations.setHandler(sockets);
         guard.setHandler(operations);
-        server.setHandler(guard);
+        var turns = new Turns();
+        turns.setHandler(guard);
+        server.setHandler(turns);
     }
 
     private static final ConnectionFactory[] FACTORIES = {};

@@ -32,6 +32,8 @@ import java.net.URI;
 import java.net.http.HttpClient;
 import java.net.http.HttpRequest;
 import java.net.http.HttpResponse;
+import java.net.http.WebSocket;
+import java.nio.ByteBuffer;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
@@ -41,7 +43,11 @@ import java.util.HexFormat;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Scanner;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.CompletionStage;
 import java.util.concurrent.TimeUnit;
+import java.util.concurrent.atomic.AtomicInteger;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
@@ -177,6 +183,79 @@ class WebServerNativeTest {
         server.stop();
         world.join();
         assertThat(get("health").statusCode()).isEqualTo(503);
+    }
+
+    @Test
+    void aConnectionWithThousandsOfRequestsWaitsForOthers() throws Exception {
+        int requests = 5000;
+        URI address = URI.create(page.address());
+        String request =
+                "GET /health HTTP/1.1\r\nHost: %s\r\n\r\n".formatted(address.getAuthority());
+        var answers = new AtomicInteger();
+        try (Socket flood = new Socket(address.getHost(), address.getPort())) {
+            Thread.ofVirtual()
+                    .start(
+                            () -> {
+                                try (Scanner lines = new Scanner(flood.getInputStream())) {
+                                    while (lines.hasNextLine()) {
+                                        if (lines.nextLine().startsWith("HTTP/1.1 200")) {
+                                            answers.incrementAndGet();
+                                        }
+                                    }
+                                } catch (IOException closed) {
+                                    // The test has ended.
+                                }
+                            });
+            byte[] all = request.repeat(requests).getBytes(StandardCharsets.US_ASCII);
+            Thread.ofVirtual()
+                    .start(
+                            () -> {
+                                try {
+                                    flood.getOutputStream().write(all);
+                                } catch (IOException closed) {
+                                    // The test has ended.
+                                }
+                            });
+            for (int i = 0; i < 20; i++) {
+                assertThat(get("health").statusCode()).isEqualTo(200);
+            }
+            assertThat(answers.get()).isLessThan(requests);
+        }
+    }
+
+    @Test
+    void aWebSocketWithThousandsOfPingsWaitsForOthers() throws Exception {
+        int pings = 3000;
+        var pongs = new AtomicInteger();
+        var first = new CompletableFuture<String>();
+        try (HttpClient http = HttpClient.newHttpClient()) {
+            WebSocket socket =
+                    http.newWebSocketBuilder()
+                            .header("Origin", page.address().replaceAll("/$", ""))
+                            .buildAsync(
+                                    URI.create(page.address().replace("http", "ws") + "world"),
+                                    new WebSocket.Listener() {
+                                        @Override
+                                        public CompletionStage<?> onPong(
+                                                WebSocket from, ByteBuffer payload) {
+                                            pongs.incrementAndGet();
+                                            first.complete(
+                                                    StandardCharsets.US_ASCII
+                                                            .decode(payload)
+                                                            .toString());
+                                            from.request(1);
+                                            return null;
+                                        }
+                                    })
+                            .join();
+            for (int i = 0; i < pings; i++) {
+                socket.sendPing(ByteBuffer.wrap(new byte[] {'a', 'b'})).join();
+            }
+            assertThat(first.join()).isEqualTo("ab");
+            assertThat(get("health").statusCode()).isEqualTo(200);
+            assertThat(pongs.get()).isLessThan(pings);
+            socket.abort();
+        }
     }
 
     @Test
