@@ -74,8 +74,8 @@ public interface PhysicsEngine extends AutoCloseable {
      * Activates a prepared library; call it between frames. The engine owns the library afterwards;
      * if it refuses, the caller still does.
      *
-     * @param parameters by {@code parameter} or {@code law.parameter}; omitted parameters have
-     *     their default
+     * @param parameters values, keyed by {@code parameter} or {@code law.parameter}; omitted
+     *     parameters have their default
      * @return id of the library within this engine; at least 1, never reused
      */
     int loadPhysicsLaw(PreparedLibrary prepared, Map<String, Double> parameters);

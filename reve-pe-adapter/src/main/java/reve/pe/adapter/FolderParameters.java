@@ -13,8 +13,8 @@ import java.util.Map;
 /**
  * The parameters of a library in a watched folder, from the file beside it.
  *
- * @param values by {@code parameter} or {@code law.parameter}, in SI units; the others have their
- *     default
+ * @param values values, keyed by {@code parameter} or {@code law.parameter}, in SI units; the
+ *     others have their default
  * @param check finds values whose unit does not fit a law
  */
 public record FolderParameters(Map<String, Double> values, Check check) {

@@ -16,7 +16,7 @@ public sealed interface LawChange {
     /**
      * Parameters of the library at an index were changed; the laws keep their SCRATCH memory.
      *
-     * @param changed by {@code parameter} or {@code law.parameter}
+     * @param changed values, keyed by {@code parameter} or {@code law.parameter}
      */
     record ParametersSet(int place, Map<String, Double> changed) implements LawChange {}
 

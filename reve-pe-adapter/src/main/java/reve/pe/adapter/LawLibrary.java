@@ -12,7 +12,8 @@ import java.util.Map;
  *
  * @param name the library's own name
  * @param sha256 of its bytes, 64 lower-case hexadecimal digits
- * @param parameters by {@code parameter} or {@code law.parameter}; omitted ones have their default
+ * @param parameters values, keyed by {@code parameter} or {@code law.parameter}; omitted ones have
+ *     their default
  * @param bytes of the file; the caller must not change them
  */
 public record LawLibrary(String name, String sha256, Map<String, Double> parameters, byte[] bytes) {

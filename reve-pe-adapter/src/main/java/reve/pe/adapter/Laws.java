@@ -34,7 +34,7 @@ public final class Laws {
     private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf)");
 
     /** Maximum number of attempts at a change, if the engine's process is lost during it. */
-    private static final int MOST_TRIES = 3;
+    private static final int MOST_TRIES = 10;
 
     /** Statuses that the engine throws if its process was lost. */
     private static final Set<Status> LOSSES = Set.of(Status.ENGINE_LOST, Status.LAW_CRASHED);
@@ -61,13 +61,14 @@ public final class Laws {
     }
 
     /**
-     * Activates a library outside PHYSICS; its laws act from the next step on.
+     * Activates a library, at any time except in the frame's phase PHYSICS. Its laws act from the
+     * next step on.
      *
      * @param frame the frame in progress, 0 before the first
-     * @param parameters by {@code parameter} or {@code law.parameter}
+     * @param parameters values, keyed by {@code parameter} or {@code law.parameter}
      * @return id of the library, for {@link #unload}
-     * @throws PhysicsException if the engine refuses it, or these bytes are quarantined; then
-     *     nothing has changed and the caller still owns the library
+     * @throws PhysicsException if the engine refuses it, or a library with the same bytes is
+     *     quarantined; then nothing has changed and the caller still owns the library
      */
     public int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters) {
         return load(frame, prepared, parameters, name -> {});
@@ -174,7 +175,8 @@ public final class Laws {
      * it are loaded again, so that the order of the laws stays the same; all laws keep their
      * SCRATCH memory.
      *
-     * @param changed by {@code parameter} or {@code law.parameter}; the others keep their values
+     * @param changed values, keyed by {@code parameter} or {@code law.parameter}; the others keep
+     *     their values
      * @throws IllegalArgumentException if no library has the name
      * @throws PhysicsException if the engine refuses a parameter; then nothing changed
      */
@@ -251,11 +253,22 @@ public final class Laws {
                 made.clear();
             } catch (PhysicsException notBack) {
                 refused.addSuppressed(notBack);
+                reportMissing(frame, before, notBack);
             }
             throw refused;
         } finally {
             attempted = null;
             made.forEach(this::tell);
+        }
+    }
+
+    /** Reports the libraries that could not be loaded again. */
+    private void reportMissing(long frame, List<LawLibrary> before, PhysicsException reason) {
+        List<String> present = libraries().stream().map(LawLibrary::name).toList();
+        for (LawLibrary library : before) {
+            if (!present.contains(library.name())) {
+                reportFault(frame, fields(library.name(), library.sha256()), reason);
+            }
         }
     }
 

@@ -52,7 +52,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private static final int MOST_ARRESTS_ONE_BY_ONE = 2;
 
     /** Maximum number of repetitions of a frame because the engine's process was lost. */
-    private static final int MOST_LOSSES = 2;
+    private static final int MOST_LOSSES = 5;
 
     private static final Set<Status> CRASHES = Set.of(Status.LAW_CRASHED, Status.LAW_TIMED_OUT);
 

@@ -24,6 +24,7 @@ import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import java.util.function.Consumer;
 import java.util.function.Function;
 
@@ -82,6 +83,7 @@ public final class HostedEngine implements PhysicsEngine {
     private boolean ledger;
 
     private final Losses losses;
+    private final TestedLibraries tested = new TestedLibraries();
     private long longestNanos;
 
     /** Advances left in which laws may build. */
@@ -190,7 +192,14 @@ public final class HostedEngine implements PhysicsEngine {
 
     private PreparedLibrary prepare(String source, byte[] bytes, HostedLibrary.Form form) {
         checkOpen();
-        return new Trial(hosts, config, prototype).prepare(source, bytes, form);
+        HostedLibrary library = new HostedLibrary(source, bytes, form);
+        Optional<String> name = tested.name(library);
+        if (name.isPresent()) {
+            return library.named(name.get());
+        }
+        new Trial(hosts, config, prototype).test(library);
+        tested.add(library);
+        return library;
     }
 
     @Override

@@ -49,6 +49,11 @@ final class HostedLibrary implements PreparedLibrary {
         return source;
     }
 
+    /** Returns a text that is equal only for equal bytes that declare the same name. */
+    String identity() {
+        return form == Form.PYTHON ? sha256 + source : sha256; // a Python file has the file's name
+    }
+
     /** Appends the library to a request to open it. */
     Mailbox put(Mailbox request) {
         return request.putText(source)

@@ -26,8 +26,17 @@ final class Losses {
     private boolean alone;
     private long lateNanos;
 
-    /** Id of the library whose law ran when a host was killed; 0 for none. */
+    /** Losses by SIGKILL in a row, with the same library, after which the library is the cause. */
+    private static final int MOST_KILLS = 5;
+
+    /** Crashes in a row while the same library was loaded after which it is the cause. */
+    private static final int MOST_CRASHES = 2;
+
+    /** Id of the library whose law ran when a host was lost; 0 for none. */
     private int suspected;
+
+    /** Number of losses in a row with this library. */
+    private int suspicions;
 
     Losses(HostedProvider provider, List<Loaded> libraries) {
         this.provider = provider;
@@ -72,7 +81,7 @@ final class Losses {
         }
         Loaded library = running.getFirst();
         int law = (int) (lost.running.getFirst() & 0xFFFFFFFFL) - 1;
-        if (lost.killed && isFirst(library)) {
+        if (lost.killed && mayHaveAnotherCause(library, MOST_KILLS)) {
             return engineLost(lost, "law " + library.lawName(law) + " ran");
         }
         long row = provider.row(lost.property, lost.offset);
@@ -98,7 +107,8 @@ final class Losses {
     /** Returns the failure of a library at whose loading a new host ended or did not answer. */
     PhysicsException blameForLoad(HostLost lost, Loaded library) {
         lateNanos += lost.lateNanos;
-        if (!lost.isLate() && isFirst(library)) {
+        if (!lost.isLate()
+                && mayHaveAnotherCause(library, lost.killed ? MOST_KILLS : MOST_CRASHES)) {
             return engineLost(lost, "library " + library.library.name() + " was loaded");
         }
         String message = lost.getMessage() + " while it was loaded";
@@ -106,14 +116,15 @@ final class Losses {
     }
 
     /**
-     * Records that this library ran at a loss that may have another cause, such as a lack of
-     * memory. Returns false at the second loss in a row with the same library, which then counts as
-     * the cause.
+     * Records that this library ran at a loss that may have another cause, such as a lack of memory
+     * or another program.
+     *
+     * @param most number of losses in a row with the same library at which it counts as the cause
      */
-    private boolean isFirst(Loaded library) {
-        boolean first = suspected != library.id;
+    private boolean mayHaveAnotherCause(Loaded library, int most) {
+        suspicions = suspected == library.id ? suspicions + 1 : 1;
         suspected = library.id;
-        return first;
+        return suspicions < most;
     }
 
     private static PhysicsException engineLost(HostLost lost, String meanwhile) {

@@ -2,7 +2,6 @@
 package reve.pe.hosted;
 
 import reve.pe.PhysicsException;
-import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.Status;
 import reve.pe.vesper.VesperConfig;
@@ -18,8 +17,31 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     private static final long LIMIT_NANOS = Duration.ofSeconds(10).toNanos();
     private static final VesperLog QUIET = (level, message) -> {};
 
-    PreparedLibrary prepare(String source, byte[] bytes, HostedLibrary.Form form) {
-        HostedLibrary library = new HostedLibrary(source, bytes, form);
+    /** Trials that may end by SIGKILL, which another program may have sent. */
+    private static final int MOST_KILLS = 3;
+
+    /**
+     * Tests the library, and sets its name.
+     *
+     * @throws PhysicsException if the library cannot be opened or ends the process; the library is
+     *     closed then
+     */
+    void test(HostedLibrary library) {
+        for (int tries = 1; ; tries++) {
+            try {
+                test(library, tries == MOST_KILLS);
+                return;
+            } catch (Killed again) {
+                // Another process tests it.
+            }
+        }
+    }
+
+    private static final class Killed extends Exception {
+        private static final long serialVersionUID = 1;
+    }
+
+    private void test(HostedLibrary library, boolean isLast) throws Killed {
         String stage = "opening it";
         try (HostProcess host = hosts.start()) {
             Calls calls =
@@ -35,12 +57,14 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
             library.named(calls.call(to -> library.put(to.begin(Request.PREPARE))).getText());
             stage = "creating or destroying its laws";
             tryToLoad(host, library);
-            return library;
         } catch (HostLost lost) {
+            if (lost.killed && !isLast) {
+                throw new Killed();
+            }
             library.close();
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED,
-                    source
+                    library.source()
                             + (lost.isLate()
                                     ? ": the library gave "
                                     : ": the library ended a trial process, ")

@@ -73,9 +73,9 @@ class HostileLawsNativeTest {
                 assertThat(hosted.world.adapter.stateHash())
                         .isEqualTo(expected.adapter.stateHash());
             }
-            // SIGKILL may come from outside, so only the second one in a frame is the law's fault.
+            // SIGKILL may come from outside, so only the fifth one in a frame is the law's fault.
             assertThat(hosted.world.adapter.profile().redoneFrames())
-                    .isEqualTo(kind.equals("kill") ? 2 : 1);
+                    .isEqualTo(kind.equals("kill") ? 5 : 1);
             WorldEvent fault = hosted.world.events("fault").getFirst();
             assertThat(hosted.world.events("fault")).hasSize(1);
             assertThat(fault.frame()).isEqualTo(BAD_FRAME);

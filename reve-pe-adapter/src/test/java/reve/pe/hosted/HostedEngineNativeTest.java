@@ -15,6 +15,7 @@ import reve.pe.NativeFiles;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
+import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.SpringOrbit;
 import reve.pe.Status;
@@ -137,6 +138,53 @@ class HostedEngineNativeTest extends EngineContract {
             assertThat(orbit.engine.laws())
                     .extracting(PhysicsLaw::calls)
                     .isEqualTo(undisturbed.engine.laws().stream().map(PhysicsLaw::calls).toList());
+        }
+    }
+
+    /** So a rewind or a change of a parameter does not depend on another process. */
+    @Test
+    void bytesThatHavePassedATrialAreNotTestedAgain() {
+        Path program = NativeFiles.program("vesper-host");
+        int[] starts = {0};
+        try (Hosts hosts =
+                        new Hosts(
+                                () -> {
+                                    starts[0]++;
+                                    return new HostProcess(program, 0);
+                                },
+                                start -> {});
+                EngineFixture orbit =
+                        new EngineFixture(new Hosted(hosts)).springOrbit().load(SpringOrbit.LAWS)) {
+            int before = starts[0];
+            assertThat(before).isEqualTo(1 + SpringOrbit.LAWS.length);
+            for (String law : SpringOrbit.LAWS) {
+                try (PreparedLibrary again = orbit.engine.prepare(law)) {
+                    assertThat(again.name()).isEqualTo(law);
+                }
+            }
+            assertThat(starts[0]).isEqualTo(before);
+        }
+    }
+
+    @Test
+    void aTrialThatAnotherProgramKillsIsMadeAgain() {
+        Path program = NativeFiles.program("vesper-host");
+        int[] starts = {0};
+        try (Hosts hosts =
+                        new Hosts(
+                                () -> {
+                                    var host = new HostProcess(program, 0);
+                                    if (++starts[0] == 2 || starts[0] == 3) {
+                                        killHosts();
+                                    }
+                                    return host;
+                                },
+                                start -> {});
+                EngineFixture orbit = new EngineFixture(new Hosted(hosts)).springOrbit()) {
+            try (PreparedLibrary drag = orbit.engine.prepare("drag")) {
+                assertThat(drag.name()).isEqualTo("drag");
+            }
+            assertThat(starts[0]).isEqualTo(4);
         }
     }
 
