@@ -75,8 +75,8 @@ def quartiles(values):
 def table_rows(samples, digits=0, largest=None):
     """Returns rows with median and quartiles of the frames per second of processor time.
 
-    The first sample is the peer with which the others are compared. `largest` names a share whose
-    maximum over all rounds is also shown.
+    The first sample is the baseline of the comparison. `largest` is the key of a fraction in each
+    run; the maximum of this fraction over all rounds is also shown.
     """
     speeds = {
         name: [run["framesPerProcessorSecond"] for run in runs] for name, runs in samples.items()

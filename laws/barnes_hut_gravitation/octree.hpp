@@ -282,7 +282,8 @@ void Octree<Real>::Weigh(const Parallel& parallel) {
   }
 }
 
-/// Adds a mass at distance d from the common centre of mass.
+/// Adds to the second moments of `whole` those of a mass `weight` at the offset d from the
+/// common centre of mass.
 template <class Real>
 void AddSpread(Multipole<Real>& whole, Vec3<Real> d, Real weight) {
   whole.xx += weight * d.x * d.x;

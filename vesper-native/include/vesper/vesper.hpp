@@ -55,7 +55,7 @@ class Error : public std::runtime_error {
   std::string_view property() const { return error_.property; }
   /** Returns the row of the property, or VESPER_NO_ROW. */
   uint64_t row() const { return error_.row; }
-  /** Returns the stage of the failed step; 0 outside steps. */
+  /** Returns the stage in which the step failed, or 0 if the error did not occur during a step. */
   uint32_t stage() const { return error_.stage; }
 
  private:

@@ -288,6 +288,23 @@ class UsageIT {
     }
 
     @Test
+    void lawsHaveADeadlineAndALimitOfMemory() throws Exception {
+        Outcome outcome =
+                Reve.run(
+                        "run",
+                        WORLD,
+                        "--seconds",
+                        "0.1",
+                        "--law-deadline",
+                        "5000",
+                        "--law-memory",
+                        "512");
+        assertThat(outcome.code()).as(outcome.err()).isZero();
+        refused("--law-memory is -1", "run", WORLD, "--law-memory", "-1");
+        refused("--law-deadline is 0", "run", WORLD, "--law-deadline", "0");
+    }
+
+    @Test
     void theJvmTakesOptionsFromTheEnvironment() throws Exception {
         List<String> command = Reve.command("--version");
         command.add(2, "REVE_JAVA_OPTIONS=-Dx=y -XX:NoSuchOption=1");

@@ -55,6 +55,13 @@ final class EffectReader {
                     "ready",
                     "snapshot",
                     "snapshot-failed",
+                    "saved",
+                    "rewound",
+                    "stalled",
+                    "recovered",
+                    "late",
+                    "away",
+                    "back",
                     "end",
                     "detached",
                     "removed");

@@ -18,6 +18,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
+import java.util.stream.Collectors;
 import java.util.stream.Stream;
 
 /**
@@ -27,6 +28,9 @@ import java.util.stream.Stream;
 final class WorldReader {
     private static final Pattern FIRST_LAW =
             Pattern.compile("(?m)^law[ \\t]+([A-Za-z_][A-Za-z0-9_]{0,46})");
+
+    /** Maximum number of numbers in the declared properties of all items; 400 MB in f64. */
+    private static final long MAX_NUMBERS = 50_000_000;
 
     private static final Unit METRE = Unit.parse("m");
     private static final double DEFAULT_FOV_RADIANS = Math.PI / 4;
@@ -69,6 +73,7 @@ final class WorldReader {
                         doubts,
                         problems);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), expansion);
+        requireRoom(source.all("properties"), items);
         var forceReader = new ForceReader(itemReader.names(), items, physics, doubts, problems);
         List<LastingForce> forces = root.get("forces").map(forceReader::readAll).orElse(List.of());
         List<LawReference> laws = laws(source.all("laws"), physics);
@@ -115,6 +120,40 @@ final class WorldReader {
                 problems.warnings(),
                 Places.of(problems.file(), itemReader.places(), source.all("constants")),
                 (int) wholeNumber(root.get("frame"), "threads", 1));
+    }
+
+    /** Refuses declared properties that need more than {@link #MAX_NUMBERS} for all items. */
+    private void requireRoom(List<Node> properties, List<ItemDefinition> items) {
+        if (properties.isEmpty()) {
+            return;
+        }
+        Map<String, Long> rows =
+                items.stream()
+                        .collect(
+                                Collectors.groupingBy(ItemDefinition::kind, Collectors.counting()));
+        long numbers = 0;
+        for (Node property : properties) {
+            String kind = property.get("kind").flatMap(Node::text).orElse("");
+            int components = PrototypeReader.components(property);
+            long ofKind = rows.getOrDefault(kind, 0L);
+            numbers += ofKind * components;
+            if (numbers > MAX_NUMBERS) {
+                problems.add(
+                        property,
+                        "the declared properties up to this one need "
+                                + numbers
+                                + " numbers for all items ("
+                                + components
+                                + " for each of "
+                                + ofKind
+                                + " items of kind "
+                                + Node.shorten(kind)
+                                + "), at most "
+                                + MAX_NUMBERS
+                                + "; declare fewer properties or components, or make fewer items");
+                return;
+            }
+        }
     }
 
     private static String text(Node node, String key) {

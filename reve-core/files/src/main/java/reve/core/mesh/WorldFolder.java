@@ -85,8 +85,8 @@ public final class WorldFolder {
     }
 
     /**
-     * Returns the real path of the folder in a path that {@link #find} accepted, without following
-     * a link in its last name.
+     * Returns the real path of the folder that contains the file at {@code path}, a path that
+     * {@link #find} accepted. If the file itself is a link, this link is not followed.
      */
     Path folderOf(String path) throws AssetException {
         try {

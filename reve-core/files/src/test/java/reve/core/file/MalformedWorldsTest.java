@@ -463,4 +463,20 @@ class MalformedWorldsTest {
                 .extracting(Problem::toString)
                 .containsExactly("w:5:3: more than 1000000 items with their repetitions");
     }
+
+    @Test
+    void numbersOfDeclaredPropertiesAreLimited() {
+        var world = new StringBuilder("reve: 1\nname: w\nproperties:\n");
+        for (int i = 0; i < 200; i++) {
+            world.append("- {name: p%d, kind: body, components: 16}\n".formatted(i));
+        }
+        world.append("items: [{name: 'a{i}', repeat: 16000}]\n");
+        assertThat(refusal(world.toString()))
+                .extracting(Problem::toString)
+                .containsExactly(
+                        "w:199:3: the declared properties up to this one need 50176000 numbers for"
+                                + " all items (16 for each of 16000 items of kind body), at most"
+                                + " 50000000; declare fewer properties or components, or make"
+                                + " fewer items");
+    }
 }

@@ -149,7 +149,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     private static String jsonLine(Event event) {
         Map<String, Object> line = new LinkedHashMap<>();
         line.put("event", event.name);
-        line.putAll(event.fields);
+        event.fields.forEach(line::putIfAbsent); // no field of a world replaces one of the server
         return Json.line(line);
     }
 

@@ -16,7 +16,6 @@ import java.nio.file.Path;
 import java.time.Duration;
 import java.util.Locale;
 import java.util.Optional;
-import java.util.OptionalLong;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 
@@ -63,7 +62,7 @@ final class LawOptions {
                     "Longest time that the laws may take for a frame before the one that runs is"
                             + " quarantined [ms], with --engine hosted (default: 50 for serve,"
                             + " 10000 for other commands).")
-    private OptionalLong deadline = OptionalLong.empty();
+    private Optional<Long> deadline = Optional.empty();
 
     @Option(
             names = "--law-memory",
@@ -71,7 +70,7 @@ final class LawOptions {
             description =
                     "Most memory that the laws of a world may allocate [MiB], with --engine hosted;"
                             + " 0: no limit (default: half of the machine's memory).")
-    private OptionalLong memory = OptionalLong.empty();
+    private Optional<Long> memory = Optional.empty();
 
     /** The values of --engine: where the engine runs. */
     private enum Place {
@@ -135,18 +134,18 @@ final class LawOptions {
         if (place == Place.IN_PROCESS) {
             return EnginePlace.IN_PROCESS;
         }
-        long millis = deadline.orElse(usual.toMillis());
+        long millis = deadline.orElseGet(usual::toMillis);
         if (millis < 1 || millis > MAX_DEADLINE_MS) {
             throw new ParameterException(
                     spec.commandLine(),
                     "--law-deadline is " + millis + ", expected 1 to " + MAX_DEADLINE_MS + " ms");
         }
-        if (memory.orElse(0) < 0) {
+        if (memory.orElse(0L) < 0) {
             throw new ParameterException(
                     spec.commandLine(),
-                    "--law-memory is " + memory.getAsLong() + ", expected 0 or more MiB");
+                    "--law-memory is " + memory.orElseThrow() + ", expected 0 or more MiB");
         }
-        long bytes = memory.isPresent() ? memory.getAsLong() * MIB : halfOfMemory();
+        long bytes = memory.map(mib -> mib * MIB).orElseGet(LawOptions::halfOfMemory);
         Hosts hosts = new Hosts(Product.nativeFolder().resolve("vesper-host"), bytes);
         hosts.refill(); // the first process starts while the world file is read
         STARTED.add(hosts);

@@ -68,6 +68,20 @@ class EventPrinterTest {
     }
 
     @Test
+    void aFieldOfAnEventDoesNotReplaceItsType() {
+        var out = new StringWriter();
+        try (var printer =
+                new EventPrinter(
+                        new LinePrinter(out),
+                        new PrintWriter(Writer.nullWriter()),
+                        true,
+                        Printed.ACTIONS)) {
+            printer.happened("rang", Map.of("event", "fault"));
+        }
+        assertThat(out.toString().strip()).isEqualTo("{\"event\":\"rang\"}");
+    }
+
+    @Test
     void eventsThatTheOutputDoesNotTakeAreCountedAndReportedOnce() {
         var file = new ByteArrayOutputStream();
         var full = new AtomicBoolean();

@@ -18,6 +18,7 @@ import java.nio.channels.Channels;
 import java.nio.channels.FileChannel;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
+import java.nio.file.LinkOption;
 import java.nio.file.Path;
 import java.nio.file.StandardOpenOption;
 import java.util.Arrays;
@@ -169,12 +170,19 @@ public final class RunLog {
             }
         }
 
+        /** Opens a file of a store; never writes through a link, and never waits for a pipe. */
         private static FileChannel emptied(Path file) throws IOException {
+            if (Files.exists(file, LinkOption.NOFOLLOW_LINKS)
+                    && !Files.isRegularFile(file, LinkOption.NOFOLLOW_LINKS)) {
+                throw new IOException(
+                        file + " is no regular file, expected a file of the store; move it away");
+            }
             try {
                 // With APPEND, a file that another program truncates stays shorter than {@code
                 // written}, which trouble() detects.
                 return FileChannel.open(
                                 file,
+                                LinkOption.NOFOLLOW_LINKS,
                                 StandardOpenOption.CREATE,
                                 StandardOpenOption.WRITE,
                                 StandardOpenOption.APPEND)

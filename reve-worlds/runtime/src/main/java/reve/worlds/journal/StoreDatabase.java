@@ -269,7 +269,9 @@ final class StoreDatabase {
 
     /**
      * Runs a query on a read-only connection, because other connections change the write-ahead log.
-     * Removes the files that SQLite creates beside the database nevertheless.
+     * Removes the files that SQLite creates beside the database nevertheless. If there is a
+     * rollback journal, because the creation of the store was interrupted, SQLite must write to
+     * apply it.
      */
     private static void reading(Path file, Query query) throws IOException {
         List<Path> made =
@@ -277,7 +279,7 @@ final class StoreDatabase {
                         .filter(beside -> !Files.exists(beside, LinkOption.NOFOLLOW_LINKS))
                         .toList();
         SQLiteConfig config = new SQLiteConfig();
-        config.setReadOnly(true);
+        config.setReadOnly(!Files.isRegularFile(rollback(file), LinkOption.NOFOLLOW_LINKS));
         config.setBusyTimeout(0);
         try (Connection connection =
                         config.createConnection("jdbc:sqlite:" + file.toAbsolutePath());

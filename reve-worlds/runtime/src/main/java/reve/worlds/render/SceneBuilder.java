@@ -19,11 +19,12 @@ import java.util.Optional;
 
 /**
  * Builder of a scene from the state of a world at the end of a frame: bodies by shape and material,
- * springs as lines, surfaces as triangles in the colours of the bodies at their corners. Each drawn
- * item has the value of its {@link ItemId} as its number. A body whose colour has alpha 0 is
- * hidden, and so is a surface whose corners are three such bodies. Planes have a grid. In a world
- * without planes, a faint ground that fades with distance is added, so that depth and motion are
- * visible.
+ * springs as lines, surfaces as triangles in the colours of the bodies at their corners. Items
+ * farther than {@link #FARTHEST} from the origin, or larger, are left out, so that one item cannot
+ * prevent all pictures. Each drawn item has the value of its {@link ItemId} as its number. A body
+ * whose colour has alpha 0 is hidden, and so is a surface whose corners are three such bodies.
+ * Planes have a grid. In a world without planes, a faint ground that fades with distance is added,
+ * so that depth and motion are visible.
  *
  * @param image size and quality
  * @param environment background and light
@@ -58,6 +59,9 @@ public record SceneBuilder(
      */
     private static final double GROUND_SIDE = 60;
 
+    /** The renderer refuses a scene with larger numbers than twice this [m]. */
+    private static final double FARTHEST = 5e14;
+
     private static final double INFINITY = Double.POSITIVE_INFINITY;
     private static final Point ORIGIN = new Point(0, 0, 0);
 
@@ -69,6 +73,13 @@ public record SceneBuilder(
 
         double at(long index) {
             return single ? segment.getAtIndex(FLOAT, index) : segment.getAtIndex(DOUBLE, index);
+        }
+
+        /** Returns whether the three numbers from an index on can be drawn. */
+        boolean isDrawable(long index) {
+            return Math.abs(at(index)) <= FARTHEST
+                    && Math.abs(at(index + 1)) <= FARTHEST
+                    && Math.abs(at(index + 2)) <= FARTHEST;
         }
     }
 
@@ -170,7 +181,9 @@ public record SceneBuilder(
             int code = shape.getAtIndex(INT, row);
             if (code != Shape.NONE
                     && (code == Shape.PLANE) == planes
-                    && !isHidden(colour.getAtIndex(INT, row))) {
+                    && !isHidden(colour.getAtIndex(INT, row))
+                    && lows.isDrawable(row * 3L)
+                    && highs.isDrawable(row * 3L)) {
                 box.add(lows, highs, row * 3L);
             }
         }
@@ -195,6 +208,7 @@ public record SceneBuilder(
 
     private static void forEachSurface(
             WorldSnapshot snapshot, TableSnapshot bodies, SurfaceVisitor visitor) {
+        var position = new Reals(bodies, "position");
         MemorySegment colour = bodies.column("colour").segment();
         for (TableSnapshot surfaces : snapshot.tables()) {
             if (!surfaces.kind().equals(WorldPrototype.SURFACE)) {
@@ -207,7 +221,7 @@ public record SceneBuilder(
                 boolean complete = true;
                 for (int corner = 0; corner < 3; corner++) {
                     rows[corner] = rowOf(bodies, vertices, row, corner);
-                    complete &= rows[corner] >= 0;
+                    complete &= rows[corner] >= 0 && position.isDrawable(3L * rows[corner]);
                     seen |= rows[corner] >= 0 && !isHidden(colour.getAtIndex(INT, rows[corner]));
                 }
                 if (seen && complete) {
@@ -251,10 +265,14 @@ public record SceneBuilder(
         for (int row = 0; row < bodies.rowCount(); row++) {
             int code = shape.getAtIndex(INT, row);
             int rgba = colour.getAtIndex(INT, row);
-            if (code == Shape.NONE || isHidden(rgba) || row == hidden) {
+            long at = row * 3L;
+            if (code == Shape.NONE
+                    || isHidden(rgba)
+                    || row == hidden
+                    || !position.isDrawable(at)
+                    || !size.isDrawable(at)) {
                 continue;
             }
-            long at = row * 3L;
             if (code == Shape.CAPSULE || code == Shape.CYLINDER) {
                 var place = new Point(position.at(at), position.at(at + 1), position.at(at + 2));
                 addRound(scene, bodies, row, place, snapshot.symbols().get(bodies.idAt(row)));
@@ -349,6 +367,9 @@ public record SceneBuilder(
      */
     private static void addGround(Scene scene, Bounds bounds) {
         double side = Math.max(bounds.longestSide(), 1e-3);
+        if (GROUND_SIDE * side > FARTHEST) {
+            return;
+        }
         double low = bounds.low().y();
         double step = Math.pow(10, Math.floor(Math.log10(side)));
         double level = low >= 0 && low <= 2 * side ? 0 : Math.floor(low / step) * step;
@@ -390,7 +411,7 @@ public record SceneBuilder(
         for (int row = 0; row < springs.rowCount(); row++) {
             long from = 3L * rowOf(bodies, end1, row, 0);
             long to = 3L * rowOf(bodies, end2, row, 0);
-            if (from < 0 || to < 0) {
+            if (from < 0 || to < 0 || !position.isDrawable(from) || !position.isDrawable(to)) {
                 continue;
             }
             scene.segments(width)

@@ -96,6 +96,24 @@ class SqliteStoreTest {
         }
     }
 
+    /** Another program has made it while the store is open. */
+    @Test
+    void theNextFileOfFramesIsNotWrittenThroughALink() throws Exception {
+        Path other = Files.writeString(folder.resolve("other"), "precious");
+        try (SqliteStore store = open(file)) {
+            for (int number = 1; number < 4; number++) {
+                Path next = folder.resolve("my.db-frames-" + number);
+                if (!Files.exists(next)) {
+                    Files.createSymbolicLink(next, other);
+                }
+            }
+            assertThatThrownBy(() -> store.place().write(List.of(), image(10)))
+                    .isInstanceOf(IOException.class)
+                    .hasMessageContaining("is no regular file");
+        }
+        assertThat(other).hasContent("precious");
+    }
+
     @Test
     void aNameThatBelongsToAnotherStoreOrHoldsOptionsIsRefused() {
         for (String name : List.of("my.db-wal", "my.db-shm", "my.db-journal", "my.db-frames-7")) {
@@ -133,6 +151,30 @@ class SqliteStoreTest {
 
         assertThat(read()).contains("image 22", "frame 24");
         assertThat(query("PRAGMA user_version")).isEqualTo("" + StoreDatabase.VERSION);
+    }
+
+    /**
+     * The process was killed before it removed the rollback journal of the first write, which
+     * reverts the database to an empty file.
+     */
+    @Test
+    void aJournalFromTheCreationOfTheStoreIsApplied() throws Exception {
+        update("PRAGMA journal_mode = WAL");
+        byte[] journal =
+                ByteBuffer.allocate(512)
+                        .putLong(0xd9d505f920a163d7L) // the format's magic
+                        .putInt(0) // pages in the journal
+                        .putInt(4711) // nonce
+                        .putInt(0) // pages of the database before the write
+                        .putInt(512) // size of a sector
+                        .putInt(4096) // size of a page
+                        .array();
+        Files.write(StoreDatabase.rollback(file), journal);
+
+        assertThat(StoreContents.read(file).isEmpty()).isTrue();
+        fill();
+
+        assertThat(read()).contains("image 22", "frame 24");
     }
 
     /** SQLite reverts a write itself when there is no room for it. */

@@ -137,6 +137,24 @@ class SceneBuilderIT {
         }
     }
 
+    @Test
+    void itemsFarBeyondTheWorldAreLeftOut() {
+        World world = world("si-f64");
+        world.add(ball("red", "#ff0000").at(-5, 5, 0).physics("mass", 1).build());
+        world.add(ball("lost", "#ffffff").at(1e16, 0, 0).physics("mass", 1).build());
+        world.add(
+                ItemDefinition.named("spring")
+                        .kind("spring")
+                        .physics("springConstant", 1)
+                        .physics("length", 1)
+                        .reference("end1", "red")
+                        .reference("end2", "lost")
+                        .build());
+        Picture seen = draw(world, Optional.of(FRONT));
+        assertThat(isMostly(seen.at(50, 50), 16)).isTrue();
+        assertThat(isMostly(draw(world, Optional.empty()).at(100, 100), 16)).isTrue();
+    }
+
     @ParameterizedTest
     @ValueSource(strings = {"si-f32", "si-f64"})
     void bodiesAndSpringsShowWhereTheyAre(String prototype) {

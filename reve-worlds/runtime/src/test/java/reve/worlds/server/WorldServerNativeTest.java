@@ -8,13 +8,16 @@ import org.junit.jupiter.api.io.TempDir;
 
 import reve.core.agent.AgentServerConfig;
 import reve.core.file.WorldFile;
+import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
+import reve.core.world.WorldEvent;
 import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.SqliteStore;
 
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
@@ -87,6 +90,43 @@ class WorldServerNativeTest {
                                         .contains(
                                                 "the journal has ended after frame",
                                                 "OutOfMemoryError: while it was told"));
+    }
+
+    /** An action of a world file may give an event any fields. */
+    @Test
+    void anEventCannotSpeakForAnotherWorld() throws Exception {
+        Queue<Object> worlds = new ConcurrentLinkedQueue<>();
+        ServerEvents events =
+                (event, fields) -> {
+                    if (event.equals("rang")) {
+                        worlds.add(fields.get("world"));
+                    }
+                };
+        try (var server =
+                new WorldServer(
+                        List.of(
+                                plan("mine", 3, Optional.empty()),
+                                plan("other", 3, Optional.empty())),
+                        Pacing.FAST,
+                        AgentServerConfig.onPort(0),
+                        Optional.empty(),
+                        events)) {
+            server.ports()
+                    .getFirst()
+                    .bus()
+                    .subscribe(
+                            FramePhase.ACT,
+                            "bell",
+                            frame ->
+                                    frame.world()
+                                            .raise(
+                                                    new WorldEvent(
+                                                            frame.frame(),
+                                                            "rang",
+                                                            Map.of("world", "other"))));
+            server.run();
+        }
+        assertThat(worlds).isNotEmpty().containsOnly("mine");
     }
 
     private static Thread journalsThread() {
