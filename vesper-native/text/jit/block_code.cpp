@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "interleave.hpp"
@@ -71,26 +72,39 @@ class BlockCode {
     return x86::ptr(base, at_, Shift());
   }
 
-  x86::Vec Load(const LawCode& law, uint16_t to) {
+  struct Source {
+    size_t group;
+    uint32_t component;
+  };
+
+  /// Returns from where the function loads a register itself, or nothing.
+  std::optional<Source> SourceOf(uint16_t to) const {
     for (size_t g = 0; g < program_.loads.size(); ++g) {
       const LoadGroup& group = program_.loads[g];
       for (uint32_t k = 0; k < 4; ++k) {
-        if (group.to[k] != to || group.participant == kOwnRow) continue;
-        return Gather(group, g, law.properties[group.property].components, k);
+        if (group.to[k] == to && group.participant != kOwnRow) return Source{g, k};
       }
     }
-    return vectors_.Load(Register(to));
+    return std::nullopt;
   }
 
-  /// Stores results that are values of columns, because the registers of loads contain nothing.
+  x86::Vec Load(const LawCode& law, uint16_t to) {
+    const std::optional<Source> source = SourceOf(to);
+    if (!source) return vectors_.Load(Register(to));
+    const LoadGroup& group = program_.loads[source->group];
+    return Gather(group, source->group, law.properties[group.property].components,
+                  source->component);
+  }
+
+  /// Stores results that are values of other rows, because their registers contain nothing yet.
+  /// Registers of the row itself may be its columns, which must not be written.
   void StoreLoads(ProgramEmitter& emitter) {
     std::vector<uint16_t> results{program_.energy};
     for (const ResultGroup& group : program_.results) {
       results.insert(results.end(), group.from.begin(), group.from.end());
     }
     for (const uint16_t of : results) {
-      if (of == kNothing || emitter.IsComputed(of)) continue;
-      vectors_.Store(Register(of), emitter.Result(of));
+      if (of != kNothing && SourceOf(of)) vectors_.Store(Register(of), emitter.Result(of));
     }
   }
 

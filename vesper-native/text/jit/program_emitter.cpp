@@ -111,9 +111,4 @@ uint16_t ProgramEmitter::NegativeOf(uint16_t of) const {
   return kNothing;
 }
 
-bool ProgramEmitter::IsComputed(uint16_t of) const {
-  return std::any_of(program_.code.begin(), program_.code.end(),
-                     [&](const Instruction& step) { return step.to == of; });
-}
-
 }  // namespace vesper::text

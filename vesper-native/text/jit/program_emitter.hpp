@@ -33,8 +33,6 @@ class ProgramEmitter {
   /// Returns the register whose negative a register contains at the end, or kNothing if there is
   /// none or another operation uses the negative.
   uint16_t NegativeOf(uint16_t of) const;
-  /// Returns whether an operation computes a register. Others contain loads or uniform values.
-  bool IsComputed(uint16_t of) const;
 
  private:
   VectorValue& ValueOf(uint16_t operand);

@@ -61,7 +61,11 @@ template <class Real>
 typename Evaluator<Real>::Executable Evaluator<Real>::Make(const PassCode& code, bool energy,
                                                            bool machine_code) const {
   Executable program{Compile(law_, code, energy), {}, {}, {}};
-  if (machine_code) program.machine = Generate(law_, code, program, kernels_);
+  if (machine_code) {
+    program.machine = Generate(law_, code, program, kernels_);
+  } else {
+    program.machine.reason = WhyNoMachineCode();
+  }
   program.load_data.resize(program.loads.size());
   program.result_data.resize(program.results.size());
   return program;
