@@ -6,11 +6,13 @@ import os
 import shutil
 import subprocess
 import sys
+import venv
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "build/bench"
 LAWS = OUT / "vesper-laws/lib"
+PEERS = OUT / "peers"
 
 
 def arguments(description, quick):
@@ -78,6 +80,14 @@ def output(command, **environment):
             f"{' '.join(command)}"
         )
     return done.stdout
+
+
+def install_peers():
+    """Installs the programs of bench/peers/requirements.txt, which PEERS / "bin/python" imports."""
+    if not PEERS.exists():
+        venv.create(PEERS, with_pip=True)
+    requirements = ROOT / "bench/peers/requirements.txt"
+    shell(PEERS / "bin/pip", "install", "-q", "--disable-pip-version-check", "-r", requirements)
 
 
 def cmake(folder, source, *options, targets=()):

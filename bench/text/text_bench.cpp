@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures laws as text beside the compiled laws of the same name, in turn, on one thread, and all
-// pairs beside a plain loop. Prints a table.
+// pairs beside a plain loop; and the time from a text to the first step that uses it. Prints
+// tables. With LAW, ROWS and PRECISION it prints the time of one law as text per row or pair [ns].
 #include <time.h>
 
 #include <algorithm>
@@ -125,52 +126,114 @@ void Compare(const std::string& name, uint64_t rows, const char* precision, cons
               theirs / work * 1e9, theirs / ours);
 }
 
+constexpr const char* kLaws[] = {"gravity_field", "drag",          "lorentz_field",
+                                 "hooke_spring",  "newton_motion", "velocity_verlet"};
+constexpr uint64_t kRows = 100000;
+
+struct Folders {
+  std::string compiled;
+  std::string sources;
+};
+
 template <class Real>
-void Measure(const std::string& compiled, const std::string& sources, int rounds) {
+PhysicsEngine EngineOf(World<Real>& world, const Folders& folders, const std::string& law,
+                       bool text) {
+  PhysicsEngine engine = world.Engine(folders.compiled);
+  engine.LoadPhysicsLaw(text ? folders.sources + "/" + law + "/" + law + ".law" : law);
+  engine.Advance(1e-6, 2);
+  return engine;
+}
+
+double Pairs(uint64_t rows) {
+  return static_cast<double>(rows) * static_cast<double>(rows - 1) / 2;
+}
+
+template <class Real>
+void Measure(const Folders& folders, int rounds) {
   const char* precision = sizeof(Real) == 8 ? "f64" : "f32";
-  const auto engine_of = [&](World<Real>& world, const std::string& law, bool text) {
-    PhysicsEngine engine = world.Engine(compiled);
-    engine.LoadPhysicsLaw(text ? sources + "/" + law + "/" + law + ".law" : law);
-    engine.Advance(1e-6, 2);
-    return engine;
-  };
-  for (const char* law : {"gravity_field", "drag", "lorentz_field", "hooke_spring", "newton_motion",
-                          "velocity_verlet"}) {
-    constexpr uint64_t kRows = 100000;
+  for (const char* law : kLaws) {
     World<Real> a(kRows), b(kRows);
-    PhysicsEngine text = engine_of(a, law, true), other = engine_of(b, law, false);
+    PhysicsEngine text = EngineOf(a, folders, law, true), other = EngineOf(b, folders, law, false);
     Compare(
         law, kRows, precision, "compiled law", rounds, 4.0 * kRows, [&] { text.Advance(1e-6, 4); },
         [&] { other.Advance(1e-6, 4); });
   }
   for (const uint64_t rows : {1536, 16384}) {
     World<Real> a(rows), b(rows), c(rows);
-    const double pairs = static_cast<double>(rows) * static_cast<double>(rows - 1) / 2;
     const int fewer = rows > 2000 ? std::max(1, rounds / 10) : rounds;
-    PhysicsEngine text = engine_of(a, "newton_gravitation", true);
-    PhysicsEngine other = engine_of(b, "newton_gravitation", false);
+    PhysicsEngine text = EngineOf(a, folders, "newton_gravitation", true);
+    PhysicsEngine other = EngineOf(b, folders, "newton_gravitation", false);
     Compare(
-        "newton_gravitation", rows, precision, "compiled law", fewer, pairs,
+        "newton_gravitation", rows, precision, "compiled law", fewer, Pairs(rows),
         [&] { text.Advance(1e-6); }, [&] { other.Advance(1e-6); });
     Compare(
-        "newton_gravitation", rows, precision, "plain loop, -O3 -march=native", fewer, pairs,
+        "newton_gravitation", rows, precision, "plain loop, -O3 -march=native", fewer, Pairs(rows),
         [&] { text.Advance(1e-6); }, [&] { PlainLoop(c); });
   }
+}
+
+/// Prints the time from the text to the end of the first step that uses it, for 64 rows.
+void MeasureLoading(const Folders& folders, int rounds) {
+  World<double> world(64);
+  PhysicsEngine engine = world.Engine(folders.compiled);
+  engine.Advance(1e-6);
+  std::printf("\n| law | from text to first step [ms] | slowest [ms] |\n|---|---:|---:|\n");
+  for (const char* law : {"gravity_field", "drag", "lorentz_field", "hooke_spring", "newton_motion",
+                          "velocity_verlet", "newton_gravitation"}) {
+    const std::string path = folders.sources + "/" + law + "/" + law + ".law";
+    std::vector<double> times;
+    for (int round = 0; round < rounds; ++round) {
+      const double start = Now();
+      const vesper_library_id id = engine.LoadPhysicsLaw(path);
+      engine.Advance(1e-6);
+      times.push_back(Now() - start);
+      engine.UnloadPhysicsLaw(id);
+    }
+    std::printf("| %s | %.2f | %.2f |\n", law, 1e3 * Median(times),
+                1e3 * *std::max_element(times.begin(), times.end()));
+  }
+}
+
+template <class Real>
+void MeasureOne(const Folders& folders, const std::string& law, uint64_t rows, int rounds) {
+  World<Real> world(rows);
+  PhysicsEngine engine = EngineOf(world, folders, law, true);
+  const bool pairs = law == "newton_gravitation";
+  const int steps = pairs ? 1 : 4;
+  std::vector<double> times;
+  for (int round = 0; round < rounds; ++round) {
+    const double start = Now();
+    engine.Advance(1e-6, static_cast<uint32_t>(steps));
+    times.push_back(Now() - start);
+  }
+  const double work = pairs ? Pairs(rows) : steps * static_cast<double>(rows);
+  std::printf("%.4f\n", 1e9 * Median(times) / work);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: text_bench COMPILED-LAWS LAW-SOURCES ROUNDS\n");
+  if (argc != 4 && argc != 7) {
+    std::fprintf(stderr, "usage: text_bench COMPILED-LAWS LAW-SOURCES ROUNDS [LAW ROWS f32|f64]\n");
     return 2;
   }
+  const Folders folders{argv[1], argv[2]};
   const int rounds = std::atoi(argv[3]);
+  if (argc == 7) {
+    const auto rows = static_cast<uint64_t>(std::atoll(argv[5]));
+    if (std::string(argv[6]) == "f64") {
+      MeasureOne<double>(folders, argv[4], rows, rounds);
+    } else {
+      MeasureOne<float>(folders, argv[4], rows, rounds);
+    }
+    return 0;
+  }
   std::printf("%s\n\n", vesper_build_info());
   std::printf(
       "| law | rows | | beside | text [ns per row or pair] | other [ns] | times as fast |\n");
   std::printf("|---|---:|---|---|---:|---:|---:|\n");
-  Measure<double>(argv[1], argv[2], rounds);
-  Measure<float>(argv[1], argv[2], rounds);
+  Measure<double>(folders, rounds);
+  Measure<float>(folders, rounds);
+  MeasureLoading(folders, rounds);
   return 0;
 }

@@ -25,7 +25,7 @@ void ParallelFor(const vesper_host& host, uint64_t count, uint64_t grain, Body& 
 template <class Real>
 Evaluator<Real>::Evaluator(const LawCode& law, std::string_view source, std::string_view text,
                            const vesper_host& host, const double* parameters,
-                           const Kernels<Real>& kernels)
+                           const Kernels<Real>& kernels, bool machine_code)
     : law_(law),
       source_(source),
       text_(text),
@@ -36,8 +36,8 @@ Evaluator<Real>::Evaluator(const LawCode& law, std::string_view source, std::str
       places_(kPlaces) {
   size_t constants = 0;
   for (const PassCode& code : law.passes) {
-    Pass& pass = passes_.emplace_back(Pass{&code, Compile(law, code, false), std::nullopt});
-    if (code.energy != kNoNode) pass.energy = Compile(law, code, true);
+    Pass& pass = passes_.emplace_back(Pass{&code, Make(code, false, machine_code), std::nullopt});
+    if (code.energy != kNoNode) pass.energy = Make(code, true, machine_code);
     for (const Program* program : {&pass.program, pass.energy ? &*pass.energy : nullptr}) {
       if (program == nullptr) continue;
       constants = std::max(constants, program->uniforms());
@@ -58,6 +58,72 @@ Evaluator<Real>::Evaluator(const LawCode& law, std::string_view source, std::str
 }
 
 template <class Real>
+typename Evaluator<Real>::Executable Evaluator<Real>::Make(const PassCode& code, bool energy,
+                                                           bool machine_code) const {
+  Executable program{Compile(law_, code, energy), {}, {}, {}};
+  if (machine_code) {
+    program.machine = Generate(law_, code, program, kernels_);
+  } else {
+    program.machine.reason = WhyNoMachineCode();
+  }
+  program.load_data.resize(program.loads.size());
+  program.result_data.resize(program.results.size());
+  return program;
+}
+
+template <class Real>
+void Evaluator<Real>::BindColumns(Executable& program) const {
+  program.complete = true;
+  for (size_t g = 0; g < program.loads.size(); ++g) {
+    program.load_data[g] = columns_[program.loads[g].property].data;
+    program.complete = program.complete && program.load_data[g] != nullptr;
+  }
+  for (size_t g = 0; g < program.results.size(); ++g) {
+    program.result_data[g] = columns_[program.results[g].property].data;
+    program.complete = program.complete && program.result_data[g] != nullptr;
+  }
+}
+
+template <class Real>
+void Evaluator<Real>::Execute(const Executable& program, const Place& place, size_t count) const {
+  if (program.machine.run != nullptr) {
+    program.machine.run(place.registers.data(), place.uniforms.data(), count);
+  } else {
+    kernels_.run(program.code, place.registers.data(), place.uniforms.data(), count);
+  }
+}
+
+/// Executes a program on a block of rows that refer to other rows, or of pairs.
+template <class Real>
+void Evaluator<Real>::ExecuteOnParticipants(const Executable& program, size_t count,
+                                            Place& place) const {
+  if (program.machine.gather == nullptr || !program.complete) {
+    LoadParticipants(program, count, place);
+    Execute(program, place, count);
+    return;
+  }
+  std::array<const uint32_t*, kMostParticipants> rows;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    rows[k] = place.rows[k].data();
+    // Machine code also loads the rows behind the block.
+    std::fill(place.rows[k].begin() + static_cast<ptrdiff_t>(count), place.rows[k].end(),
+              place.rows[k][0]);
+  }
+  const GatheredBlock<Real> block{place.registers.data(), place.uniforms.data(), count,
+                                  program.load_data.data(), rows.data()};
+  program.machine.gather(&block);
+}
+
+template <class Real>
+const std::string& Evaluator<Real>::WhyEvaluated() const {
+  for (const Pass& pass : passes_) {
+    if (pass.program.machine.run == nullptr) return pass.program.machine.reason;
+  }
+  static const std::string nothing;
+  return nothing;
+}
+
+template <class Real>
 void Evaluator<Real>::Bind(const vesper_property* properties) {
   for (size_t use = 0; use < columns_.size(); ++use) {
     const uint32_t i = law_.table_order[use];
@@ -71,6 +137,10 @@ void Evaluator<Real>::Bind(const vesper_property* properties) {
     } else {
       column.data = static_cast<Real*>(property.data);
     }
+  }
+  for (Pass& pass : passes_) {
+    BindColumns(pass.program);
+    if (pass.energy) BindColumns(*pass.energy);
   }
   uint64_t paired = 0;
   size_t split = 0, sums = 0;
@@ -93,6 +163,10 @@ void Evaluator<Real>::Bind(const vesper_property* properties) {
   shares_ = std::clamp<uint64_t>(paired / 1024, 1, kPlaces);
   split_.assign(split, LineVector<Real>(paired + kBlock + kPadding));
   sums_.assign(shares_ * sums, LineVector<Real>(paired + kBlock + kPadding));
+  split_data_.clear();
+  for (const auto& column : split_) split_data_.push_back(column.data());
+  sums_data_.clear();
+  for (auto& column : sums_) sums_data_.push_back(column.data());
 }
 
 template <class Real>
@@ -348,7 +422,7 @@ std::optional<Fault> Evaluator<Real>::Advance(const vesper_step& step) {
 
 template <class Real>
 std::optional<Fault> Evaluator<Real>::RunRows(Pass& pass) {
-  const Program& program = pass.program;
+  const Executable& program = pass.program;
   const uint64_t count = RowsOf(pass.code->rows);
   // There are at most as many chunks as workspaces.
   const uint64_t blocks = (count + kPlaces * kBlock - 1) / (kPlaces * kBlock);
@@ -359,13 +433,22 @@ std::optional<Fault> Evaluator<Real>::RunRows(Pass& pass) {
     Place& place = places_[at];
     FillUniforms(program, place);
     Prepare(place, program);
-    for (uint64_t row = begin; row < end; row += kBlock) {
-      const auto rows = static_cast<size_t>(std::min<uint64_t>(kBlock, end - row));
+    for (uint64_t row = begin; row < end;) {
+      if (program.machine.rows != nullptr && program.complete) {
+        const RowsOfPass<Real> of{program.load_data.data(), program.result_data.data(),
+                                  place.uniforms.data(), row, end};
+        row = program.machine.rows(&of);
+        if (row == end) break;
+      }
+      // Ends where a block of the evaluator ends, so that the same faults are found.
+      const uint64_t rest = kBlock - (row - begin) % kBlock;
+      const auto rows = static_cast<size_t>(std::min<uint64_t>(rest, end - row));
       LoadRows(program, row, rows, place);
-      kernels_.run(program.code, place.registers.data(), place.uniforms.data(), rows);
+      Execute(program, place, rows);
       if (!StoreRows(program, row, rows, place)) {
         NoteFault(Explain(*pass.code, program, rows, row, place));
       }
+      row += rows;
     }
     taken_[at].clear(std::memory_order_release);
   };
@@ -377,11 +460,12 @@ std::optional<Fault> Evaluator<Real>::RunRows(Pass& pass) {
 /// several times to the same row, so they run in order, on one thread.
 template <class Real>
 std::optional<Fault> Evaluator<Real>::RunScattered(Pass& pass) {
-  const Program& program = pass.program;
+  const Executable& program = pass.program;
   Place& place = places_[0];
   ForEachBlock(*pass.code, program, place, [&](uint64_t begin, size_t count) {
     if (fault_) return;
     if (!ResultsAreFinite(program, count, place)) {
+      LoadParticipants(program, count, place);
       NoteFault(Explain(*pass.code, program, count, begin, place));
     }
     if (pass.code->kind == BlockKind::kJoined) StoreRows(program, begin, count, place);
@@ -404,12 +488,11 @@ void Evaluator<Real>::LoadReferences(const PassCode& pass, uint64_t begin, size_
 
 template <class Real>
 template <class Use>
-void Evaluator<Real>::ForEachBlock(const PassCode& pass, const Program& program, Place& place,
+void Evaluator<Real>::ForEachBlock(const PassCode& pass, const Executable& program, Place& place,
                                    Use&& use) {
   const uint64_t rows = RowsOf(pass.rows);
   const auto run = [&](uint64_t begin, size_t count) {
-    LoadParticipants(program, count, place);
-    kernels_.run(program.code, place.registers.data(), place.uniforms.data(), count);
+    ExecuteOnParticipants(program, count, place);
     use(begin, count);
   };
   if (pass.kind == BlockKind::kPairs && pass.within != kNoNode) {

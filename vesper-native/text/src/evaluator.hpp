@@ -13,6 +13,7 @@
 #include "aligned.hpp"
 #include "kernels.hpp"
 #include "law_code.hpp"
+#include "machine_code.hpp"
 #include "neighbours.hpp"
 #include "program.hpp"
 #include "vesper/law.h"
@@ -34,14 +35,18 @@ template <class Real>
 class Evaluator {
  public:
   /// `source` and `text` name the text in messages; all arguments must outlive the object.
+  /// `machine_code`: programs become machine code if possible.
   Evaluator(const LawCode& law, std::string_view source, std::string_view text,
             const vesper_host& host, const double* parameters,
-            const Kernels<Real>& kernels = AvailableKernels<Real>().front());
+            const Kernels<Real>& kernels = AvailableKernels<Real>().front(),
+            bool machine_code = WhyNoMachineCode().empty());
 
   void Bind(const vesper_property* properties);
   /// Applies the law; returns the first value that is not finite although its operands are finite.
   std::optional<Fault> Advance(const vesper_step& step);
   double PotentialEnergy();
+  /// Returns why a pass has no machine code, or an empty text if all passes have.
+  const std::string& WhyEvaluated() const;
 
  private:
   struct Column {
@@ -59,11 +64,22 @@ class Evaluator {
                                                                 // block
     std::vector<Real> uniforms;
   };
+  struct Executable : Program {
+    MachineCode<Real> machine;
+    std::vector<const Real*> load_data;  // columns of the groups of loads
+    std::vector<Real*> result_data;      // columns of the groups of results
+    bool complete = false;               // no column is absent
+  };
   struct Pass {
     const PassCode* code;
-    Program program;
-    std::optional<Program> energy;
+    Executable program;
+    std::optional<Executable> energy;
   };
+
+  Executable Make(const PassCode& code, bool energy, bool machine_code) const;
+  void BindColumns(Executable& program) const;
+  void Execute(const Executable& program, const Place& place, size_t count) const;
+  void ExecuteOnParticipants(const Executable& program, size_t count, Place& place) const;
 
   void Prepare(Place& place, const Program& program) const;
   void FillUniforms(const Program& program, Place& place) const;
@@ -84,15 +100,18 @@ class Evaluator {
   std::optional<Fault> RunScattered(Pass& pass);
   std::optional<Fault> RunAllPairs(Pass& pass);
   void RunShare(Pass& pass, uint64_t share, uint64_t shares);
+  std::optional<Fault> ExplainPairs(const Pass& pass, uint64_t first, uint64_t begin, size_t count,
+                                    Place& place) const;
   void AddShares(const Pass& pass, uint64_t shares);
   /// Evaluates a program on all rows or pairs of a pass in a fixed order, on the calling thread.
   /// Calls `use(begin, count)` after each block.
   template <class Use>
-  void ForEachBlock(const PassCode& pass, const Program& program, Place& place, Use&& use);
+  void ForEachBlock(const PassCode& pass, const Executable& program, Place& place, Use&& use);
   template <class Use>
-  void ForEachRowOfSecond(const Program& program, uint64_t first, uint64_t rows, Place& place,
+  void ForEachRowOfSecond(const Executable& program, uint64_t first, uint64_t rows, Place& place,
                           Use&& use);
   void LoadReferences(const PassCode& pass, uint64_t begin, size_t count, Place& place) const;
+  void LoadColumnsOfFirst(const Program& program, uint64_t row, Place& place) const;
   void LoadFirst(const Program& program, uint64_t row, Place& place) const;
   void SplitSecond(const Program& program, uint64_t rows);
   bool Begin(const PassCode& pass, const Program& program, const vesper_step& step, Place& place);
@@ -119,6 +138,8 @@ class Evaluator {
   // All pairs: the components of the second row of a pair as columns, and the sums of each share.
   std::vector<LineVector<Real>> split_;
   std::vector<LineVector<Real>> sums_;
+  std::vector<const Real*> split_data_;  // addresses of the vectors above
+  std::vector<Real*> sums_data_;
   uint64_t shares_ = 0;
 };
 

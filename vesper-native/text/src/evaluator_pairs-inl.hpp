@@ -25,9 +25,8 @@ void Evaluator<Real>::SplitSecond(const Program& program, uint64_t rows) {
   }
 }
 
-/// Computes the values that depend only on the first row of a pair.
 template <class Real>
-void Evaluator<Real>::LoadFirst(const Program& program, uint64_t row, Place& place) const {
+void Evaluator<Real>::LoadColumnsOfFirst(const Program& program, uint64_t row, Place& place) const {
   for (const LoadGroup& group : program.loads_of_first) {
     const Column& column = columns_[group.property];
     for (uint32_t k = 0; k < column.components; ++k) {
@@ -36,6 +35,12 @@ void Evaluator<Real>::LoadFirst(const Program& program, uint64_t row, Place& pla
           column.data == nullptr ? Real(0) : column.data[row * column.components + k];
     }
   }
+}
+
+/// Computes the values that depend only on the first row of a pair.
+template <class Real>
+void Evaluator<Real>::LoadFirst(const Program& program, uint64_t row, Place& place) const {
+  LoadColumnsOfFirst(program, row, place);
   const auto value_of = [&](NodeId id) {
     if (id == kNoNode) return Real(0);
     const auto find = [&](const std::vector<NodeId>& list, size_t offset) -> const Real* {
@@ -60,7 +65,7 @@ void Evaluator<Real>::LoadFirst(const Program& program, uint64_t row, Place& pla
 /// Evaluates one row with all later rows.
 template <class Real>
 template <class Use>
-void Evaluator<Real>::ForEachRowOfSecond(const Program& program, uint64_t first, uint64_t rows,
+void Evaluator<Real>::ForEachRowOfSecond(const Executable& program, uint64_t first, uint64_t rows,
                                          Place& place, Use&& use) {
   LoadFirst(program, first, place);
   const auto clear = [&](uint16_t result, size_t count) {
@@ -76,7 +81,7 @@ void Evaluator<Real>::ForEachRowOfSecond(const Program& program, uint64_t first,
         if (to != kNothing) place.registers[to] = split_[4 * g + k].data() + begin;
       }
     }
-    kernels_.run(program.code, place.registers.data(), place.uniforms.data(), count);
+    Execute(program, place, count);
     if (begin <= first) {
       const auto before = static_cast<size_t>(first + 1 - begin);
       for (const ResultGroup& group : program.results) {
@@ -90,7 +95,7 @@ void Evaluator<Real>::ForEachRowOfSecond(const Program& program, uint64_t first,
 
 template <class Real>
 void Evaluator<Real>::RunShare(Pass& pass, uint64_t share, uint64_t shares) {
-  const Program& program = pass.program;
+  const Executable& program = pass.program;
   const uint64_t rows = RowsOf(pass.code->rows);
   // Divides the rows so that all shares have about the same number of pairs.
   const auto begin_of = [&](uint64_t s) {
@@ -104,15 +109,20 @@ void Evaluator<Real>::RunShare(Pass& pass, uint64_t share, uint64_t shares) {
   for (size_t i = 0; i < program.results.size() * 4; ++i) {
     if (program.results[i / 4].from[i % 4] != kNothing) std::fill_n(sums[i].begin(), rows, Real(0));
   }
+  Real* const* sums_data = sums_data_.data() + share * program.results.size() * 4;
   for (uint64_t first = begin_of(share); first < begin_of(share + 1); ++first) {
+    if (program.machine.pairs != nullptr) {
+      LoadColumnsOfFirst(program, first, place);
+      const PairsOfRow<Real> pairs{split_data_.data(), sums_data, place.uniforms.data(), first,
+                                   rows};
+      if (program.machine.pairs(&pairs) != 0) continue;
+      ForEachRowOfSecond(program, first, rows, place, [&](uint64_t begin, size_t count) {
+        NoteFault(ExplainPairs(pass, first, begin, count, place));
+      });
+      continue;
+    }
     ForEachRowOfSecond(program, first, rows, place, [&](uint64_t begin, size_t count) {
-      if (!ResultsAreFinite(program, count, place)) {
-        for (size_t i = 0; i < count; ++i) {
-          place.rows[0][i] = static_cast<uint32_t>(first);
-          place.rows[1][i] = static_cast<uint32_t>(begin + i);
-        }
-        NoteFault(Explain(*pass.code, program, count, begin, place));
-      }
+      NoteFault(ExplainPairs(pass, first, begin, count, place));
       for (size_t g = 0; g < program.results.size(); ++g) {
         const ResultGroup& group = program.results[g];
         for (size_t k = 0; k < 4; ++k) {
@@ -128,6 +138,18 @@ void Evaluator<Real>::RunShare(Pass& pass, uint64_t share, uint64_t shares) {
       }
     });
   }
+}
+
+/// Explains results of a block of pairs that are not finite, if there are any.
+template <class Real>
+std::optional<Fault> Evaluator<Real>::ExplainPairs(const Pass& pass, uint64_t first, uint64_t begin,
+                                                   size_t count, Place& place) const {
+  if (ResultsAreFinite(pass.program, count, place)) return std::nullopt;
+  for (size_t i = 0; i < count; ++i) {
+    place.rows[0][i] = static_cast<uint32_t>(first);
+    place.rows[1][i] = static_cast<uint32_t>(begin + i);
+  }
+  return Explain(*pass.code, pass.program, count, begin, place);
 }
 
 template <class Real>

@@ -250,6 +250,14 @@ void Run(std::span<const Instruction> program, Real* const* registers, const Rea
 }
 
 template <class Real>
+void Function(Operation operation, const Real* a, const Real* b, Real* to) {
+  Real* const registers[] = {const_cast<Real*>(a), const_cast<Real*>(b), to};
+  const Instruction step{operation, 2, 0, 1, 0xffff};
+  InDouble(Operands<Real>{registers, nullptr}, step, hn::Lanes(Lanes<Real>()),
+           [&](auto d, auto left, auto right) { return OfDoubles(d, operation, left, right); });
+}
+
+template <class Real>
 void Split3(const Real* rows, size_t count, Real* x, Real* y, Real* z) {
   const Lanes<Real> d;
   const size_t lanes = hn::Lanes(d);
@@ -375,13 +383,13 @@ bool Finite(const Real* values, size_t count) {
 }
 
 template <class Real>
-Kernels<Real> All(const char* name) {
-  return {name,       Run<Real>,  Split3<Real>, Join3<Real>,
-          Add3<Real>, Add1<Real>, Sum<Real>,    Finite<Real>};
+Kernels<Real> All(const char* name, InstructionSet set) {
+  return {name,        set,        Run<Real>,  Function<Real>, Split3<Real>,
+          Join3<Real>, Add3<Real>, Add1<Real>, Sum<Real>,      Finite<Real>};
 }
 
-Kernels<float> AllF32(const char* name) { return All<float>(name); }
-Kernels<double> AllF64(const char* name) { return All<double>(name); }
+Kernels<float> AllF32(const char* name, InstructionSet set) { return All<float>(name, set); }
+Kernels<double> AllF64(const char* name, InstructionSet set) { return All<double>(name, set); }
 
 double ElementaryOnOne(Operation operation, double a, double b) {
   const hn::CappedTag<double, 1> d;
@@ -397,10 +405,12 @@ namespace vesper::text {
 namespace {
 
 #if HWY_ARCH_X86_64
-#define VESPER_TEXT_SETS(function)                                                      \
-  std::vector sets{HWY_STATIC_DISPATCH(function)("baseline")};                          \
-  if (HasAvx2()) sets.insert(sets.begin(), N_AVX2::function("AVX2"));                   \
-  if (HasAvx2() && HasAvx512()) sets.insert(sets.begin(), N_AVX3::function("AVX-512")); \
+#define VESPER_TEXT_SETS(function)                                                           \
+  std::vector sets{HWY_STATIC_DISPATCH(function)("baseline", InstructionSet::kBaseline)};    \
+  if (HasAvx2()) sets.insert(sets.begin(), N_AVX2::function("AVX2", InstructionSet::kAvx2)); \
+  if (HasAvx2() && HasAvx512()) {                                                            \
+    sets.insert(sets.begin(), N_AVX3::function("AVX-512", InstructionSet::kAvx512));         \
+  }                                                                                          \
   return sets
 
 // Features of Highway's two targets; the compiler's test also checks the operating system.
@@ -416,7 +426,7 @@ bool HasAvx512() {
 }
 #else
 #define VESPER_TEXT_SETS(function) \
-  return std::vector { HWY_STATIC_DISPATCH(function)("baseline") }
+  return std::vector { HWY_STATIC_DISPATCH(function)("baseline", InstructionSet::kBaseline) }
 #endif
 
 std::vector<Kernels<float>> FindF32() { VESPER_TEXT_SETS(AllF32); }

@@ -28,13 +28,18 @@ struct Instruction {
 };
 inline constexpr uint16_t kUniform = 0x8000;
 
+enum class InstructionSet : uint8_t { kBaseline, kAvx2, kAvx512 };
+
 /// The loops for one instruction set and one type. All sets give the same bits.
 template <class Real>
 struct Kernels {
   const char* name;
+  InstructionSet set;
   /// Executes a program on `count` rows; registers are (kBlock + kPadding) long.
   void (*run)(std::span<const Instruction> program, Real* const* registers, const Real* uniforms,
               size_t count);
+  /// Computes an operation for one vector of the set; for the functions that machine code calls.
+  void (*function)(Operation operation, const Real* a, const Real* b, Real* to);
   /// Splits rows of three components into three arrays.
   void (*split3)(const Real* rows, size_t count, Real* x, Real* y, Real* z);
   /// Joins three arrays to rows of three components. Returns true if all values are finite.

@@ -20,6 +20,7 @@ class Instance {
   virtual void Bind(const vesper_property* properties) = 0;
   virtual std::optional<Fault> Advance(const vesper_step& step) = 0;
   virtual double PotentialEnergy() = 0;
+  virtual const std::string& WhyEvaluated() const = 0;
 };
 
 template <class Real>
@@ -33,6 +34,7 @@ class InstanceOf final : public Instance {
     return evaluator_.Advance(step);
   }
   double PotentialEnergy() override { return evaluator_.PotentialEnergy(); }
+  const std::string& WhyEvaluated() const override { return evaluator_.WhyEvaluated(); }
 
  private:
   Evaluator<Real> evaluator_;
@@ -90,10 +92,18 @@ class CompiledText {
   std::unique_ptr<Instance> Create(size_t entry, const vesper_host& host,
                                    const double* parameters) const {
     const LawCode& law = laws_[entry / 2];
+    std::unique_ptr<Instance> instance;
     if (kPrecisions[entry % 2] == VESPER_F32) {
-      return std::make_unique<InstanceOf<float>>(law, source_, text_, host, parameters);
+      instance = std::make_unique<InstanceOf<float>>(law, source_, text_, host, parameters);
+    } else {
+      instance = std::make_unique<InstanceOf<double>>(law, source_, text_, host, parameters);
     }
-    return std::make_unique<InstanceOf<double>>(law, source_, text_, host, parameters);
+    if (const std::string& why = instance->WhyEvaluated(); !why.empty()) {
+      const std::string line =
+          "the law " + law.name + " is evaluated, not compiled, so it is slower: " + why;
+      host.log(host.context, VESPER_LOG_INFO, line.c_str());
+    }
+    return instance;
   }
 
  private:

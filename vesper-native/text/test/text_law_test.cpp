@@ -288,6 +288,27 @@ TEST(TextTest, ResultsDoNotDependOnTheNumberOfThreads) {
   EXPECT_NEAR(forces[0][0], forces[1][0], 0);
 }
 
+TEST(TextTest, ALawThatIsNotCompiledSaysWhy) {
+  std::string text = "law long\n  each body:\n    let a = mass / (1 kg)\n";
+  std::string sum = "0";
+  for (int part = 0; part < 12; ++part) {
+    const std::string name = "b" + std::to_string(part);
+    text += "    let " + name + " = 0";
+    for (int i = 2; i < 122; ++i) text += " + a/" + std::to_string(1000 * part + i);
+    text += "\n";
+    sum += " + " + name;
+  }
+  TestEngine engine;
+  Bodies bodies(1);
+  engine.AddBodies(bodies);
+  LoadText(engine, text + "    force.x += 1 N (" + sum + ")\n");
+  EXPECT_OK(engine.Advance(0.1, 1));
+  ASSERT_EQ(engine.log().size(), 1u);
+  EXPECT_NE(engine.log()[0].find("the law long is evaluated, not compiled, so it is slower: "),
+            std::string::npos)
+      << engine.log()[0];
+}
+
 TEST(TextTest, SeveralLawsOfOneTextAreALibrary) {
   TestEngine engine;
   Bodies bodies(1);

@@ -88,10 +88,11 @@ class HostProcess implements AutoCloseable {
     private static final int SIGKILL = 9;
 
     /**
-     * Environment variables that a host receives, because loaders and drivers need them; others may
-     * contain secrets.
+     * Environment variables that a host receives, because loaders, drivers and the engine need
+     * them; others may contain secrets.
      */
-    private static final Set<String> KEPT_VARIABLES = Set.of("HOME", "PATH", "TMPDIR", "LANG");
+    private static final Set<String> KEPT_VARIABLES =
+            Set.of("HOME", "PATH", "TMPDIR", "LANG", "VESPER_TEXT_MACHINE_CODE");
 
     private static final List<String> KEPT_PREFIXES =
             List.of("LD_", "OCL_", "POCL_", "XDG_", "ASAN_", "UBSAN_", "TSAN_", "LSAN_");

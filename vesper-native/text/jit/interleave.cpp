@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "interleave.hpp"
+
+#include <vector>
+
+namespace vesper::text {
+namespace {
+
+using namespace asmjit;
+namespace Inst = x86::Inst;
+using Vec = x86::Vec;
+
+// A lane of a vector has 128 bits: two numbers in f64, four in f32. Two or four rows of three
+// components fill three lanes, which are called first, second and third here.
+
+Vec Emit(VectorAssembler& vectors, InstId name, const Vec& a, const Vec& b, uint32_t choice) {
+  const Vec to = vectors.NewVector();
+  vectors.code().emit(name, to, a, b, imm(choice));
+  return to;
+}
+
+/// AVX-512: returns lanes i and j of `a`, and lanes k and l of `b`.
+Vec Lanes(VectorAssembler& vectors, const Vec& a, int i, int j, const Vec& b, int k, int l) {
+  return Emit(vectors, Inst::kIdVshuff64x2, a, b,
+              static_cast<uint32_t>(i | j << 2 | k << 4 | l << 6));
+}
+
+/// AVX2: returns lane i of `a` and lane j of `b`.
+Vec Lanes(VectorAssembler& vectors, const Vec& a, int i, const Vec& b, int j) {
+  return Emit(vectors, Inst::kIdVperm2f128, a, b, static_cast<uint32_t>(i | (2 + j) << 4));
+}
+
+/// Returns, in each lane, two numbers of `a` and two numbers of `b` (f32).
+Vec Four(VectorAssembler& vectors, const Vec& a, int i, int j, const Vec& b, int k, int l) {
+  return Emit(vectors, Inst::kIdVshufps, a, b, static_cast<uint32_t>(i | j << 2 | k << 4 | l << 6));
+}
+
+/// Returns, in each lane, number i of `a` and number j of `b` (f64).
+Vec Two(VectorAssembler& vectors, const Vec& a, int i, const Vec& b, int j) {
+  uint32_t choice = 0;
+  for (uint32_t lane = 0; lane < vectors.vector_bytes() / 16; ++lane) {
+    choice |= static_cast<uint32_t>(i | j << 1) << (2 * lane);
+  }
+  return Emit(vectors, Inst::kIdVshufpd, a, b, choice);
+}
+
+bool IsF64(const VectorAssembler& vectors) { return vectors.number_bytes() == 8; }
+bool IsWide(const VectorAssembler& vectors) { return vectors.vector_bytes() == 64; }
+
+/// Vectors in the order of memory, as vectors of all first, second and third lanes.
+VectorTriple ByLane(VectorAssembler& v, const VectorTriple& memory) {
+  const auto& [a, b, c] = memory;
+  if (!IsWide(v)) return {Lanes(v, a, 0, b, 1), Lanes(v, a, 1, c, 0), Lanes(v, b, 0, c, 1)};
+  const Vec late = Lanes(v, b, 2, 3, c, 1, 2), early = Lanes(v, a, 1, 2, b, 0, 1);
+  return {Lanes(v, a, 0, 3, late, 0, 2), Lanes(v, early, 0, 2, late, 1, 3),
+          Lanes(v, early, 1, 3, c, 0, 3)};
+}
+
+VectorTriple InMemory(VectorAssembler& v, const VectorTriple& lanes) {
+  const auto& [first, second, third] = lanes;
+  if (!IsWide(v)) {
+    return {Lanes(v, first, 0, second, 0), Lanes(v, third, 0, first, 1),
+            Lanes(v, second, 1, third, 1)};
+  }
+  const Vec p = Lanes(v, first, 0, 2, second, 0, 2), q = Lanes(v, third, 0, 2, first, 1, 3),
+            s = Lanes(v, second, 1, 3, third, 1, 3);
+  return {Lanes(v, p, 0, 2, q, 0, 2), Lanes(v, s, 0, 2, p, 1, 3), Lanes(v, q, 1, 3, s, 1, 3)};
+}
+
+void SetLane(VectorAssembler& vectors, const Vec& to, uint32_t lane, const x86::Xmm& value) {
+  x86::Compiler& code = vectors.code();
+  if (lane == 0) {
+    code.vmovaps(to.xmm(), value);
+  } else if (IsWide(vectors)) {
+    code.vinsertf32x4(to, to, value, imm(lane));
+  } else {
+    code.vinsertf128(to, to, value, imm(lane));
+  }
+}
+
+/// Loads one number of each row of a lane.
+x86::Xmm LoadLane(VectorAssembler& vectors, const std::vector<x86::Mem>& rows) {
+  x86::Compiler& code = vectors.code();
+  const x86::Xmm to = code.newXmm();
+  if (IsF64(vectors)) {
+    code.vmovsd(to, rows[0]);
+    code.vmovhpd(to, to, rows[1]);
+    return to;
+  }
+  code.vmovss(to, rows[0]);
+  for (uint32_t i = 1; i < 4; ++i) code.vinsertps(to, to, rows[i], imm(i << 4));
+  return to;
+}
+
+std::vector<x86::Mem> RowsOfLane(VectorAssembler& vectors, uint32_t lane,
+                                 const std::function<x86::Mem(uint32_t)>& address_of) {
+  std::vector<x86::Mem> rows;
+  const uint32_t count = 16 / vectors.number_bytes();
+  for (uint32_t i = 0; i < count; ++i) rows.push_back(address_of(lane * count + i));
+  return rows;
+}
+
+}  // namespace
+
+VectorTriple SplitRows(VectorAssembler& v, const VectorTriple& memory) {
+  const auto [first, second, third] = ByLane(v, memory);
+  if (IsF64(v)) {  // lanes: x0 y0, z0 x1, y1 z1
+    return {Two(v, first, 0, second, 1), Two(v, first, 1, third, 0), Two(v, second, 0, third, 1)};
+  }
+  // Lanes: x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3.
+  const Vec late = Four(v, second, 2, 3, third, 1, 2);   // x2 y2 x3 y3
+  const Vec early = Four(v, first, 1, 2, second, 0, 1);  // y0 z0 y1 z1
+  return {Four(v, first, 0, 3, late, 0, 2), Four(v, early, 0, 2, late, 1, 3),
+          Four(v, early, 1, 3, third, 0, 3)};
+}
+
+VectorTriple JoinRows(VectorAssembler& v, const VectorTriple& components) {
+  const auto& [x, y, z] = components;
+  if (IsF64(v)) return InMemory(v, {Two(v, x, 0, y, 0), Two(v, z, 0, x, 1), Two(v, y, 1, z, 1)});
+  const Vec a = Four(v, x, 0, 2, y, 0, 2);  // x0 x2 y0 y2
+  const Vec b = Four(v, y, 1, 3, z, 1, 3);  // y1 y3 z1 z3
+  const Vec c = Four(v, z, 0, 2, x, 1, 3);  // z0 z2 x1 x3
+  return InMemory(
+      v, {Four(v, a, 0, 2, c, 0, 2), Four(v, b, 0, 2, a, 1, 3), Four(v, c, 1, 3, b, 1, 3)});
+}
+
+VectorTriple GatherRows(VectorAssembler& v, const std::function<x86::Mem(uint32_t)>& address_of) {
+  x86::Compiler& code = v.code();
+  // The first two components of earlier and later rows of each lane, and the third ones of all.
+  const Vec early = v.NewVector(), late = v.NewVector(), z = v.NewVector();
+  for (uint32_t lane = 0; lane < v.vector_bytes() / 16; ++lane) {
+    std::vector<x86::Mem> rows = RowsOfLane(v, lane, address_of);
+    const auto two_of = [&](size_t i) {
+      const x86::Xmm to = code.newXmm();
+      if (IsF64(v)) {
+        code.vmovupd(to, rows[i]);
+      } else {
+        code.vmovsd(to, rows[2 * i]);
+        code.vmovhps(to, to, rows[2 * i + 1]);
+      }
+      return to;
+    };
+    SetLane(v, early, lane, two_of(0));
+    SetLane(v, late, lane, two_of(1));
+    for (x86::Mem& row : rows) row.addOffset(2 * static_cast<int64_t>(v.number_bytes()));
+    SetLane(v, z, lane, LoadLane(v, rows));
+  }
+  if (IsF64(v)) return {Two(v, early, 0, late, 0), Two(v, early, 1, late, 1), z};
+  return {Four(v, early, 0, 2, late, 0, 2), Four(v, early, 1, 3, late, 1, 3), z};
+}
+
+Vec GatherNumbers(VectorAssembler& v, const std::function<x86::Mem(uint32_t)>& address_of) {
+  const Vec to = v.NewVector();
+  for (uint32_t lane = 0; lane < v.vector_bytes() / 16; ++lane) {
+    SetLane(v, to, lane, LoadLane(v, RowsOfLane(v, lane, address_of)));
+  }
+  return to;
+}
+
+}  // namespace vesper::text
