@@ -40,9 +40,9 @@ struct Clipping {
   const Face& reference;  // counter-clockwise around the normal
   Vector normal;          // of the reference face, towards the clipped face
   const Face& incident;
-  double radius;  // radius by which the clipped face's shape is rounded [m]
-  double inset;   // radius by which the reference's shape is rounded [m]
-  double margin;  // as in Meeting [m]
+  double radius;        // radius by which the clipped face's shape is rounded [m]
+  double inset;         // radius by which the reference's shape is rounded [m]
+  double margin;        // as in Meeting [m]
   bool steady = false;  // chooses points by ChooseSteadily
 };
 

@@ -335,8 +335,7 @@ Manifold Collide(const Shape& a, const Shape& b, double margin) {
   return manifold;
 }
 
-Manifold CollideTriangle(const Shape& triangle, uint32_t edges, const Shape& other,
-                         double margin) {
+Manifold CollideTriangle(const Shape& triangle, uint32_t edges, const Shape& other, double margin) {
   const Polytope& flat = *triangle.hull;
   const Vector face = triangle.axes.ToWorld(flat.normals[0]);
   const Vector corner = triangle.position + triangle.axes.ToWorld(flat.corners[0]);

@@ -15,8 +15,7 @@ std::span<const T> Part(std::span<const T> all, int32_t first, int32_t count) {
 }
 
 bool AllFinite(std::span<const Vector> points) {
-  return std::ranges::all_of(points,
-                             [](const Vector& p) { return std::isfinite(Dot(p, p)); });
+  return std::ranges::all_of(points, [](const Vector& p) { return std::isfinite(Dot(p, p)); });
 }
 
 /** Returns the unit normal of a polygon; 0 if it has no area (M. E. Newell). */
@@ -49,8 +48,7 @@ void BeginAtWidest(std::span<const Vector> corners, std::span<uint32_t> around) 
 
 }  // namespace
 
-Form::Form(const Ranges& r, std::span<const Vec3<double>> points,
-           std::span<const int32_t> indices)
+Form::Form(const Ranges& r, std::span<const Vec3<double>> points, std::span<const int32_t> indices)
     : points_(Part(points, r[6], r[7])), triangles_(Part(indices, r[8], r[9])) {
   const auto corners = Part(points, r[0], r[1]), core = Part(points, r[2], r[3]);
   corners_.assign(corners.begin(), corners.end());
@@ -100,8 +98,7 @@ void Form::Measure() {
     const double high = Dot(Polytope::Farthest(corners_, normal), normal);
     const double low = Dot(Polytope::Farthest(corners_, -normal), normal);
     hull.thickness = std::min(hull.thickness, high - low);
-    hull.rounding =
-        std::min(hull.rounding, high - Dot(Polytope::Farthest(core_, normal), normal));
+    hull.rounding = std::min(hull.rounding, high - Dot(Polytope::Farthest(core_, normal), normal));
   }
   double six_volumes = 0;
   Vector squares;  // 60 times the integrals of x^2, y^2 and z^2

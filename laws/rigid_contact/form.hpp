@@ -102,7 +102,8 @@ class Form {
 
   /** Builds the hull. Ranges that do not fit the columns give a form without a hull, or without a
    *  surface. */
-  Form(const Ranges& ranges, std::span<const Vec3<double>> points, std::span<const int32_t> indices);
+  Form(const Ranges& ranges, std::span<const Vec3<double>> points,
+       std::span<const int32_t> indices);
 
   /** Returns the convex hull; null if the mesh has none. */
   const Polytope* hull() const { return hull_.corners.empty() ? nullptr : &hull_; }
@@ -127,16 +128,15 @@ class Forms {
  public:
   template <class Ranges, class Points, class Indices>
   void Update(const Ranges& ranges, const Points& points, const Indices& indices) {
-    const Key key{ranges.data(),    points.data(),     indices.data(),
-                  ranges.version(), points.version(),  indices.version(),
-                  ranges.size(),    points.size(),     indices.size()};
+    const Key key{ranges.data(),    points.data(),    indices.data(),
+                  ranges.version(), points.version(), indices.version(),
+                  ranges.size(),    points.size(),    indices.size()};
     if (key == key_) return;
     key_ = {};
     forms_.clear();
     const bool complete = ranges.present() && points.present() && indices.present();
     for (uint64_t i = 0; complete && i < ranges.size(); ++i) {
-      forms_.push_back(std::make_unique<Form>(ranges[i],
-                                              std::span(points.data(), points.size()),
+      forms_.push_back(std::make_unique<Form>(ranges[i], std::span(points.data(), points.size()),
                                               std::span(indices.data(), indices.size())));
     }
     key_ = key;

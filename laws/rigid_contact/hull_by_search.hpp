@@ -94,9 +94,9 @@ struct HullBySearch {
                        ca = Cross(normals[c], normals[a]);
           const double determinant = Dot(ab, normals[c]);
           if (std::abs(determinant) < 1e-6) continue;
-          const Vector at = (bc * (offsets[a] - inset) + ca * (offsets[b] - inset) +
-                             ab * (offsets[c] - inset)) *
-                            (1 / determinant);
+          const Vector at =
+              (bc * (offsets[a] - inset) + ca * (offsets[b] - inset) + ab * (offsets[c] - inset)) *
+              (1 / determinant);
           bool inside = true;
           for (size_t i = 0; i < n; ++i) {
             inside = inside && Dot(normals[i], at) < offsets[i] - inset + 1e-9;
@@ -112,8 +112,8 @@ struct HullBySearch {
 inline std::vector<Vec3<double>> BoxCorners(Vec3<double> size) {
   std::vector<Vec3<double>> corners;
   for (int i = 0; i < 8; ++i) {
-    corners.push_back({size.x * ((i & 1) - 0.5), size.y * ((i >> 1 & 1) - 0.5),
-                       size.z * ((i >> 2) - 0.5)});
+    corners.push_back(
+        {size.x * ((i & 1) - 0.5), size.y * ((i >> 1 & 1) - 0.5), size.z * ((i >> 2) - 0.5)});
   }
   return corners;
 }

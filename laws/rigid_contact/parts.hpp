@@ -32,8 +32,7 @@ class Parts {
   void Add(uint32_t row, uint32_t body, const Shape& shape, const Quaternion& rotation,
            const Vector& at, const Quaternion& of_body) {
     const Quaternion inverse = of_body.Inverse();
-    parts_.push_back(
-        {row, body, shape, inverse.Rotate(shape.position - at), inverse * rotation});
+    parts_.push_back({row, body, shape, inverse.Rotate(shape.position - at), inverse * rotation});
   }
 
   /** Computes the moments of inertia of all bodies that have parts. Call after the last Add.
@@ -77,8 +76,8 @@ class Parts {
  private:
   struct Sum {
     uint32_t body;
-    double volume;  // [m^3]
-    Vector moments; // about the origin of the body, per density [m^5]; at the end per mass [m^2]
+    double volume;   // [m^3]
+    Vector moments;  // about the origin of the body, per density [m^5]; at the end per mass [m^2]
   };
 
   Sum* Find(uint32_t body) {

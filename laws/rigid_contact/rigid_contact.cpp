@@ -58,12 +58,13 @@ struct RigidContact {
   Parameter push_speed{
       "pushSpeed", "Greatest speed at which overlaps are undone.", units::metre_per_second, 3, 0,
       1e6};
-  Parameter rolling_friction{"rollingFriction",
-                             "Lever arm of the rolling friction of bodies without one of their own.",
-                             units::metre,
-                             0,
-                             0,
-                             1e6};
+  Parameter rolling_friction{
+      "rollingFriction",
+      "Lever arm of the rolling friction of bodies without one of their own.",
+      units::metre,
+      0,
+      0,
+      1e6};
 
   Read<Real> mass{"mass", "body", units::kilogram};
   Read<Vector3> force{"externalForce", "body", units::newton};
@@ -96,21 +97,19 @@ struct RigidContact {
                     rolling_friction);
   }
   auto Properties() {
-    return std::tuple_cat(
-        std::tie(mass, force, torque, inertia, velocity, position, spin, orientation, acceleration,
-                 shape, size, carrier),
-        contact_columns.FirstProperties(),
-        std::tie(scenery_position, scenery_orientation, scenery_shape, scenery_size,
-                 scenery_carrier),
-        joint_columns.Properties(), std::tie(partners, places, impulses),
-        contact_columns.LaterProperties(), mesh_columns.Properties());
+    return std::tuple_cat(std::tie(mass, force, torque, inertia, velocity, position, spin,
+                                   orientation, acceleration, shape, size, carrier),
+                          contact_columns.FirstProperties(),
+                          std::tie(scenery_position, scenery_orientation, scenery_shape,
+                                   scenery_size, scenery_carrier),
+                          joint_columns.Properties(), std::tie(partners, places, impulses),
+                          contact_columns.LaterProperties(), mesh_columns.Properties());
   }
 
   void Advance(const Step& step) {
     const auto count = static_cast<uint32_t>(std::lround(substeps.value()));
     const auto dt = static_cast<Real>(step.dt);
-    const auto solver =
-        SolverStep<Real>::Of(dt, count, Real(push_speed), Real(restitution_speed));
+    const auto solver = SolverStep<Real>::Of(dt, count, Real(push_speed), Real(restitution_speed));
     Gather(step);
     joint_columns.Gather(joints_, *this, step.dt);
     FindContacts(step);
@@ -125,9 +124,7 @@ struct RigidContact {
   uint64_t rows() const { return mass.size(); }
   bool IsBroken(uint32_t body) const { return bodies_[body].broken; }
   void MarkJointed(uint32_t body) { bodies_[body].jointed = true; }
-  uint32_t BodyOf(uint32_t row) const {
-    return row < rows() && Movable(row) ? row : kImmovable;
-  }
+  uint32_t BodyOf(uint32_t row) const { return row < rows() && Movable(row) ? row : kImmovable; }
   Pose PoseOf(uint32_t body) const {
     return {Wide(position[body]) + Wide(motions_[body].moved), bodies_[body].rotation};
   }
@@ -169,9 +166,8 @@ struct RigidContact {
       parts_.Add(i, uint32_t(body), one, Quaternion::Load(orientation[i]).Normalised(),
                  Wide(position[body]), Quaternion::Load(orientation[body]).Normalised());
     }
-    parts_.AddBodies([&](uint32_t body) {
-      return Shape::Of(shape[body], size[body], {}, {}, HullOf(body));
-    });
+    parts_.AddBodies(
+        [&](uint32_t body) { return Shape::Of(shape[body], size[body], {}, {}, HullOf(body)); });
   }
 
   const Polytope* HullOf(uint64_t i) const {

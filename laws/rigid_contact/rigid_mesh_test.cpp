@@ -42,8 +42,8 @@ Points Prism(int sides, double radius, double height) {
   Points points;
   for (int i = 0; i < 2 * sides; ++i) {
     const double angle = std::acos(-1.0) * 2 * (i / 2) / sides;
-    points.push_back(
-        {radius * std::cos(angle), i % 2 == 0 ? height / 2 : -height / 2, radius * std::sin(angle)});
+    points.push_back({radius * std::cos(angle), i % 2 == 0 ? height / 2 : -height / 2,
+                      radius * std::sin(angle)});
   }
   return points;
 }
@@ -170,9 +170,9 @@ TYPED_TEST(RigidMeshTest, BallRollsDownATerrainAsTheClosedFormSays) {
   RigidScene<TypeParam> scene = Falling<TypeParam>();
   const double slope = 0.25, radius = 0.3;
   scene.AddTerrain(60, 30, [&](double x, double) { return -std::tan(slope) * x; });
-  scene.AddBall(radius, 2,
-                Vector{-8, std::tan(slope) * 8, 0} +
-                    Vector{std::sin(slope), std::cos(slope), 0} * radius);
+  scene.AddBall(
+      radius, 2,
+      Vector{-8, std::tan(slope) * 8, 0} + Vector{std::sin(slope), std::cos(slope), 0} * radius);
   PhysicsEngine engine = scene.MakeRigidEngine();
   engine.Advance(kFrame, 120);
   EXPECT_NEAR(Length(scene.Velocity(0)), 2 * 5.0 / 7 * kG * std::sin(slope), 0.02);

@@ -19,12 +19,12 @@ struct RigidScene : Scene<Real> {
   std::vector<double> size;                              // (bodies x 3) [m]
   std::vector<Real> orientation, spin, torque, inertia;  // (bodies x 4), (bodies x 3)
   std::vector<int32_t> mesh_form, carrier, part, layer, passes, sensor, touch_count;  // (bodies)
-  std::vector<Real> rolling;                                                        // (bodies)
+  std::vector<Real> rolling;                                                          // (bodies)
   bool has_parts = false, has_layers = false, has_rolling = false;
   // meshes
-  std::vector<int32_t> mesh_ranges;    // (meshes x 10)
-  std::vector<double> mesh_points;     // (points x 3) [m]
-  std::vector<int32_t> mesh_indices;   // (indices)
+  std::vector<int32_t> mesh_ranges;        // (meshes x 10)
+  std::vector<double> mesh_points;         // (points x 3) [m]
+  std::vector<int32_t> mesh_indices;       // (indices)
   std::vector<int32_t> scenery_mesh_form;  // (scenery)
   // joint
   std::vector<uint32_t> joined;                                // (joints x 2)

@@ -148,8 +148,8 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
   if (IsPlace(name)) return Place(column, draw);
   const bool is_size = IsSize(name);  // small, so that few bodies touch each other
   const bool is_shape = name == "shape" || name == "sceneryShape";
-  const bool is_none =
-      name == "carrier" || name == "sceneryCarrier" || name == "meshForm" || name == "sceneryMeshForm";
+  const bool is_none = name == "carrier" || name == "sceneryCarrier" || name == "meshForm" ||
+                       name == "sceneryMeshForm";
   if (name == "partOfBody") return;  // nothing is attached
   for (uint64_t row = 0; row < column.rows(); ++row) {
     // Uses neighbouring rows, so that the rows of one reference differ.

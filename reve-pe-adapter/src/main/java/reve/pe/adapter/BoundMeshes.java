@@ -151,14 +151,14 @@ final class BoundMeshes {
             pointCount +=
                     mesh.vertices().remaining() / 3
                             + hull.map(h -> (h.corners().length + h.core().length) / 3).orElse(0);
-            indexCount += mesh.triangles().remaining() + hull.map(BoundMeshes::faceNumbers).orElse(0);
+            indexCount +=
+                    mesh.triangles().remaining() + hull.map(BoundMeshes::faceNumbers).orElse(0);
         }
         ranges = roomFor(ranges, "meshRanges", (long) meshes.size() * RANGES * Integer.BYTES);
         points = roomFor(points, "meshPoints", 3L * pointCount * Double.BYTES);
         indices = roomFor(indices, "meshIndices", (long) indexCount * Integer.BYTES);
         IntBuffer range = ranges.asByteBuffer().order(ByteOrder.nativeOrder()).asIntBuffer();
-        DoubleBuffer point =
-                points.asByteBuffer().order(ByteOrder.nativeOrder()).asDoubleBuffer();
+        DoubleBuffer point = points.asByteBuffer().order(ByteOrder.nativeOrder()).asDoubleBuffer();
         IntBuffer index = indices.asByteBuffer().order(ByteOrder.nativeOrder()).asIntBuffer();
         for (Mesh mesh : meshes) {
             write(mesh, range, point, index);

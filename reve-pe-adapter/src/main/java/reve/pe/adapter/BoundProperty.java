@@ -7,7 +7,8 @@ import reve.pe.PhysicalPropertyProvider;
 import java.lang.foreign.MemorySegment;
 
 /** A property of the engine and its columns of the world. World's thread only. */
-abstract sealed class BoundProperty permits BoundColumn, BoundReferences, BoundRowNumbers, BoundMeshes.Data {
+abstract sealed class BoundProperty
+        permits BoundColumn, BoundReferences, BoundRowNumbers, BoundMeshes.Data {
     private final String name;
     private final Table table;
     private final boolean scenery;

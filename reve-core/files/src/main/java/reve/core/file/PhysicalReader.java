@@ -227,7 +227,7 @@ final class PhysicalReader {
     private Optional<Shape> terrain(Node aspect) {
         Optional<double[]> size = lengths(aspect, "size", 2);
         Node heights = aspect.get("heights").orElseThrow();
-        List<Node> rows = heights.children();
+        List<Node> rows = List.copyOf(heights.children());
         int columns = rows.isEmpty() ? 0 : rows.getFirst().children().size();
         if (!heights.isList() || rows.size() < 2 || columns < 2) {
             problems.add(

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.hull;
 
-import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
 import java.util.Locale;
@@ -17,7 +16,9 @@ public final class ConvexHull {
     /** Maximum number of corners. */
     public static final int MAX_CORNERS = 128;
 
-    /** Distance by which the faces of the core are moved inwards, as a fraction of the thickness. */
+    /**
+     * Distance by which the faces of the core are moved inwards, as a fraction of the thickness.
+     */
     public static final double ROUNDING = 0.05;
 
     /** Least thickness, as a fraction of the largest extent along an axis. */
@@ -40,7 +41,7 @@ public final class ConvexHull {
         this.faces = faces;
         normals = new double[3 * faces.length];
         offsets = new double[faces.length];
-        thickness = planes();
+        thickness = faces.length < 4 ? 0 : planes();
         if (!(thickness >= LEAST_THICKNESS * extent)) {
             throw new IllegalArgumentException(
                     String.format(
@@ -214,7 +215,8 @@ public final class ConvexHull {
             }
             double part =
                     (edge[0][0] * (edge[1][1] * edge[2][2] - edge[1][2] * edge[2][1])
-                                    + edge[0][1] * (edge[1][2] * edge[2][0] - edge[1][0] * edge[2][2])
+                                    + edge[0][1]
+                                            * (edge[1][2] * edge[2][0] - edge[1][0] * edge[2][2])
                                     + edge[0][2]
                                             * (edge[1][0] * edge[2][1] - edge[1][1] * edge[2][0]))
                             / 6;

@@ -114,8 +114,7 @@ final class Merging {
         for (int corner : triangles.get(triangle)) {
             double height = 0;
             for (int axis = 0; axis < 3; axis++) {
-                height +=
-                        normal[axis] * (points[3 * corner + axis] - points[3 * origin + axis]);
+                height += normal[axis] * (points[3 * corner + axis] - points[3 * origin + axis]);
             }
             if (Math.abs(height) > flat) {
                 return false;

@@ -146,8 +146,7 @@ class ConvexHullTest {
             ConvexHull hull = ConvexHull.of(points);
             double[] corners =
                     expected.stream()
-                            .flatMapToDouble(
-                                    i -> Arrays.stream(points, 3 * i, 3 * i + 3))
+                            .flatMapToDouble(i -> Arrays.stream(points, 3 * i, 3 * i + 3))
                             .toArray();
             assertThat(hull.corners()).containsExactly(corners);
             requireHull(hull, points, 1e-4);
