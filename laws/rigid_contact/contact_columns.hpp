@@ -64,7 +64,7 @@ struct MeshColumns {
   OptionalRead<int32_t> scenery_mesh{"sceneryMeshForm", "scenery", units::one};
   OptionalRead<Form::Ranges> ranges{"meshRanges", "meshForm", units::one};
   OptionalRead<Vec3<double>> points{"meshPoints", "meshPoint", units::metre};
-  OptionalRead<int32_t> indices{"meshIndices", "meshIndex", units::one};
+  OptionalRead<int32_t> indices{"meshIndices", "meshNumber", units::one};
 
   auto Properties() { return std::tie(mesh, scenery_mesh, ranges, points, indices); }
 };

@@ -46,7 +46,7 @@ public final class PropertyNames {
     static final String MESH_FORM = "meshForm";
 
     static final String MESH_POINT = "meshPoint";
-    static final String MESH_INDEX = "meshIndex";
+    static final String MESH_INDEX = "meshNumber";
     private static final Set<String> MESH_KINDS = Set.of(MESH_FORM, MESH_POINT, MESH_INDEX);
 
     /** Properties of bodies that an engine receives only while a law uses them. */
