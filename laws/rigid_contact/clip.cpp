@@ -2,13 +2,10 @@
 #include "clip.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace vesper::rigid {
 namespace {
-
-// Cosine of the greatest angle between the contact normal and the normal of a face that touches as
-// a face.
-constexpr double kFlat = 0.985;
 
 // Sine of the greatest angle between two edges that count as parallel, and touch along their
 // length.
@@ -45,41 +42,6 @@ double Area(const Vector& a, const Vector& b, const Vector& c, const Vector& nor
   return Dot(Cross(b - a, c - a), normal);
 }
 
-/** Reduces the contact to four points: the deepest one, and those that span the largest area with
- *  it. */
-template <class Points>
-void Choose(const Points& found, int count, const Vector& normal, Manifold& manifold) {
-  if (count <= Manifold::kMost) {
-    for (int i = 0; i < count; ++i) manifold.Add(found[i]);
-    return;
-  }
-  const auto best = [&](auto&& value) {
-    int chosen = 0;
-    for (int i = 1; i < count; ++i) {
-      if (value(found[i]) > value(found[chosen])) chosen = i;
-    }
-    return chosen;
-  };
-  const int first = best([](const ContactPoint& p) { return -p.separation; });
-  const Vector a = found[first].at;
-  const int second = best([&](const ContactPoint& p) { return Dot(p.at - a, p.at - a); });
-  const Vector b = found[second].at;
-  const int left = best([&](const ContactPoint& p) { return Area(a, b, p.at, normal); });
-  const int right = best([&](const ContactPoint& p) { return -Area(a, b, p.at, normal); });
-  manifold.Add(found[first]);
-  manifold.Add(found[second]);
-  if (Area(a, b, found[left].at, normal) > 0) manifold.Add(found[left]);
-  if (Area(a, b, found[right].at, normal) < 0) manifold.Add(found[right]);
-}
-
-/** Returns the unit normal of a face; 0 if its corners lie on a line. */
-Vector NormalOf(const Face& face) {
-  if (face.count < 3) return {};
-  const Vector normal = Cross(face.corners[1] - face.corners[0], face.corners[2] - face.corners[0]);
-  const double length = Length(normal);
-  return length > 0 ? normal * (1 / length) : Vector{};
-}
-
 /** Adds two contact points: the ends of the part where two nearly parallel edges lie beside each
  *  other. */
 void AddEdges(const Meeting& meeting, const Face& a, const Face& b, Manifold& manifold) {
@@ -104,6 +66,88 @@ void AddEdges(const Meeting& meeting, const Face& a, const Face& b, Manifold& ma
 
 }  // namespace
 
+Vector NormalOf(const Face& face) {
+  if (face.count < 3) return {};
+  const Vector normal = Cross(face.corners[1] - face.corners[0], face.corners[2] - face.corners[0]);
+  const double length = Length(normal);
+  return length > 0 ? normal * (1 / length) : Vector{};
+}
+
+void Choose(std::span<const ContactPoint> points, const Vector& normal, Manifold& manifold) {
+  const ContactPoint* found = points.data();
+  const auto count = static_cast<int>(points.size());
+  if (count <= Manifold::kMost) {
+    for (int i = 0; i < count; ++i) manifold.Add(found[i]);
+    return;
+  }
+  const auto best = [&](auto&& value) {
+    int chosen = 0;
+    for (int i = 1; i < count; ++i) {
+      if (value(found[i]) > value(found[chosen])) chosen = i;
+    }
+    return chosen;
+  };
+  const int first = best([](const ContactPoint& p) { return -p.separation; });
+  const Vector a = found[first].at;
+  const int second = best([&](const ContactPoint& p) { return Dot(p.at - a, p.at - a); });
+  const Vector b = found[second].at;
+  const int left = best([&](const ContactPoint& p) { return Area(a, b, p.at, normal); });
+  const int right = best([&](const ContactPoint& p) { return -Area(a, b, p.at, normal); });
+  manifold.Add(found[first]);
+  manifold.Add(found[second]);
+  if (Area(a, b, found[left].at, normal) > 0) manifold.Add(found[left]);
+  if (Area(a, b, found[right].at, normal) < 0) manifold.Add(found[right]);
+}
+
+void ChooseSteadily(std::span<const ContactPoint> found, const Vector& normal, Manifold& manifold) {
+  if (found.size() <= size_t(Manifold::kMost)) return Choose(found, normal, manifold);
+  // A point replaces an earlier one only if it is better by this fraction of the extent.
+  constexpr double kBetter = 0.05;
+  double square = 0, deepest = HUGE_VAL;
+  for (const ContactPoint& p : found) {
+    square = std::max(square, Dot(p.at - found[0].at, p.at - found[0].at));
+    deepest = std::min(deepest, p.separation);
+  }
+  const double slack = kBetter * std::sqrt(square);
+  const auto best = [&](double better, auto&& value) {
+    size_t chosen = 0;
+    for (size_t i = 1; i < found.size(); ++i) {
+      if (value(found[i]) > value(found[chosen]) + better) chosen = i;
+    }
+    return chosen;
+  };
+  const double x = std::abs(normal.x), y = std::abs(normal.y);
+  const Vector along = Cross(normal, x < y ? Vector{1, 0, 0} : Vector{0, 1, 0});
+  const size_t first = best(slack, [&](const ContactPoint& p) { return Dot(p.at, along); });
+  const Vector a = found[first].at;
+  const size_t second =
+      best(kBetter * square, [&](const ContactPoint& p) { return Dot(p.at - a, p.at - a); });
+  const Vector b = found[second].at;
+  const auto side = [&](double sign) {
+    return best(kBetter * square,
+                [&](const ContactPoint& p) { return sign * Area(a, b, p.at, normal); });
+  };
+  const size_t left = side(1), right = side(-1);
+  manifold.Add(found[first]);
+  if (second != first) manifold.Add(found[second]);
+  if (Area(a, b, found[left].at, normal) > 0) manifold.Add(found[left]);
+  if (Area(a, b, found[right].at, normal) < 0) manifold.Add(found[right]);
+  // A point that is clearly deeper replaces the nearest of the others.
+  double least = HUGE_VAL;
+  for (int i = 0; i < manifold.count; ++i) least = std::min(least, manifold.points[i].separation);
+  if (deepest > least - 0.2 * slack) return;
+  const size_t deep = best(0, [](const ContactPoint& p) { return -p.separation; });
+  int nearest = 0;
+  const auto distance = [&](int i) {
+    const Vector way = manifold.points[i].at - found[deep].at;
+    return Dot(way, way);
+  };
+  for (int i = 1; i < manifold.count; ++i) {
+    if (distance(i) < distance(nearest)) nearest = i;
+  }
+  manifold.points[nearest] = found[deep];
+}
+
 void AddClipped(const Clipping& c, Manifold& manifold) {
   Polygon polygon;
   for (int i = 0; i < c.incident.count; ++i) polygon.Add(c.incident.corners[i]);
@@ -121,7 +165,8 @@ void AddClipped(const Clipping& c, Manifold& manifold) {
     const Vector surface = polygon.corners[i] - c.normal * c.radius;
     found[count++] = {surface - c.normal * (separation / 2), separation};
   }
-  Choose(found, count, c.normal, manifold);
+  const auto all = std::span<const ContactPoint>(found).first(size_t(count));
+  (c.steady ? ChooseSteadily : Choose)(all, c.normal, manifold);
 }
 
 void ClipFaces(const Meeting& meeting, Manifold& manifold) {
@@ -135,10 +180,13 @@ void ClipFaces(const Meeting& meeting, Manifold& manifold) {
   }
   // The incident face is clipped at the sides of the other one, the reference. A small preference
   // for the first face keeps the reference from alternating between two parallel faces.
+  const bool steady = meeting.a.hull != nullptr || meeting.b.hull != nullptr;
   if (flat_a >= flat_b - 1e-3) {
-    AddClipped({a, normal_a, b, meeting.b.radius, meeting.a.radius, meeting.margin}, manifold);
+    AddClipped({a, normal_a, b, meeting.b.radius, meeting.a.radius, meeting.margin, steady},
+               manifold);
   } else {
-    AddClipped({b, normal_b, a, meeting.a.radius, meeting.b.radius, meeting.margin}, manifold);
+    AddClipped({b, normal_b, a, meeting.a.radius, meeting.b.radius, meeting.margin, steady},
+               manifold);
   }
 }
 

@@ -2,9 +2,18 @@
 // Contact points of two faces, by clipping one face at the sides of the other.
 #pragma once
 
+#include <span>
+
 #include "manifold.hpp"
 
 namespace vesper::rigid {
+
+// Cosine of the greatest angle between the contact normal and the normal of a face that touches as
+// a face.
+inline constexpr double kFlat = 0.985;
+
+/** Returns the unit normal of a face; 0 if its corners lie on a line. */
+Vector NormalOf(const Face& face);
 
 /** Two shapes and their contact normal, which points from the first to the second. */
 struct Meeting {
@@ -18,14 +27,23 @@ struct Meeting {
  *  perpendicular to the normal. */
 void ClipFaces(const Meeting& meeting, Manifold& manifold);
 
+/** Adds at most four of these points: the deepest one, and those that span the largest area with
+ *  it. */
+void Choose(std::span<const ContactPoint> found, const Vector& normal, Manifold& manifold);
+
+/** Adds at most four of these points, as Choose does. The choice does not change with small changes
+ *  of the points, which would disturb resting bodies with many possible points. */
+void ChooseSteadily(std::span<const ContactPoint> found, const Vector& normal, Manifold& manifold);
+
 /** A face that is clipped at the sides of a flat polygon, the reference. */
 struct Clipping {
   const Face& reference;  // counter-clockwise around the normal
   Vector normal;          // of the reference face, towards the clipped face
   const Face& incident;
-  double radius;  // radius by which the clipped face's shape is rounded [m]
-  double inset;   // radius by which the reference's shape is rounded [m]
-  double margin;  // as in Meeting [m]
+  double radius;        // radius by which the clipped face's shape is rounded [m]
+  double inset;         // radius by which the reference's shape is rounded [m]
+  double margin;        // as in Meeting [m]
+  bool steady = false;  // chooses points by ChooseSteadily
 };
 
 /** Adds the points of the clipped face that are less than the margin above the reference. */

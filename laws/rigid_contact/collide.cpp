@@ -13,10 +13,11 @@ using Code = ShapeCode;
 // is sought, so that the direction is well defined for shapes that overlap by less.
 constexpr double kRounding = 0.05;
 
-/** Returns the separation of two shapes along a direction [m]. Uses that all shapes are symmetric
- *  about their centres. */
+/** Returns the separation of two shapes along a direction [m]. */
 double SeparationAlong(const Shape& a, const Shape& b, const Vector& direction) {
-  return Dot(b.position - a.position, direction) - a.Reach(direction) - b.Reach(direction);
+  const double way = Dot(b.position - a.position, direction);
+  // Only hulls are not symmetric about their centres.
+  return way - a.Reach(direction) - b.Reach(b.hull != nullptr ? -direction : direction);
 }
 
 void AddPoint(const Meeting& m, const Vector& on_a, double separation, Manifold& manifold) {
@@ -71,7 +72,8 @@ Manifold CollidePlane(const Shape& plane, const Shape& other, double margin) {
   if (Dot(other.position - plane.position, manifold.normal) < 0) return manifold;
   const Face reference = plane.SupportFace(manifold.normal);
   const Face incident = other.SupportFace(-manifold.normal);
-  AddClipped({reference, manifold.normal, incident, other.radius, 0, margin}, manifold);
+  AddClipped({reference, manifold.normal, incident, other.radius, 0, margin, other.hull != nullptr},
+             manifold);
   return manifold;
 }
 
@@ -155,7 +157,7 @@ Manifold CollideBoxes(const Shape& a, const Shape& b, double margin) {
 }
 
 /** Returns the direction of least overlap of two shapes whose cores overlap, among their axes, the
- *  cross products of the axes, and the line between the centres. */
+ *  cross products of the axes, the line between the centres, and the normals of hulls. */
 Vector LeastOverlap(const Shape& a, const Shape& b) {
   Vector best{0, 1, 0};
   double most = -HUGE_VAL;
@@ -175,6 +177,19 @@ Vector LeastOverlap(const Shape& a, const Shape& b) {
     consider(b.axes[i]);
     for (int j = 0; j < 3; ++j) consider(Cross(a.axes[i], b.axes[j]));
   }
+  const auto consider_faces = [&](const Shape& shape, double sign) {
+    if (shape.hull == nullptr) return;
+    for (const Vector& own : shape.hull->normals) {
+      const Vector normal = shape.axes.ToWorld(own) * sign;
+      const double separation = SeparationAlong(a, b, normal);
+      if (separation > most) {
+        most = separation;
+        best = normal;
+      }
+    }
+  };
+  consider_faces(a, 1);
+  consider_faces(b, -1);
   const Vector way = b.position - a.position;
   const double distance = Length(way);
   if (distance > 0) {
@@ -189,18 +204,71 @@ Vector LeastOverlap(const Shape& a, const Shape& b) {
   return best;
 }
 
+/** Adds the point in the middle of two shapes that overlap. */
+void AddDeepest(const Meeting& m, Manifold& manifold) {
+  const Vector on_a = m.a.Support(m.normal) + m.normal * m.a.radius;
+  const Vector on_b = m.b.Support(-m.normal) - m.normal * m.b.radius;
+  const double separation = SeparationAlong(m.a, m.b, m.normal);
+  AddPoint(m, (on_a + on_b) * 0.5 - m.normal * (separation / 2), separation, manifold);
+}
+
+/** Adds the contact points of two shapes of which one is a hull or a triangle. The core of a hull
+ *  is farther than its rounding from a sharp edge, so the separation is that of the whole shapes.
+ *  */
+void AddHullPoints(const Meeting& m, const ClosestPoints& closest, Manifold& manifold) {
+  const double separation = SeparationAlong(m.a, m.b, m.normal);
+  if (separation > m.margin) return;
+  ClipFaces(m, manifold);
+  // Where an edge crosses an edge near a face, the deepest point is not above the face.
+  const double slack = 0.01 * std::min(m.a.Thickness(), m.b.Thickness());
+  for (int i = 0; i < manifold.count; ++i) {
+    if (manifold.points[i].separation <= separation + slack) return;
+  }
+  manifold.count = 0;
+  if (!(closest.distance > 0)) return AddDeepest(m, manifold);
+  const double radii = m.a.radius - m.b.radius;
+  manifold.Add({(closest.a + closest.b + m.normal * radii) * 0.5, separation});
+}
+
+/** Returns the distance by which a shape is shrunk while its contact with another one is sought. */
+double RoundingFor(const Shape& shape, const Shape& other) {
+  if (shape.radius > 0 || other.radius > 0 || shape.code == Code::kTriangle) return 0;
+  return shape.hull != nullptr ? shape.hull->rounding : kRounding * shape.Thickness();
+}
+
+/** Returns the normal of a face that a direction is almost perpendicular to, if the shapes overlap
+ *  less along it; otherwise the direction. */
+Vector SnapToFaces(const Shape& a, const Shape& b, const Vector& direction) {
+  const double slack = 1e-3 * std::min(a.Thickness(), b.Thickness());
+  Vector best = direction;
+  double most = SeparationAlong(a, b, direction) - slack;
+  const auto consider = [&](const Vector& normal) {
+    if (Dot(normal, direction) < kFlat) return;
+    const double separation = SeparationAlong(a, b, normal);
+    if (separation <= most) return;
+    most = separation + slack;  // keeps the first of two parallel faces
+    best = normal;
+  };
+  consider(NormalOf(a.SupportFace(direction)));
+  consider(-NormalOf(b.SupportFace(-direction)));
+  return best;
+}
+
 /** Collides any two convex shapes. */
 Manifold CollideConvex(const Shape& a, const Shape& b, double margin) {
-  const auto rounding = [](const Shape& shape, const Shape& other) {
-    return shape.radius > 0 || other.radius > 0 ? 0 : kRounding * shape.Thickness();
-  };
-  const double of_a = rounding(a, b), of_b = rounding(b, a);
+  const double of_a = RoundingFor(a, b), of_b = RoundingFor(b, a);
   const double radii = a.radius + of_a + b.radius + of_b;
   const ClosestPoints closest = FindClosest(a, of_a, b, of_b);
   Manifold manifold;
-  if (closest.distance > radii + margin) return manifold;
+  const bool hulls = a.hull != nullptr || b.hull != nullptr;
+  if (!hulls && closest.distance > radii + margin) return manifold;
   const bool apart = closest.distance > 0;
   manifold.normal = apart ? (closest.b - closest.a) * (1 / closest.distance) : LeastOverlap(a, b);
+  if (hulls) {
+    manifold.normal = SnapToFaces(a, b, manifold.normal);
+    AddHullPoints({a, b, manifold.normal, margin}, closest, manifold);
+    return manifold;
+  }
   const Meeting meeting{a, b, manifold.normal, margin};
   ClipFaces(meeting, manifold);
   if (manifold.count > 0) return manifold;
@@ -208,11 +276,7 @@ Manifold CollideConvex(const Shape& a, const Shape& b, double margin) {
     AddPoint(meeting, closest.a + manifold.normal * (a.radius + of_a), closest.distance - radii,
              manifold);
   } else {
-    const Vector on_a = a.Support(manifold.normal) + manifold.normal * a.radius;
-    const Vector on_b = b.Support(-manifold.normal) - manifold.normal * b.radius;
-    const double separation = SeparationAlong(a, b, manifold.normal);
-    AddPoint(meeting, (on_a + on_b) * 0.5 - manifold.normal * (separation / 2), separation,
-             manifold);
+    AddDeepest(meeting, manifold);
   }
   return manifold;
 }
@@ -237,6 +301,7 @@ int Rank(const Shape& shape) {
     case Code::kBox:
       return 1;
     case Code::kCylinder:
+    case Code::kMesh:
       return 2;
     case Code::kCapsule:
       return 3;
@@ -245,12 +310,52 @@ int Rank(const Shape& shape) {
   }
 }
 
+/** Returns whether a point on a triangle is on one of these edges, given as bits. */
+bool TouchesEdge(const Shape& triangle, uint32_t edges, const Vector& at) {
+  constexpr double kNear = 1e-3;  // fraction of the triangle's height
+  const auto corners = triangle.hull->corners;
+  const Vector own = triangle.axes.ToOwn(at - triangle.position);
+  const Vector& normal = triangle.hull->normals[0];
+  for (uint32_t side = 0; side < 3; ++side) {
+    const Vector &p = corners[side], &q = corners[(side + 1) % 3], &r = corners[(side + 2) % 3];
+    const Vector inwards = Cross(normal, q - p);
+    if ((edges & (1u << side)) != 0 && Dot(own - p, inwards) <= kNear * Dot(r - p, inwards)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 Manifold Collide(const Shape& a, const Shape& b, double margin) {
   if (Rank(a) <= Rank(b)) return CollideInOrder(a, b, margin);
   Manifold manifold = CollideInOrder(b, a, margin);
   manifold.normal = -manifold.normal;
+  return manifold;
+}
+
+Manifold CollideTriangle(const Shape& triangle, uint32_t edges, const Shape& other, double margin) {
+  const Polytope& flat = *triangle.hull;
+  const Vector face = triangle.axes.ToWorld(flat.normals[0]);
+  const Vector corner = triangle.position + triangle.axes.ToWorld(flat.corners[0]);
+  Manifold manifold;
+  if (Dot(other.position - corner, face) < 0) return manifold;
+  const ClosestPoints closest = FindClosest(triangle, 0, other, RoundingFor(other, triangle));
+  manifold.normal = face;
+  if (closest.distance > 0) {
+    // Cosine of the largest angle between the normal of the face and that of a contact with it. A
+    // ball beside the triangle must not touch its edge as a face; a box that rests across the edge
+    // may be tilted a little.
+    const double like_face = other.radius > 0 ? 1 - 1e-9 : 0.9998;
+    const Vector normal = (closest.b - closest.a) * (1 / closest.distance);
+    const double cosine = Dot(normal, face);
+    if (cosine < like_face) {
+      if (cosine < 0 || !TouchesEdge(triangle, edges, closest.a)) return manifold;
+      manifold.normal = normal;
+    }
+  }
+  AddHullPoints({triangle, other, manifold.normal, margin}, closest, manifold);
   return manifold;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 
 #include "solver.hpp"
 
@@ -33,40 +34,43 @@ struct ContactMemory {
 
   /** Matches each point of a contact with the nearest point of the last step within `reach` [m],
    *  and takes over its impulses and the order of the points. In another order the impulses would
-   *  differ slightly in each step, and resting bodies would not come to rest. */
+   *  differ slightly in each step, and resting bodies would not come to rest. Two shapes may have
+   *  several contacts, of different directions. */
   void Recall(Contact<Real>& contact, uint32_t partner, Real reach) const {
-    const auto found = std::find(partners.begin(), partners.end(), partner + 1);
-    if (found == partners.end()) return;
-    const auto first = static_cast<uint32_t>(found - partners.begin()) * Manifold::kMost;
+    std::array<uint32_t, kSlots> slots;  // of this partner
+    uint32_t known = 0;
+    for (uint32_t slot = 0; slot < kSlots; ++slot) {
+      if (partners[slot] == partner + 1) slots[known++] = slot;
+    }
+    if (known == 0) return;
     uint32_t taken = 0;
-    std::array<typename Contact<Real>::Point, Manifold::kMost> ordered;
     for (int i = 0; i < contact.count; ++i) {
       auto& point = contact.points[i];
       const Vec3<Real> arm = is_first ? point.arm_a : point.arm_b;
       Real nearest = reach * reach;
-      int chosen = -1;
-      for (int j = 0; j < Manifold::kMost; ++j) {
-        const Vec3<Real> way = Get(places, first + j) - arm;
-        const Real square = Dot(way, way);
-        if ((taken & (1u << j)) != 0 || !(square < nearest)) continue;
-        nearest = square;
-        chosen = j;
+      point.place = kPlaces;
+      for (uint32_t k = 0; k < known; ++k) {
+        for (uint32_t j = slots[k] * Manifold::kMost; j < (slots[k] + 1) * Manifold::kMost; ++j) {
+          const Vec3<Real> way = Get(places, j) - arm;
+          const Real square = Dot(way, way);
+          if ((taken & (1u << j)) != 0 || !(square < nearest)) continue;
+          if (known > 1 && !IsAlong(Get(impulses, j) * sign(), contact.normal)) continue;
+          nearest = square;
+          point.place = int(j);
+        }
       }
-      point.place = chosen < 0 ? Manifold::kMost : chosen;
-      if (chosen < 0) continue;
-      taken |= 1u << chosen;
-      const Vec3<Real> impulse = Get(impulses, first + chosen) * sign();
+      if (point.place == kPlaces) continue;
+      taken |= 1u << point.place;
+      const Vec3<Real> impulse = Get(impulses, uint32_t(point.place)) * sign();
       point.press = std::max(Real(0), Dot(impulse, contact.normal));
       point.rub[0] = Dot(impulse, contact.across[0]);
       point.rub[1] = Dot(impulse, contact.across[1]);
     }
-    int next = 0;
-    for (int place = 0; place <= Manifold::kMost; ++place) {
-      for (int i = 0; i < contact.count; ++i) {
-        if (contact.points[i].place == place) ordered[next++] = contact.points[i];
+    for (int i = 1; i < contact.count; ++i) {  // sorts by place and keeps the order of new points
+      for (int k = i; k > 0 && contact.points[k].place < contact.points[k - 1].place; --k) {
+        std::swap(contact.points[k], contact.points[k - 1]);
       }
     }
-    contact.points = ordered;
   }
 
   /** Stores a contact in the next free slot; drops it if all are used. */
@@ -84,6 +88,14 @@ struct ContactMemory {
   }
 
  private:
+  static constexpr int kPlaces = int(kSlots) * Manifold::kMost;
+  static_assert(kPlaces <= 32, "`taken` has a bit for each place");
+
+  /** Returns whether an impulse can be that of a contact with this normal and friction. */
+  static bool IsAlong(const Vec3<Real>& impulse, const Vec3<Real>& normal) {
+    const Real along = Dot(impulse, normal);
+    return along >= 0 && along * along >= Real(0.25) * Dot(impulse, impulse);
+  }
   Real sign() const { return is_first ? Real(1) : Real(-1); }
   static Vec3<Real> Get(const SlotVectors<Real>& from, uint32_t slot) {
     return {from[3 * slot], from[3 * slot + 1], from[3 * slot + 2]};

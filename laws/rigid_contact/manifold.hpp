@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "shape.hpp"
 
@@ -30,6 +31,37 @@ struct Manifold {
  *  touches only shapes whose centre is in front of it. The result is finite for all finite shapes.
  *  */
 Manifold Collide(const Shape& a, const Shape& b, double margin);
+
+/** Returns the points at which a triangle of a surface touches a convex shape whose centre is in
+ *  front of it; the normal points to the shape. A contact at an edge whose bit in `edges` is 0 is
+ *  left to the triangle at the other side of the edge. */
+Manifold CollideTriangle(const Shape& triangle, uint32_t edges, const Shape& other, double margin);
+
+/** The contacts of a convex shape with a surface of triangles, one for each direction. Keeps its
+ *  memory. */
+class SurfaceContacts {
+ public:
+  // Number of directions; contacts of further directions are dropped.
+  static constexpr size_t kMostDirections = 16;
+
+  /** Finds the contacts. `pose` has the position and axes of the surface. */
+  void Find(const Surface& surface, const Shape& pose, const Shape& other, double margin);
+  /** Returns the contacts; the normals point from the surface to the shape. */
+  const std::vector<Manifold>& manifolds() const { return manifolds_; }
+
+ private:
+  struct Group {
+    Vector normal;
+    std::vector<ContactPoint> points;
+  };
+  /** Returns the points of the group with about this normal; null if there is no room for it. */
+  std::vector<ContactPoint>* PointsAlong(const Vector& normal);
+
+  std::vector<uint32_t> found_;
+  std::vector<Group> groups_;
+  size_t used_ = 0;
+  std::vector<Manifold> manifolds_;
+};
 
 /** The closest points of two cores. */
 struct ClosestPoints {

@@ -4,14 +4,18 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "body.hpp"
 #include "broad_phase.hpp"
+#include "collisions.hpp"
 #include "colours.hpp"
+#include "contact_columns.hpp"
 #include "contact_memory.hpp"
-#include "joint_solver.hpp"
+#include "joint_columns.hpp"
 #include "manifold.hpp"
+#include "parts.hpp"
 #include "solver.hpp"
 #include "vesper/law.hpp"
 
@@ -20,15 +24,12 @@ namespace {
 using namespace vesper;
 using namespace vesper::rigid;
 
-// Rows, pairs and contacts per chunk of a thread.
-constexpr uint64_t kBodyGrain = 256, kPairGrain = 64, kContactGrain = 128;
+// Rows and contacts per chunk of a thread.
+constexpr uint64_t kBodyGrain = 256, kContactGrain = 128;
 // Number of contacts of a colour above which several threads are faster than one.
 constexpr uint32_t kManyContacts = 512;
 // Separation up to which two shapes form a contact, as a fraction of their thickness.
 constexpr double kSlop = 0.02;
-// Contacts yield like damped springs: kOscillations oscillations per step, at kDamping times the
-// critical damping.
-constexpr double kOscillations = 0.5, kDamping = 10;
 // Distance up to which a contact point is identified with one of the last step, as a fraction of
 // the thickness.
 constexpr double kNear = 0.2;
@@ -37,7 +38,7 @@ constexpr double kNear = 0.2;
 template <class Real>
 struct RigidContact {
   using Vector3 = Vec3<Real>;
-  static constexpr auto kName = "rigid_contact", kVersion = "1.0.0";
+  static constexpr auto kName = "rigid_contact", kVersion = "1.1.0";
   static constexpr auto kDoc = "Moves rigid bodies, whose shapes touch, rub and bounce.";
   static constexpr auto kPhase = Phase::kIntegrate;
   static constexpr uint32_t kFirstStage = 1;
@@ -57,6 +58,13 @@ struct RigidContact {
   Parameter push_speed{
       "pushSpeed", "Greatest speed at which overlaps are undone.", units::metre_per_second, 3, 0,
       1e6};
+  Parameter rolling_friction{
+      "rollingFriction",
+      "Lever arm of the rolling friction of bodies without one of their own.",
+      units::metre,
+      0,
+      0,
+      1e6};
 
   Read<Real> mass{"mass", "body", units::kilogram};
   Read<Vector3> force{"externalForce", "body", units::newton};
@@ -70,97 +78,101 @@ struct RigidContact {
   Read<int32_t> shape{"shape", "body", units::one};
   Read<Vec3<double>> size{"size", "body", units::metre};
   OptionalRead<int32_t> carrier{"carrier", "body", units::one};
-  OptionalRead<Real> own_friction{"friction", "body", units::one};
-  OptionalRead<Real> own_restitution{"restitution", "body", units::one};
   OptionalRead<Vector3> scenery_position{"sceneryPosition", "scenery", units::metre};
   OptionalRead<std::array<Real, 4>> scenery_orientation{"sceneryOrientation", "scenery",
                                                         units::one};
   OptionalRead<int32_t> scenery_shape{"sceneryShape", "scenery", units::one};
   OptionalRead<Vec3<double>> scenery_size{"scenerySize", "scenery", units::metre};
   OptionalRead<int32_t> scenery_carrier{"sceneryCarrier", "scenery", units::one};
-  OptionalRead<std::array<uint32_t, 2>> joined{"joined", "joint", units::one};
-  OptionalRead<int32_t> joint_type{"jointType", "joint", units::one};
-  OptionalRead<Vector3> anchor{"anchor", "joint", units::metre};
-  OptionalRead<Vector3> axis{"axis", "joint", units::one};
-  OptionalRead<std::array<Real, 2>> angle_limits{"angleLimits", "joint", units::one};
-  OptionalRead<std::array<Real, 2>> travel_limits{"travelLimits", "joint", units::metre};
-  OptionalRead<Real> motor_speed{"motorSpeed", "joint", units::radian_per_second};
-  OptionalRead<Real> motor_torque{"motorTorque", "joint", units::newton_metre};
-  OptionalRead<Real> drive_speed{"driveSpeed", "joint", units::metre_per_second};
-  OptionalRead<Real> drive_force{"driveForce", "joint", units::newton};
-  OptionalRead<Real> breaking_force{"breakingForce", "joint", units::newton};
-  OptionalReadWrite<Vector3> other_anchor{"otherAnchor", "joint", units::metre};
-  OptionalReadWrite<std::array<Real, 4>> other_turn{"otherTurn", "joint", units::one};
-  OptionalReadWrite<Vector3> joint_force{"jointForce", "joint", units::newton};
-  OptionalReadWrite<Vector3> joint_torque{"jointTorque", "joint", units::newton_metre};
-  OptionalReadWrite<Real> joint_angle{"jointAngle", "joint", units::one};
-  OptionalReadWrite<Real> joint_travel{"jointTravel", "joint", units::metre};
-  OptionalReadWrite<int32_t> broken{"broken", "joint", units::one};
+  JointColumns<Real> joint_columns;
+  ContactColumns<Real> contact_columns;
+  MeshColumns mesh_columns;
   // The contacts of the last step, see contact_memory.hpp.
   Scratch<SlotPartners> partners{"partners", "body", units::one};
   Scratch<SlotVectors<Real>> places{"places", "body", units::metre};
   Scratch<SlotVectors<Real>> impulses{"impulses", "body", kImpulseUnit};
 
   auto Parameters() {
-    return std::tie(substeps, friction, restitution, restitution_speed, push_speed);
+    return std::tie(substeps, friction, restitution, restitution_speed, push_speed,
+                    rolling_friction);
   }
   auto Properties() {
-    return std::tie(mass, force, torque, inertia, velocity, position, spin, orientation,
-                    acceleration, shape, size, carrier, own_friction, own_restitution,
-                    scenery_position, scenery_orientation, scenery_shape, scenery_size,
-                    scenery_carrier, joined, joint_type, anchor, axis, angle_limits, travel_limits,
-                    motor_speed, motor_torque, drive_speed, drive_force, breaking_force,
-                    other_anchor, other_turn, joint_force, joint_torque, joint_angle, joint_travel,
-                    broken, partners, places, impulses);
+    return std::tuple_cat(std::tie(mass, force, torque, inertia, velocity, position, spin,
+                                   orientation, acceleration, shape, size, carrier),
+                          contact_columns.FirstProperties(),
+                          std::tie(scenery_position, scenery_orientation, scenery_shape,
+                                   scenery_size, scenery_carrier),
+                          joint_columns.Properties(), std::tie(partners, places, impulses),
+                          contact_columns.LaterProperties(), mesh_columns.Properties());
   }
 
   void Advance(const Step& step) {
     const auto count = static_cast<uint32_t>(std::lround(substeps.value()));
     const auto dt = static_cast<Real>(step.dt);
-    const SolverStep<Real> solver = SolverFor(dt, count);
+    const auto solver = SolverStep<Real>::Of(dt, count, Real(push_speed), Real(restitution_speed));
     Gather(step);
-    GatherJoints(step.dt);
+    joint_columns.Gather(joints_, *this, step.dt);
     FindContacts(step);
     Solve(step, solver);
     Remember();
-    ScatterJoints(step.dt);
+    joint_columns.Scatter(joints_, step.dt);
     Scatter(step);
   }
 
- private:
-  /** Returns the constants of a step; the section Limits of README.md explains the contact springs.
-   *  */
-  SolverStep<Real> SolverFor(Real dt, uint32_t count) const {
-    constexpr double kTurn = 2 * 3.14159265358979323846;
-    const double substep = double{dt} / count, angle = kTurn * kOscillations / count;
-    const double damped = 2 * kDamping + angle, stiff = angle * damped;
-    return {dt,
-            static_cast<Real>(substep),
-            static_cast<Real>(angle / (substep * damped)),
-            static_cast<Real>(stiff / (1 + stiff)),
-            static_cast<Real>(1 / (1 + stiff) / count),
-            Real(push_speed),
-            Real(restitution_speed),
-            count};
-  }
-
-  static constexpr vesper_unit kImpulseUnit = VESPER_UNIT_INIT(1, 1, -1, 0, 0, 0, 0, 1.0, "N*s");
+  // --- for the joints
 
   uint64_t rows() const { return mass.size(); }
+  bool IsBroken(uint32_t body) const { return bodies_[body].broken; }
+  void MarkJointed(uint32_t body) { bodies_[body].jointed = true; }
+  uint32_t BodyOf(uint32_t row) const { return row < rows() && Movable(row) ? row : kImmovable; }
+  Pose PoseOf(uint32_t body) const {
+    return {Wide(position[body]) + Wide(motions_[body].moved), bodies_[body].rotation};
+  }
+
+ private:
+  static constexpr vesper_unit kImpulseUnit = VESPER_UNIT_INIT(1, 1, -1, 0, 0, 0, 0, 1.0, "N*s");
+
   bool Movable(uint32_t body) const { return bodies_[body].translates || bodies_[body].rotates; }
 
   // --- reading the columns
 
   void Gather(const Step& step) {
     const uint64_t scenery = scenery_shape.present() ? scenery_shape.size() : 0;
+    forms_.Update(mesh_columns.ranges, mesh_columns.points, mesh_columns.indices);
     bodies_.resize(rows());
     motions_.resize(rows());
     shapes_.resize(rows() + scenery);
     bounds_.resize(rows() + scenery);
+    surfaces_.assign(mesh_columns.ranges.present() ? shapes_.size() : 0, nullptr);
+    FindParts();
     step.ParallelFor(rows(), kBodyGrain, [&](uint64_t begin, uint64_t end) {
       for (uint64_t i = begin; i < end; ++i) GatherBody(i, step.dt);
     });
+    for (const Part& part : parts_.all()) GatherPart(part, step.dt);
     for (uint64_t i = 0; i < scenery; ++i) GatherScenery(i);
+    if (!surfaces_.empty()) GatherSurfaces();
+  }
+
+  /** Finds the attached shapes that are parts of bodies, with their poses relative to these. */
+  void FindParts() {
+    parts_.Reset(rows());
+    if (!contact_columns.part.present() || !carrier.present()) return;
+    for (uint32_t i = 0; i < rows(); ++i) {
+      const int32_t body = carrier[i];
+      if (contact_columns.part[i] == 0 || body < 0 || uint64_t(body) >= rows()) continue;
+      if (!IsFinite(i) || !IsFinite(uint64_t(body))) continue;
+      const Shape one = Shape::Of(shape[i], size[i], Wide(position[i]),
+                                  Quaternion::Load(orientation[i]).Normalised(), HullOf(i));
+      parts_.Add(i, uint32_t(body), one, Quaternion::Load(orientation[i]).Normalised(),
+                 Wide(position[body]), Quaternion::Load(orientation[body]).Normalised());
+    }
+    parts_.AddBodies(
+        [&](uint32_t body) { return Shape::Of(shape[body], size[body], {}, {}, HullOf(body)); });
+  }
+
+  const Polytope* HullOf(uint64_t i) const {
+    Form* form = mesh_columns.mesh.present() ? forms_.Find(mesh_columns.mesh[i]) : nullptr;
+    return form == nullptr ? nullptr : form->hull();
   }
 
   void GatherBody(uint64_t i, double dt) {
@@ -181,9 +193,12 @@ struct RigidContact {
     const int32_t code = weight > 0 && shape[i] == int32_t(ShapeCode::kPlane)
                              ? int32_t(ShapeCode::kBox)  // a plane of the columns is a thin box
                              : shape[i];
-    shapes_[i] = carried ? Shape{} : Shape::Of(code, size[i], at, body.rotation);
+    shapes_[i] = carried ? Shape{} : Shape::Of(code, size[i], at, body.rotation, HullOf(i));
     Vector moments = inertia.present() ? Wide(inertia[i]) : Vector{};
-    if (moments == Vector{}) moments = shapes_[i].Moments(weight);
+    if (moments == Vector{}) {
+      const Vector* of_parts = parts_.MomentsOf(uint32_t(i));
+      moments = of_parts != nullptr ? *of_parts * weight : shapes_[i].Moments(weight);
+    }
     body.moments = {moments.x, moments.y, moments.z};
     body.turned = {};
     body.renewed = body.jointed = false;
@@ -203,6 +218,54 @@ struct RigidContact {
     const double bound = shapes_[i].Bound();
     body.speed = Length(Wide(motion.velocity)) + Length(Wide(motion.spin)) * bound;
     Bound(i, Movable(uint32_t(i)), body.speed * dt);
+  }
+
+  void GatherPart(const Part& part, double dt) {
+    const Body& body = bodies_[part.body];
+    const Motion<Real>& motion = motions_[part.body];
+    shapes_[part.row] = part.shape;
+    const double reach = Length(part.offset) + part.shape.Bound();
+    bodies_[part.row].speed =
+        body.broken ? 0 : Length(Wide(motion.velocity)) + Length(Wide(motion.spin)) * reach;
+    Bound(part.row, Movable(part.body), bodies_[part.row].speed * dt);
+  }
+
+  /** Replaces the hulls of immovable meshes by their triangles. */
+  void GatherSurfaces() {
+    const auto form = [&](const auto& column, uint64_t i) {
+      return column.present() ? forms_.Find(column[i]) : nullptr;
+    };
+    for (uint64_t i = 0; i < rows(); ++i) {
+      if (shape[i] != int32_t(ShapeCode::kMesh) || Movable(uint32_t(i)) || bodies_[i].broken ||
+          (carrier.present() && carrier[i] >= 0)) {
+        continue;
+      }
+      GatherSurface(i, form(mesh_columns.mesh, i), Wide(position[i]), bodies_[i].rotation);
+    }
+    for (uint64_t i = 0; rows() + i < shapes_.size(); ++i) {
+      const Quaternion q = Quaternion::Load(scenery_orientation[i]);
+      if (scenery_shape[i] != int32_t(ShapeCode::kMesh) || !(Dot(q.v, q.v) + q.w * q.w > 0) ||
+          (scenery_carrier.present() && scenery_carrier[i] >= 0)) {
+        continue;
+      }
+      GatherSurface(rows() + i, form(mesh_columns.scenery_mesh, i), Wide(scenery_position[i]),
+                    q.Normalised());
+    }
+  }
+
+  void GatherSurface(uint64_t row, Form* form, const Vector& at, const Quaternion& q) {
+    shapes_[row] = {};
+    surfaces_[row] = form == nullptr ? nullptr : form->surface();
+    const Surface* surface = surfaces_[row];
+    if (surface == nullptr) return Bound(row, false, 0);
+    Shape& one = shapes_[row];
+    one.code = ShapeCode::kSurface;
+    one.axes = Axes::Of(q);
+    one.position = at;
+    const Vector centre = at + one.axes.ToWorld((surface->low() + surface->high()) * 0.5);
+    one.half = (surface->high() - surface->low()) * 0.5;
+    const Vector reach{one.Reach({1, 0, 0}), one.Reach({0, 1, 0}), one.Reach({0, 0, 1})};
+    bounds_[row] = {centre - reach, centre + reach, false};
   }
 
   void GatherScenery(uint64_t i) {
@@ -229,8 +292,10 @@ struct RigidContact {
                  square(Wide(spin[i])) + square(Wide(force[i])) + square(size[i]) + norm;
     if (torque.present()) sum += square(Wide(torque[i]));
     if (inertia.present()) sum += square(Wide(inertia[i]));
-    if (own_friction.present()) sum += double{own_friction[i]};
-    if (own_restitution.present()) sum += double{own_restitution[i]};
+    const auto& own = contact_columns;
+    if (own.friction.present()) sum += double{own.friction[i]};
+    if (own.restitution.present()) sum += double{own.restitution[i]};
+    if (own.rolling.present()) sum += double{own.rolling[i]};
     return std::isfinite(sum) && norm > 0;
   }
 
@@ -248,105 +313,9 @@ struct RigidContact {
     const Vector reach{one.Reach({1, 0, 0}) + more, one.Reach({0, 1, 0}) + more,
                        one.Reach({0, 0, 1}) + more};
     bounds = {one.position - reach, one.position + reach, movable};
-  }
-
-  // --- joints
-
-  void GatherJoints(double dt) {
-    joints_.Reset(joined.present() ? rows() : 0);
-    const bool complete = joined.present() && joint_type.present() && anchor.present() &&
-                          axis.present() && other_anchor.present() && other_turn.present();
-    if (!complete) return;
-    for (uint64_t i = 0; i < joined.size(); ++i) GatherJoint(i, dt);
-    joints_.Sort();
-  }
-
-  void GatherJoint(uint64_t i, double dt) {
-    const auto type = static_cast<JointType>(joint_type[i]);
-    const auto [a, b] = joined[i];
-    if (type < JointType::kFixed || type > JointType::kDistance || a == b) return;
-    if (broken.present() && broken[i] != 0) return;
-    if (bodies_[a].broken || bodies_[b].broken || (!Movable(a) && !Movable(b))) return;
-    Joint<Real> joint;
-    joint.row_a = a;
-    joint.row_b = b;
-    joint.a = BodyOf(a);
-    joint.b = BodyOf(b);
-    joint.settings = SettingsOf(i, type, PoseOf(a), PoseOf(b));
-    const Vector load = joint_force.present() ? Wide(joint_force[i]) : Vector{};
-    const Vector moment = joint_torque.present() ? Wide(joint_torque[i]) : Vector{};
-    joint.StartWith(load * dt, moment * dt);
-    for (const uint32_t body : {a, b}) bodies_[body].jointed = true;
-    joints_.Add(joint, i);
-  }
-
-  JointSettings SettingsOf(uint64_t i, JointType type, const Pose& a, const Pose& b) {
-    JointSettings settings;
-    settings.type = type;
-    settings.anchor_a = Wide(anchor[i]);
-    const Vector given = Wide(axis[i]);
-    const double length = Length(given);
-    settings.axis = length > 0 ? given * (1 / length) : Vector{0, 1, 0};
-    if (other_turn[i] == std::array<Real, 4>{}) Join(i, type, a, b);
-    settings.anchor_b = Wide(other_anchor[i]);
-    settings.rest = Quaternion::Load(other_turn[i]).Normalised();
-    const auto number = [&](const auto& column) {
-      return column.present() ? double{column[i]} : 0;
-    };
-    const auto limit = [&](const auto& column, int side) {
-      return column.present() ? double{column[i][side]} : 0;
-    };
-    settings.angle_low = limit(angle_limits, 0);
-    settings.angle_high = limit(angle_limits, 1);
-    settings.travel_low = limit(travel_limits, 0);
-    settings.travel_high = limit(travel_limits, 1);
-    settings.motor_speed = number(motor_speed);
-    settings.motor_torque = number(motor_torque);
-    settings.drive_speed = number(drive_speed);
-    settings.drive_force = number(drive_force);
-    const double sum = Dot(settings.anchor_a, settings.anchor_a) + length +
-                       Dot(settings.anchor_b, settings.anchor_b) + settings.rest.w +
-                       settings.angle_low + settings.angle_high + settings.travel_low +
-                       settings.travel_high + settings.motor_speed + settings.motor_torque +
-                       settings.drive_speed + settings.drive_force + number(breaking_force);
-    if (!std::isfinite(sum)) {
-      throw std::runtime_error("joint row " + std::to_string(i) +
-                               " has values that are not finite");
-    }
-    return settings;
-  }
-
-  /** Stores the present anchor and rotation of the second body as those at which the joint is at
-   *  rest. */
-  void Join(uint64_t i, JointType type, const Pose& a, const Pose& b) {
-    const Quaternion of_a = a.rotation.Normalised(), of_b = b.rotation.Normalised();
-    if (type != JointType::kDistance && other_anchor[i] == Vector3{}) {
-      const Vector at = a.at + of_a.Rotate(Wide(anchor[i]));
-      other_anchor[i] = Narrow<Real>(of_b.Inverse().Rotate(at - b.at));
-    }
-    other_turn[i] = (of_a.Inverse() * of_b).template Stored<Real>();
-  }
-
-  Pose PoseOf(uint32_t body) const {
-    return {Wide(position[body]) + Wide(motions_[body].moved), bodies_[body].rotation};
-  }
-
-  void ScatterJoints(double dt) {
-    for (size_t k = 0; k < joints_.count(); ++k) {
-      const uint64_t i = joints_.row(k);
-      const Joint<Real>& joint = joints_[k];
-      const Vector load = joint.Impulse() * (1 / dt);
-      if (joint_force.present()) joint_force[i] = Narrow<Real>(load);
-      if (joint_torque.present()) joint_torque[i] = Narrow<Real>(joint.Turn() * (1 / dt));
-      if (joint_angle.present()) joint_angle[i] = static_cast<Real>(joint.angle());
-      if (joint_travel.present()) joint_travel[i] = static_cast<Real>(joint.travel());
-      const double most = breaking_force.present() ? double{breaking_force[i]} : 0;
-      if (most > 0 && broken.present() && Dot(load, load) > most * most) {
-        broken[i] = 1;
-        if (joint_force.present()) joint_force[i] = {};
-        if (joint_torque.present()) joint_torque[i] = {};
-      }
-    }
+    if (one.hull == nullptr) return;  // other shapes are symmetric
+    bounds.low = one.position - Vector{one.Reach({-1, 0, 0}) + more, one.Reach({0, -1, 0}) + more,
+                                       one.Reach({0, 0, -1}) + more};
   }
 
   // --- contacts
@@ -361,61 +330,95 @@ struct RigidContact {
   };
 
   ContactMemory<Real> MemoryOf(const Touch& touch) const {
-    const uint32_t body = touch.owner();
+    const uint32_t body = parts_.BodyOf(touch.owner());
     return {partners[body], places[body], impulses[body], touch.a_stores};
   }
 
   void FindContacts(const Step& step) {
     const std::vector<Pair>& pairs = broad_phase_.Find(bounds_);
-    manifolds_.resize(pairs.size());
-    step.ParallelFor(pairs.size(), kPairGrain, [&](uint64_t begin, uint64_t end) {
-      for (uint64_t i = begin; i < end; ++i) {
-        const Pair pair = pairs[i];
-        manifolds_[i] = Collide(shapes_[pair.a], shapes_[pair.b], Margin(pair.a, pair.b, step.dt));
-      }
-    });
+    collisions_.Find(
+        step, pairs, shapes_, surfaces_, [&](const Pair& pair) { return MayMeet(pair); },
+        [&](const Pair& pair) { return Margin(pair.a, pair.b, step.dt); });
     touches_.clear();
     contacts_.clear();
-    for (size_t i = 0; i < pairs.size(); ++i) {
-      if (manifolds_[i].count > 0 && !joints_.AreJoined(pairs[i]))
-        AddContact(pairs[i], manifolds_[i]);
-    }
+    contact_columns.ClearTouches();
+    collisions_.ForEach(pairs, surfaces_, [&](const Pair& pair, const Manifold& manifold) {
+      TryContact(pair, manifold);
+    });
     step.ParallelFor(contacts_.size(), kContactGrain, [&](uint64_t begin, uint64_t end) {
       for (uint64_t i = begin; i < end; ++i) PrepareContact(i);
     });
     colours_.Choose(contacts_, rows());
   }
 
+  bool MayMeet(const Pair& pair) const {
+    return contact_columns.Meet(pair.a, pair.b) && parts_.BodyOf(pair.a) != parts_.BodyOf(pair.b);
+  }
+
+  /** Counts a touch; adds a contact unless one of the shapes is a sensor, or a joint connects the
+   *  bodies. */
+  void TryContact(const Pair& pair, const Manifold& manifold) {
+    const uint32_t a = parts_.BodyOf(pair.a), b = parts_.BodyOf(pair.b);
+    if (joints_.AreJoined({std::min(a, b), std::max(a, b)})) return;
+    const bool sensed = contact_columns.IsSensor(pair.a) || contact_columns.IsSensor(pair.b);
+    if (contact_columns.CountsTouches()) CountTouch(pair, manifold, sensed);
+    if (!sensed) AddContact(pair, manifold);
+  }
+
+  void CountTouch(const Pair& pair, const Manifold& manifold, bool sensed) {
+    double least = HUGE_VAL;
+    for (int i = 0; i < manifold.count; ++i) {
+      least = std::min(least, manifold.points[i].separation);
+    }
+    // Bodies that rest on each other may have a small distance.
+    const double thickness = std::min(shapes_[pair.a].Thickness(), shapes_[pair.b].Thickness());
+    if (least > (sensed ? 0 : kSlop * thickness)) return;
+    for (const uint32_t row : {pair.a, pair.b}) {
+      contact_columns.CountTouch(row);
+      if (parts_.BodyOf(row) != row) contact_columns.CountTouch(parts_.BodyOf(row));
+    }
+  }
+
   double Margin(uint32_t a, uint32_t b, double dt) const {
     const double thickness = std::min(shapes_[a].Thickness(), shapes_[b].Thickness());
     const double speed = SpeedOf(a) + SpeedOf(b);
-    const bool plane = shapes_[a].code == ShapeCode::kPlane || shapes_[b].code == ShapeCode::kPlane;
+    const auto solid = [&](uint32_t row) {
+      return shapes_[row].code == ShapeCode::kPlane || shapes_[row].code == ShapeCode::kSurface;
+    };
     // Half the thickness is the limit: with a larger distance, bodies that only pass each other
     // would get contacts.
-    return kSlop * thickness + (plane ? speed * dt : std::min(speed * dt, 0.5 * thickness));
+    return kSlop * thickness +
+           (solid(a) || solid(b) ? speed * dt : std::min(speed * dt, 0.5 * thickness));
   }
   double SpeedOf(uint32_t shape_row) const {
     return shape_row < rows() ? bodies_[shape_row].speed : 0;
   }
-  uint32_t BodyOf(uint32_t shape_row) const {
-    return shape_row < rows() && Movable(shape_row) ? shape_row : kImmovable;
+  /** Returns the point of a shape's body from which arms are measured. */
+  Vector CentreOf(uint32_t shape_row) const {
+    const uint32_t body = parts_.BodyOf(shape_row);
+    return body == shape_row ? shapes_[shape_row].position : Wide(position[body]);
   }
 
   void AddContact(const Pair& pair, const Manifold& manifold) {
     Contact<Real>& contact = contacts_.emplace_back();
-    contact.a = BodyOf(pair.a);
-    contact.b = BodyOf(pair.b);
+    contact.a = BodyOf(parts_.BodyOf(pair.a));
+    contact.b = BodyOf(parts_.BodyOf(pair.b));
     contact.normal = Narrow<Real>(manifold.normal);
     contact.count = manifold.count;
-    const double rub_a = FrictionOf(pair.a), rub_b = FrictionOf(pair.b);
+    const auto [rub_a, rub_b] = OfBoth(contact_columns.friction, pair, friction.value());
     contact.friction = static_cast<Real>(std::sqrt(rub_a * rub_b));
-    contact.restitution = static_cast<Real>(std::max(RestitutionOf(pair.a), RestitutionOf(pair.b)));
+    const auto [e_a, e_b] = OfBoth(contact_columns.restitution, pair, restitution.value());
+    contact.restitution = static_cast<Real>(std::min(1.0, std::max(e_a, e_b)));
+    const auto [arm_a, arm_b] = OfBoth(contact_columns.rolling, pair, rolling_friction.value());
+    contact.rolling = static_cast<Real>(std::max(arm_a, arm_b));
+    contact.roll[0] = contact.roll[1] = 0;
+    const Vector centre_a = CentreOf(pair.a), centre_b = CentreOf(pair.b);
     for (int i = 0; i < manifold.count; ++i) {
       const ContactPoint& from = manifold.points[i];
       auto& point = contact.points[i];
       point = {};
-      point.arm_a = Narrow<Real>(from.at - shapes_[pair.a].position);
-      point.arm_b = Narrow<Real>(from.at - shapes_[pair.b].position);
+      point.arm_a = Narrow<Real>(from.at - centre_a);
+      point.arm_b = Narrow<Real>(from.at - centre_b);
       point.separation = static_cast<Real>(from.separation);
     }
     // The smaller body stores the contact, because few larger bodies fit around it.
@@ -425,14 +428,12 @@ struct RigidContact {
     touches_.push_back({pair.a, pair.b, a_stores});
   }
 
-  double FrictionOf(uint32_t row) const {
-    return row < rows() && own_friction.present() ? std::max(0.0, double{own_friction[row]})
-                                                  : friction.value();
-  }
-  double RestitutionOf(uint32_t row) const {
-    return row < rows() && own_restitution.present()
-               ? std::clamp(double{own_restitution[row]}, 0.0, 1.0)
-               : restitution.value();
+  /** Returns the values of the two shapes of a pair, or `otherwise`. */
+  template <class Column>
+  static std::pair<double, double> OfBoth(const Column& column, const Pair& pair,
+                                          double otherwise) {
+    return {ContactColumns<Real>::ValueOf(column, pair.a, otherwise),
+            ContactColumns<Real>::ValueOf(column, pair.b, otherwise)};
   }
 
   const Motion<Real>& MotionOf(uint32_t body) const {
@@ -534,7 +535,7 @@ struct RigidContact {
     used_.assign(rows(), 0);
     for (size_t i = 0; i < contacts_.size(); ++i) {
       const Touch& touch = touches_[i];
-      MemoryOf(touch).Store(contacts_[i], touch.partner(), used_[touch.owner()]);
+      MemoryOf(touch).Store(contacts_[i], touch.partner(), used_[parts_.BodyOf(touch.owner())]);
     }
     for (uint64_t i = 0; i < rows(); ++i) {
       for (uint32_t slot = used_[i]; slot < kSlots && partners[i][slot] != 0; ++slot) {
@@ -564,6 +565,12 @@ struct RigidContact {
         }
       }
     });
+    for (const Part& part : parts_.all()) {
+      if (bodies_[part.body].broken) continue;
+      const Quaternion q = Quaternion::Load(orientation[part.body]).Normalised();
+      position[part.row] = Narrow<Real>(Wide(position[part.body]) + q.Rotate(part.offset));
+      orientation[part.row] = (q * part.turn).template Stored<Real>();
+    }
   }
 
   const Motion<Real> still_{};
@@ -571,10 +578,13 @@ struct RigidContact {
   std::vector<Motion<Real>> motions_;    // (rows)
   std::vector<Shape> shapes_;            // (rows + scenery)
   std::vector<Bounds> bounds_;           // (rows + scenery)
-  std::vector<Manifold> manifolds_;      // (pairs)
   std::vector<Touch> touches_;           // (contacts)
   std::vector<Contact<Real>> contacts_;  // (contacts)
   std::vector<uint32_t> used_;           // (rows) number of used slots
+  Forms forms_;
+  Parts parts_;
+  std::vector<const Surface*> surfaces_;  // (rows + scenery), empty without meshes
+  Collisions collisions_;
   JointSolver<Real> joints_;
   BroadPhase broad_phase_;
   Colours colours_;

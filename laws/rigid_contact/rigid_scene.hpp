@@ -2,6 +2,7 @@
 // Rigid bodies and scenery for the tests of rigid_contact, in the columns of a standard prototype.
 #pragma once
 
+#include "hull_by_search.hpp"
 #include "joint.hpp"
 #include "rigid/rotation.hpp"
 #include "scene.hpp"
@@ -17,6 +18,14 @@ struct RigidScene : Scene<Real> {
   std::vector<int32_t> shape;                            // (bodies)
   std::vector<double> size;                              // (bodies x 3) [m]
   std::vector<Real> orientation, spin, torque, inertia;  // (bodies x 4), (bodies x 3)
+  std::vector<int32_t> mesh_form, carrier, part, layer, passes, sensor, touch_count;  // (bodies)
+  std::vector<Real> rolling;                                                          // (bodies)
+  bool has_parts = false, has_layers = false, has_rolling = false;
+  // meshes
+  std::vector<int32_t> mesh_ranges;        // (meshes x 10)
+  std::vector<double> mesh_points;         // (points x 3) [m]
+  std::vector<int32_t> mesh_indices;       // (indices)
+  std::vector<int32_t> scenery_mesh_form;  // (scenery)
   // joint
   std::vector<uint32_t> joined;                                // (joints x 2)
   std::vector<int32_t> joint_type, broken;                     // (joints)
@@ -37,6 +46,9 @@ struct RigidScene : Scene<Real> {
     size.insert(size.end(), {extent.x, extent.y, extent.z});
     Append(orientation, q.Stored<Real>());
     for (auto* column : {&spin, &torque, &inertia}) column->insert(column->end(), {0, 0, 0});
+    for (auto* column : {&mesh_form, &carrier}) column->push_back(-1);
+    for (auto* column : {&part, &layer, &passes, &sensor, &touch_count}) column->push_back(0);
+    rolling.push_back(0);
     return this->AddBody(Real(mass), rigid::Narrow<Real>(at), rigid::Narrow<Real>(moving));
   }
   uint32_t AddBall(double radius, double mass, Vector at, Vector moving = {}) {
@@ -51,6 +63,70 @@ struct RigidScene : Scene<Real> {
     scenery_size.insert(scenery_size.end(), {extent.x, extent.y, extent.z});
     scenery_position.insert(scenery_position.end(), {Real(at.x), Real(at.y), Real(at.z)});
     Append(scenery_orientation, q.Stored<Real>());
+    scenery_mesh_form.push_back(-1);
+  }
+  /// Adds a mesh and its hull; returns the row of the mesh.
+  int32_t AddForm(const std::vector<Vector>& vertices, const std::vector<int32_t>& triangles,
+                  const HullBySearch* hull) {
+    const auto range = [&](auto&& rows, size_t now) {
+      mesh_ranges.insert(mesh_ranges.end(), {int32_t(now), int32_t(rows.size())});
+    };
+    const auto add_points = [&](const std::vector<Vector>& points) {
+      range(points, mesh_points.size() / 3);
+      for (const Vector& p : points) mesh_points.insert(mesh_points.end(), {p.x, p.y, p.z});
+    };
+    std::vector<int32_t> faces;
+    for (size_t i = 0; hull != nullptr && i < hull->faces.size(); ++i) {
+      faces.push_back(int32_t(hull->faces[i].size()));
+      faces.insert(faces.end(), hull->faces[i].begin(), hull->faces[i].end());
+    }
+    const auto add_indices = [&](const std::vector<int32_t>& indices) {
+      range(indices, mesh_indices.size());
+      mesh_indices.insert(mesh_indices.end(), indices.begin(), indices.end());
+    };
+    add_points(hull == nullptr ? std::vector<Vector>{} : hull->corners);
+    add_points(hull == nullptr ? std::vector<Vector>{} : hull->core);
+    add_indices(faces);
+    add_points(vertices);
+    add_indices(triangles);
+    return int32_t(mesh_ranges.size() / 10) - 1;
+  }
+  /// Adds a body that is the hull of these points.
+  uint32_t AddHull(const std::vector<Vector>& points, double mass, Vector at, Vector moving = {},
+                   rigid::Quaternion q = {}) {
+    const HullBySearch hull(points);
+    const int32_t form = AddForm(points, hull.Triangles(), &hull);
+    const uint32_t body = Add(Code::kMesh, {1, 1, 1}, mass, at, moving, q);
+    mesh_form[body] = form;
+    return body;
+  }
+  /// Adds an immovable surface of triangles.
+  void AddSurface(const std::vector<Vector>& vertices, const std::vector<int32_t>& triangles,
+                  Vector at = {}, rigid::Quaternion q = {}) {
+    AddScenery(Code::kMesh, {1, 1, 1}, at, q);
+    scenery_mesh_form.back() = AddForm(vertices, triangles, nullptr);
+  }
+  /// Adds a square floor of cells x cells squares of two triangles; height(x, z) is its form.
+  template <class Height>
+  void AddTerrain(int cells, double side, Height&& height) {
+    std::vector<Vector> vertices;
+    std::vector<int32_t> triangles;
+    for (int j = 0; j <= cells; ++j) {
+      for (int i = 0; i <= cells; ++i) {
+        const double x = side * (double(i) / cells - 0.5), z = side * (double(j) / cells - 0.5);
+        vertices.push_back({x, height(x, z), z});
+        if (i == cells || j == cells) continue;
+        const int32_t a = j * (cells + 1) + i, b = a + 1, c = a + cells + 1, d = c + 1;
+        triangles.insert(triangles.end(), {a, c, b, b, c, d});
+      }
+    }
+    AddSurface(vertices, triangles);
+  }
+  /// Makes a body a part of another one; it has mass 0.
+  void Attach(uint32_t row, uint32_t to) {
+    carrier[row] = int32_t(to);
+    part[row] = 1;
+    has_parts = true;
   }
   /// Adds a box whose top is at y = 0.
   void AddGround() { AddScenery(Code::kBox, {1000, 2, 1000}, {0, -1, 0}); }
@@ -88,6 +164,26 @@ struct RigidScene : Scene<Real> {
     provider.AddPhysicalProperty("angularVelocity", spin);
     provider.AddPhysicalProperty("torque", torque);
     provider.AddPhysicalProperty("inertia", inertia);
+    if (!mesh_ranges.empty()) {
+      provider.AddPhysicalProperty("meshForm", mesh_form);
+      provider.AddPhysicalProperty("meshRanges", mesh_ranges);
+      provider.AddPhysicalProperty("meshPoints", mesh_points);
+      provider.AddPhysicalProperty("meshIndices", mesh_indices);
+      if (!scenery_shape.empty()) {
+        provider.AddPhysicalProperty("sceneryMeshForm", scenery_mesh_form);
+      }
+    }
+    if (has_parts) {
+      provider.AddPhysicalProperty("carrier", carrier);
+      provider.AddPhysicalProperty("partOfBody", part);
+    }
+    if (has_layers) {
+      provider.AddPhysicalProperty("touchLayer", layer);
+      provider.AddPhysicalProperty("passesLayers", passes);
+      provider.AddPhysicalProperty("touchSensor", sensor);
+      provider.AddPhysicalProperty("touchCount", touch_count);
+    }
+    if (has_rolling) provider.AddPhysicalProperty("rollingFriction", rolling);
     if (!scenery_shape.empty()) {
       provider.AddPhysicalProperty("sceneryShape", scenery_shape);
       provider.AddPhysicalProperty("scenerySize", scenery_size);

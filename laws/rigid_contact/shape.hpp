@@ -8,11 +8,12 @@
 #include <cmath>
 #include <cstdint>
 
+#include "form.hpp"
 #include "rigid/rotation.hpp"
 
 namespace vesper::rigid {
 
-/** Codes of the column `shape`. */
+/** Codes of the column `shape`, and of shapes that only contacts use. */
 enum class ShapeCode : int32_t {
   kNone = 0,
   kSphere = 1,
@@ -21,6 +22,8 @@ enum class ShapeCode : int32_t {
   kMesh = 4,
   kCapsule = 5,
   kCylinder = 6,
+  kTriangle = 100,  // of a surface
+  kSurface = 101,   // the triangles of an immovable mesh
 };
 
 /** The axes of a body in the world: the columns of its rotation matrix. */
@@ -47,7 +50,7 @@ struct Face {
 };
 
 /** A convex shape in the world: all points within `radius` of its core. A sphere's core is its
- *  centre, a capsule's its axis; other shapes have radius 0. */
+ *  centre, a capsule's its axis; other shapes have radius 0. A mesh is its convex hull. */
 struct Shape {
   // Number of corners of the polygon that replaces the cap of a cylinder in contacts.
   static constexpr int kCapCorners = 8;
@@ -57,10 +60,12 @@ struct Shape {
   double radius = 0;
   Vector position;
   Axes axes;
+  const Polytope* hull = nullptr;  // of a mesh or triangle
 
   /** Returns the shape of these columns; code kNone if it does not collide. `size` is the extent
-   *  along the shape's own axes. */
-  static Shape Of(int32_t code, const Vector& size, const Vector& position, const Quaternion& q) {
+   *  along the shape's own axes, `hull` the convex hull of a mesh. */
+  static Shape Of(int32_t code, const Vector& size, const Vector& position, const Quaternion& q,
+                  const Polytope* hull = nullptr) {
     Shape shape;
     shape.position = position;
     shape.code = static_cast<ShapeCode>(code);
@@ -80,6 +85,10 @@ struct Shape {
       case ShapeCode::kPlane:
         shape.half = {half.x, 0, half.z};
         break;
+      case ShapeCode::kMesh:
+        shape.hull = hull;
+        if (hull == nullptr) shape.code = ShapeCode::kNone;
+        break;
       default:
         shape.code = ShapeCode::kNone;
     }
@@ -87,9 +96,11 @@ struct Shape {
     return shape;
   }
 
-  /** Returns the half extent along a direction in the world [m], including the radius. */
+  /** Returns the extent from the origin along a direction in the world [m], including the radius.
+   */
   double Reach(const Vector& direction) const {
     const Vector own = axes.ToOwn(direction);
+    if (hull != nullptr) return Dot(Polytope::Farthest(hull->corners, own), own);
     const double along_y = std::abs(own.y) * half.y;
     if (code == ShapeCode::kCylinder) {
       return along_y + half.x * std::sqrt(own.x * own.x + own.z * own.z);
@@ -108,6 +119,11 @@ struct Shape {
         return 2 * std::min(half.x, half.y);
       case ShapeCode::kPlane:
         return 2 * std::min(half.x, half.z);
+      case ShapeCode::kMesh:
+        return hull->thickness;
+      case ShapeCode::kTriangle:
+      case ShapeCode::kSurface:
+        return HUGE_VAL;
       default:
         return 2 * std::min({half.x, half.y, half.z});
     }
@@ -115,15 +131,21 @@ struct Shape {
 
   /** Returns the distance from the centre to the farthest point [m]. */
   double Bound() const {
+    if (hull != nullptr) return hull->bound;
     const double square =
         code == ShapeCode::kCylinder ? half.x * half.x + half.y * half.y : Dot(half, half);
     return std::sqrt(square) + radius;
   }
 
-  /** Returns the farthest point in a direction of the core, shrunk by `rounding` on all sides. */
+  /** Returns the farthest point in a direction of the core, shrunk by `rounding` on all sides. A
+   *  hull is shrunk by its own rounding, or not. */
   Vector Support(const Vector& direction, double rounding = 0) const {
     if (code == ShapeCode::kSphere) return position;
     const Vector d = axes.ToOwn(direction);
+    if (hull != nullptr) {
+      return position +
+             axes.ToWorld(Polytope::Farthest(rounding > 0 ? hull->core : hull->corners, d));
+    }
     const auto side = [](double size, double along) { return along < 0 ? -size : size; };
     if (code == ShapeCode::kCylinder) {
       const double across = std::sqrt(d.x * d.x + d.z * d.z);
@@ -144,6 +166,9 @@ struct Shape {
         return BoxFace(d);
       case ShapeCode::kCylinder:
         return CylinderFace(d);
+      case ShapeCode::kMesh:
+      case ShapeCode::kTriangle:
+        return HullFace(d);
       case ShapeCode::kCapsule: {
         Face edge;
         edge.Add(position + axes.y * half.y);
@@ -177,8 +202,28 @@ struct Shape {
         return Vector{square(half.y) + square(half.z), square(half.x) + square(half.z),
                       square(half.x) + square(half.y)} *
                (mass / 12);
+      case ShapeCode::kMesh:
+        return hull->moments * mass;
       default:
         return {};
+    }
+  }
+
+  /** Returns the volume [m^3]. */
+  double Volume() const {
+    constexpr double kPi = 3.14159265358979323846;
+    switch (code) {
+      case ShapeCode::kSphere:
+      case ShapeCode::kCapsule:
+        return kPi * radius * radius * (2 * half.y + 4 * radius / 3);
+      case ShapeCode::kCylinder:
+        return 2 * kPi * half.x * half.x * half.y;
+      case ShapeCode::kBox:
+        return 8 * half.x * half.y * half.z;
+      case ShapeCode::kMesh:
+        return hull->volume;
+      default:
+        return 0;
     }
   }
 
@@ -204,6 +249,39 @@ struct Shape {
     face.Add(centre + a - b);
     face.Add(centre + a + b);
     face.Add(centre - a + b);
+    return face;
+  }
+
+  /** Returns a face of a hull. Of a face with more corners than a Face has, returns the corners
+   *  that are farthest in directions around it. */
+  Face HullFace(const Vector& d) const {
+    const size_t chosen = hull->FaceTowards(d);
+    const auto around =
+        hull->around.subspan(hull->first[chosen], hull->first[chosen + 1] - hull->first[chosen]);
+    Face face;
+    if (around.size() <= Face::kMost) {
+      for (const uint32_t corner : around) {
+        face.Add(position + axes.ToWorld(hull->corners[corner]));
+      }
+      return face;
+    }
+    const Vector& normal = hull->normals[chosen];
+    const Vector u = hull->corners[around[1]] - hull->corners[around[0]], v = Cross(normal, u);
+    constexpr double kDiagonal = 0.70710678118654752;
+    constexpr std::array<double, Face::kMost> kCos = {1,  kDiagonal,  0, -kDiagonal,
+                                                      -1, -kDiagonal, 0, kDiagonal};
+    size_t last = around.size(), first = around.size();
+    for (int i = 0; i < Face::kMost; ++i) {
+      const Vector way = u * kCos[i] + v * kCos[(i + 6) % Face::kMost];
+      size_t found = 0;
+      for (size_t k = 1; k < around.size(); ++k) {
+        if (Dot(hull->corners[around[k]], way) > Dot(hull->corners[around[found]], way)) found = k;
+      }
+      if (found == last || found == first) continue;
+      if (i == 0) first = found;
+      last = found;
+      face.Add(position + axes.ToWorld(hull->corners[around[found]]));
+    }
     return face;
   }
 

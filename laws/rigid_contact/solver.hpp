@@ -54,6 +54,25 @@ struct SolverStep {
   Real push_speed;         // greatest speed at which overlaps are corrected [m/s]
   Real restitution_speed;  // approach speed below which bodies do not bounce [m/s]
   uint32_t substeps;
+
+  /** Returns the constants of a step; the section Limits of README.md explains the contact springs.
+   *  */
+  static SolverStep Of(Real dt, uint32_t count, Real push_speed, Real restitution_speed) {
+    // Contacts yield like damped springs: kOscillations oscillations per step, at kDamping times
+    // the critical damping.
+    constexpr double kOscillations = 0.5, kDamping = 10;
+    constexpr double kTurn = 2 * 3.14159265358979323846;
+    const double substep = double{dt} / count, angle = kTurn * kOscillations / count;
+    const double damped = 2 * kDamping + angle, stiff = angle * damped;
+    return {dt,
+            static_cast<Real>(substep),
+            static_cast<Real>(angle / (substep * damped)),
+            static_cast<Real>(stiff / (1 + stiff)),
+            static_cast<Real>(1 / (1 + stiff) / count),
+            push_speed,
+            restitution_speed,
+            count};
+  }
 };
 
 /** The contact of two bodies (a manifold of points) as constraints on their velocities. */
@@ -78,6 +97,8 @@ struct Contact {
   uint32_t a, b;  // rows of the bodies; kImmovable if immovable
   Vector normal, across[2];
   Real friction, restitution;
+  Real rolling;                   // rolling friction: torque per normal force [m]
+  Real roll[2], roll_mass[2];     // torque impulses about across[] [N m s], effective inertia
   Vector mean_arm_a, mean_arm_b;  // means of the arms over the points [m]
   Real mean_mass;                 // effective mass at the mean of the points [kg]
   std::array<Point, Manifold::kMost> points;
@@ -105,6 +126,11 @@ struct Contact {
       mean_arm_b += points[i].arm_b * (Real(1) / Real(count));
     }
     mean_mass = MassAlong(normal, mean_arm_a, mean_arm_b, body_a, body_b);
+    for (int k = 0; rolling > 0 && k < 2; ++k) {
+      const Real response = Dot(body_a.inverse_inertia * across[k], across[k]) +
+                            Dot(body_b.inverse_inertia * across[k], across[k]);
+      roll_mass[k] = response > 0 ? 1 / response : 0;
+    }
     for (int i = 0; i < count; ++i) {
       Point& p = points[i];
       const auto response = [&](const Vector& direction) {
@@ -188,6 +214,7 @@ struct Contact {
       body_a.Apply(-impulse, p.arm_a);
       body_b.Apply(impulse, p.arm_b);
     }
+    if (rolling > 0) Roll(body_a, body_b);
     std::array<Real, Manifold::kMost> allowed;
     for (int i = 0; i < count; ++i) {
       allowed[i] = Allowed(Separation(body_a, body_b, points[i]), step, push);
@@ -221,11 +248,29 @@ struct Contact {
     for (int i = 0; i < count; ++i) {
       Point& p = points[i];
       if (p.approach > -step.restitution_speed || p.press == 0) continue;
-      p.press = p.rub[0] = p.rub[1] = 0;
+      p.press = p.rub[0] = p.rub[1] = roll[0] = roll[1] = 0;
     }
   }
 
  private:
+  /** Changes the torques so that the bodies do not roll, as far as rolling friction permits. */
+  void Roll(Motion<Real>& body_a, Motion<Real>& body_b) {
+    Real limit = 0;
+    for (int i = 0; i < count; ++i) limit += rolling * points[i].press;
+    const Vector spin = body_b.spin - body_a.spin;
+    Real to[2];
+    for (int k = 0; k < 2; ++k) to[k] = roll[k] - roll_mass[k] * Dot(spin, across[k]);
+    const Real square = to[0] * to[0] + to[1] * to[1];
+    const Real scale = square > limit * limit ? limit / std::sqrt(square) : Real(1);
+    Vector torque;
+    for (int k = 0; k < 2; ++k) {
+      torque += across[k] * (to[k] * scale - roll[k]);
+      roll[k] = to[k] * scale;
+    }
+    body_a.spin += body_a.inverse_inertia * -torque;
+    body_b.spin += body_b.inverse_inertia * torque;
+  }
+
   /** Returns the speed at which the surfaces may approach at a point; negative: at least this fast
    *  they must separate. */
   Real Allowed(Real gap, const SolverStep<Real>& step, bool push) const {

@@ -167,6 +167,30 @@ constexpr vesper_property_descriptor kProperties[] = {
              "Uniform magnetic flux density."),
     Describe(VESPER_FIELD, 3, "world", "forceField", VESPER_UNIT_NEWTON, VESPER_READ,
              "Force on any body at a place."),
+
+    NotNegative(real, 1, "body", "rollingFriction", VESPER_UNIT_METRE,
+                "Torque against rolling per normal force."),
+    Describe(VESPER_I32, 1, "body", "touchLayer", VESPER_UNIT_ONE, VESPER_READ,
+             "Layer of contacts, from 0 to 31."),
+    Describe(VESPER_I32, 1, "body", "passesLayers", VESPER_UNIT_ONE, VESPER_READ,
+             "Layers whose bodies this one passes through, as bits."),
+    Describe(VESPER_I32, 1, "body", "touchSensor", VESPER_UNIT_ONE, VESPER_READ,
+             "1: counts what touches it, and exerts no force."),
+    Describe(VESPER_I32, 1, "body", "partOfBody", VESPER_UNIT_ONE, VESPER_READ,
+             "1: collides as a part of the body that carries it."),
+    Describe(VESPER_I32, 1, "body", "touchCount", VESPER_UNIT_ONE, VESPER_READ_WRITE,
+             "Number of shapes that touch this one."),
+    Describe(VESPER_I32, 1, "body", "meshForm", VESPER_UNIT_ONE, VESPER_READ,
+             "Row of its mesh in the kind meshForm; -1 for none."),
+    Describe(VESPER_I32, 1, "scenery", "sceneryMeshForm", VESPER_UNIT_ONE, VESPER_READ,
+             "Row of its mesh, like meshForm."),
+    Describe(VESPER_I32, 10, "meshForm", "meshRanges", VESPER_UNIT_ONE, VESPER_READ,
+             "First row and number of rows of: corners of the convex hull, corners of its core, "
+             "faces of the hull, vertices, triangles."),
+    Describe(VESPER_F64, 3, "meshPoint", "meshPoints", VESPER_UNIT_METRE, VESPER_READ,
+             "Corners and vertices in the axes of the item."),
+    Describe(VESPER_I32, 1, "meshNumber", "meshIndices", VESPER_UNIT_ONE, VESPER_READ,
+             "Faces: number of corners, then the corners; triangles: three vertices each."),
 };
 
 template <vesper_scalar_type real>

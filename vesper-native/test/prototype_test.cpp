@@ -31,7 +31,8 @@ TEST(PrototypeTest, StandardPrototypesDifferInPrecisionOnly) {
       EXPECT_EQ(b.scalar_type, VESPER_U32) << a.name;
       EXPECT_STREQ(a.refers_to, "body") << a.name;
     } else if (a.scalar_type == VESPER_FIELD || a.scalar_type == VESPER_I32 ||
-               std::string(a.name).ends_with("ize")) {  // sizes are doubles in both
+               std::string(a.name).ends_with("ize") ||
+               std::string(a.name) == "meshPoints") {  // shapes are doubles in both
       EXPECT_EQ(b.scalar_type, a.scalar_type) << a.name;
     } else {
       EXPECT_EQ(a.scalar_type, VESPER_F64) << a.name;
@@ -86,6 +87,17 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"sceneryShape", {"scenery", 1, "1", VESPER_READ}},
       {"scenerySize", {"scenery", 3, "m", VESPER_READ}},
       {"sceneryCarrier", {"scenery", 1, "1", VESPER_READ}},
+      {"rollingFriction", {"body", 1, "m", VESPER_READ}},
+      {"touchLayer", {"body", 1, "1", VESPER_READ}},
+      {"passesLayers", {"body", 1, "1", VESPER_READ}},
+      {"touchSensor", {"body", 1, "1", VESPER_READ}},
+      {"partOfBody", {"body", 1, "1", VESPER_READ}},
+      {"touchCount", {"body", 1, "1", VESPER_READ_WRITE}},
+      {"meshForm", {"body", 1, "1", VESPER_READ}},
+      {"sceneryMeshForm", {"scenery", 1, "1", VESPER_READ}},
+      {"meshRanges", {"meshForm", 10, "1", VESPER_READ}},
+      {"meshPoints", {"meshPoint", 3, "m", VESPER_READ}},
+      {"meshIndices", {"meshNumber", 1, "1", VESPER_READ}},
       {"joined", {"joint", 2, "1", VESPER_READ}},
       {"jointType", {"joint", 1, "1", VESPER_READ}},
       {"anchor", {"joint", 3, "m", VESPER_READ}},

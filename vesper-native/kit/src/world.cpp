@@ -148,7 +148,9 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
   if (IsPlace(name)) return Place(column, draw);
   const bool is_size = IsSize(name);  // small, so that few bodies touch each other
   const bool is_shape = name == "shape" || name == "sceneryShape";
-  const bool is_carrier = name == "carrier" || name == "sceneryCarrier";
+  const bool is_none = name == "carrier" || name == "sceneryCarrier" || name == "meshForm" ||
+                       name == "sceneryMeshForm";
+  if (name == "partOfBody") return;  // nothing is attached
   for (uint64_t row = 0; row < column.rows(); ++row) {
     // Uses neighbouring rows, so that the rows of one reference differ.
     auto reference = static_cast<uint64_t>(draw(0, static_cast<double>(column.rows())));
@@ -158,7 +160,7 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
         column.Set(value, static_cast<double>(reference++ % column.rows()));
       } else if (column.is_vector()) {
         column.Set(value, draw(-1, 1));
-      } else if (is_carrier) {
+      } else if (is_none) {
         column.Set(value, -1);
       } else if (is_shape) {
         column.Set(value, std::floor(draw(0, kShapes)));

@@ -78,7 +78,9 @@ final class Mechanics {
             double[] v = body.physics().vector("velocity");
             positions.put(body.name(), x);
             if (m == 0) {
-                immovable.put(body.name(), List.of(x[0], x[1], x[2]));
+                if (body.parent().isEmpty()) { // an attached body moves with its parent
+                    immovable.put(body.name(), List.of(x[0], x[1], x[2]));
+                }
                 continue;
             }
             mass += m;

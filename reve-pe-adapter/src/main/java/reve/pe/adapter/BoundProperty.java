@@ -7,7 +7,8 @@ import reve.pe.PhysicalPropertyProvider;
 import java.lang.foreign.MemorySegment;
 
 /** A property of the engine and its columns of the world. World's thread only. */
-abstract sealed class BoundProperty permits BoundColumn, BoundReferences, BoundCarriers {
+abstract sealed class BoundProperty
+        permits BoundColumn, BoundReferences, BoundRowNumbers, BoundMeshes.Data {
     private final String name;
     private final Table table;
     private final boolean scenery;
@@ -38,7 +39,7 @@ abstract sealed class BoundProperty permits BoundColumn, BoundReferences, BoundC
     }
 
     /** Returns the number of the engine's rows. */
-    final int rowCount() {
+    int rowCount() {
         return scenery ? table.rowCount() - table.physicsRowCount() : table.physicsRowCount();
     }
 

@@ -6,6 +6,7 @@ import reve.core.world.ColumnArena;
 import reve.core.world.Item;
 import reve.core.world.Table;
 import reve.core.world.World;
+import reve.core.world.WorldPrototype;
 import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsEngine;
 import reve.pe.PropertyDescriptor;
@@ -31,6 +32,11 @@ final class BoundWorld {
 
     private final List<BoundRows> rows;
 
+    /** The properties that describe meshes; the engine has them only if an item has a mesh. */
+    private final Set<BoundProperty> ofMeshes = new LinkedHashSet<>();
+
+    private final BoundMeshes meshes;
+
     /** Properties that the engine receives only while a law uses them. */
     private final Set<BoundProperty> onDemand = new LinkedHashSet<>();
 
@@ -45,6 +51,7 @@ final class BoundWorld {
         this.world = world;
         this.engine = engine;
         this.provider = engine.propertyProvider();
+        meshes = new BoundMeshes(world, world.table(WorldPrototype.BODY), arena);
         List<BoundProperty> inPlace = new ArrayList<>();
         List<BoundProperty> references = new ArrayList<>();
         for (PropertyDescriptor property : engine.prototype().properties()) {
@@ -56,6 +63,12 @@ final class BoundWorld {
             if (PropertyNames.isCarrier(property)) {
                 inPlace.add(new BoundCarriers(property.name(), world, table, scenery, arena));
                 onDemand.add(inPlace.getLast());
+                continue;
+            }
+            if (PropertyNames.isOfMeshes(property)) {
+                inPlace.add(meshes.property(property.name(), property.kind(), scenery));
+                onDemand.add(inPlace.getLast());
+                ofMeshes.add(inPlace.getLast());
                 continue;
             }
             List<Column> columns =
@@ -95,17 +108,18 @@ final class BoundWorld {
         if (moved) {
             rows.forEach(table -> table.follow(engine));
         }
+        boolean remeshed = followMeshes(moved);
         for (BoundProperty property : properties) {
             if (!property.isBound()) {
                 continue;
             }
-            if (moved) {
+            if (isRebound(property, moved, remeshed)) {
                 property.bind(provider);
             } else {
                 property.touchIfEdited(provider);
             }
         }
-        if (moved || isLendingMore) {
+        if (moved || remeshed || isLendingMore) {
             for (BoundProperty property : properties) {
                 if (!property.isBound() && isLent(property)) {
                     property.bind(provider);
@@ -114,6 +128,27 @@ final class BoundWorld {
         }
         isLendingMore = false;
         boundLayout = world.layoutVersion();
+    }
+
+    /**
+     * Reads the meshes of the items, if a law uses them and they have changed. If the last mesh has
+     * left the world, the engine loses these properties, as if there had been none.
+     */
+    private boolean followMeshes(boolean moved) {
+        if (ofMeshes.stream().noneMatch(property -> used.contains(property.name()))) {
+            return false;
+        }
+        boolean changed = meshes.follow(moved || isLendingMore);
+        if (changed && meshes.isEmpty()) {
+            ofMeshes.forEach(property -> property.unbind(provider));
+        }
+        return changed;
+    }
+
+    private boolean isRebound(BoundProperty property, boolean moved, boolean remeshed) {
+        return property instanceof BoundMeshes.Data
+                ? remeshed
+                : moved || remeshed && ofMeshes.contains(property);
     }
 
     /**
@@ -132,7 +167,9 @@ final class BoundWorld {
     }
 
     private boolean isLent(BoundProperty property) {
-        return !onDemand.contains(property) || used.contains(property.name());
+        return !onDemand.contains(property)
+                || used.contains(property.name())
+                        && !(ofMeshes.contains(property) && meshes.isEmpty());
     }
 
     /** Returns the layout of the world at the last update; -1 before the first. */

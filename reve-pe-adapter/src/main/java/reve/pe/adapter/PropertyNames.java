@@ -39,8 +39,18 @@ public final class PropertyNames {
     /** Properties that the adapter computes from the attachments of items. */
     private static final Set<String> CARRIERS = Set.of("carrier", "sceneryCarrier");
 
+    /** Properties that refer to rows of {@link #MESH_FORM}. */
+    private static final Set<String> MESHES = Set.of("meshForm", "sceneryMeshForm");
+
+    /** The engine's kinds for the meshes of all items, their points and their numbers of points. */
+    static final String MESH_FORM = "meshForm";
+
+    static final String MESH_POINT = "meshPoint";
+    static final String MESH_INDEX = "meshNumber";
+    private static final Set<String> MESH_KINDS = Set.of(MESH_FORM, MESH_POINT, MESH_INDEX);
+
     /** Properties of bodies that an engine receives only while a law uses them. */
-    private static final Set<String> ON_DEMAND = Set.of("shape", "size", "carrier");
+    private static final Set<String> ON_DEMAND = Set.of("shape", "size", "carrier", "meshForm");
 
     /**
      * @param columns REVE's columns, side by side in the engine's property
@@ -68,7 +78,7 @@ public final class PropertyNames {
             if (isTaken(world, property)) {
                 continue;
             }
-            if (isCarrier(property)) {
+            if (isCarrier(property) || isOfMeshes(property)) {
                 properties.add(property);
                 continue;
             }
@@ -104,16 +114,27 @@ public final class PropertyNames {
         return CARRIERS.contains(property.name());
     }
 
+    /** Returns whether a property contains, for items with a mesh, the row of the mesh. */
+    static boolean isMesh(PropertyDescriptor property) {
+        return MESHES.contains(property.name());
+    }
+
+    /** Returns whether the adapter computes a property from the meshes of items. */
+    static boolean isOfMeshes(PropertyDescriptor property) {
+        return isMesh(property) || MESH_KINDS.contains(property.kind());
+    }
+
     /** Returns whether the engine receives the property only while a law uses it. */
     static boolean isOnDemand(PropertyDescriptor property) {
         return property.kind().equals(SCENERY)
+                || MESH_KINDS.contains(property.kind())
                 || property.kind().equals(WorldPrototype.BODY)
                         && ON_DEMAND.contains(property.name());
     }
 
     /** Returns the table of REVE whose rows are those of an engine's kind. */
     static String table(String kind) {
-        return kind.equals(SCENERY) ? WorldPrototype.BODY : kind;
+        return kind.equals(SCENERY) || MESH_KINDS.contains(kind) ? WorldPrototype.BODY : kind;
     }
 
     /**
@@ -121,7 +142,9 @@ public final class PropertyNames {
      * adapter's.
      */
     private static boolean isTaken(WorldPrototype world, PropertyDescriptor property) {
-        return property.kind().equals(SCENERY) && world.kinds().contains(SCENERY)
+        return isOnDemand(property)
+                        && !property.kind().equals(WorldPrototype.BODY)
+                        && world.kinds().contains(property.kind())
                 || isOnDemand(property)
                         && world.properties().stream()
                                 .anyMatch(own -> own.name().equals(property.name()));

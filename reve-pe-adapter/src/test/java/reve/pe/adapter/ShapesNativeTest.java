@@ -8,6 +8,7 @@ import static org.assertj.core.api.Assertions.within;
 import org.junit.jupiter.api.Test;
 
 import reve.core.world.ItemDefinition;
+import reve.core.world.Mesh;
 import reve.core.world.OffHeapArena;
 import reve.core.world.Shape;
 import reve.core.world.WorldImage;
@@ -122,6 +123,109 @@ class ShapesNativeTest {
                 AdapterFixture other = boxOnGround(Shape.box(1, 1, 1));
                 WorldImage image = new WorldImage(whole.world)) {
             whole.run(45);
+            image.copyFrom(whole.world, whole.loop.frame());
+            PhysicsImage physics = whole.adapter.save();
+            whole.run(SECOND);
+            other.world.restore(image);
+            other.adapter.restore(image.frame(), physics);
+            other.loop.continueAfter(image.frame());
+            other.run(SECOND);
+            assertThat(other.adapter.stateHash()).isEqualTo(whole.adapter.stateHash());
+        }
+    }
+
+    /** An octahedron, with faces that are counter-clockwise as seen from outside. */
+    private static Mesh octahedron(float half) {
+        float h = half;
+        return new Mesh(
+                new float[] {h, 0, 0, -h, 0, 0, 0, h, 0, 0, -h, 0, 0, 0, h, 0, 0, -h},
+                new int[] {2, 4, 0, 2, 0, 5, 2, 5, 1, 2, 1, 4, 3, 0, 4, 3, 5, 0, 3, 1, 5, 3, 4, 1});
+    }
+
+    /** Two triangles that face upwards. */
+    private static Mesh floor() {
+        return new Mesh(
+                new float[] {-5, 0, -5, 5, 0, -5, -5, 0, 5, 5, 0, 5}, new int[] {0, 2, 1, 1, 2, 3});
+    }
+
+    private static AdapterFixture stonesOnFloor() {
+        List<ItemDefinition> items = new ArrayList<>();
+        for (int i = 0; i < 3; i++) {
+            items.add(
+                    ItemDefinition.named("stone " + i)
+                            .at(2 * i - 2, 1, 0)
+                            .shape(octahedron(0.5f))
+                            .physics("mass", 2)
+                            .physics("angularVelocity", 1, 0.3, 0.2)
+                            .build());
+        }
+        items.add(ItemDefinition.named("floor").shape(floor()).build());
+        AdapterFixture world =
+                new AdapterFixture(
+                        WorldPrototype.standard("si-f64"),
+                        items,
+                        new OffHeapArena(),
+                        true,
+                        engine -> engine);
+        world.world.find("world").orElseThrow().physics().set("gravity", 0, -9.81, 0);
+        return world.load("gravity_field").load("rigid_contact");
+    }
+
+    private static double heightOf(AdapterFixture world, String item) {
+        return world.world.find(item).orElseThrow().physical().location()[1];
+    }
+
+    @Test
+    void aMeshThatMovesTouchesWithItsHullAndAMeshAsSceneryWithItsTriangles() {
+        try (AdapterFixture world = stonesOnFloor()) {
+            world.run(5 * SECOND);
+            assertThat(world.events("fault")).isEmpty();
+            for (int i = 0; i < 3; i++) { // on a face, at the distance of the face from the centre
+                assertThat(heightOf(world, "stone " + i))
+                        .isCloseTo(0.5 / Math.sqrt(3), within(2e-3));
+            }
+        }
+    }
+
+    @Test
+    void meshesMayComeAndGo() {
+        try (AdapterFixture world = stonesOnFloor()) {
+            world.run(3 * SECOND);
+            world.world.remove(world.world.find("stone 0").orElseThrow().id());
+            world.world.add(
+                    ItemDefinition.named("pebble")
+                            .at(-1, 1.5, 1)
+                            .shape(octahedron(0.2f))
+                            .physics("mass", 1)
+                            .physics("angularVelocity", 1, 0.3, 0.2)
+                            .build());
+            world.run(5 * SECOND);
+            assertThat(world.events("fault")).isEmpty();
+            assertThat(heightOf(world, "pebble")).isCloseTo(0.2 / Math.sqrt(3), within(2e-3));
+            assertThat(heightOf(world, "stone 2")).isCloseTo(0.5 / Math.sqrt(3), within(2e-3));
+        }
+    }
+
+    @Test
+    void aMeshThatHasLeftLeavesNoTraceInTheStateHash() {
+        try (AdapterFixture without = boxOnGround(Shape.box(1, 1, 1)).load("rigid_contact");
+                AdapterFixture with = boxOnGround(Shape.box(1, 1, 1)).load("rigid_contact")) {
+            without.run(10);
+            with.run(5);
+            with.world.add(ItemDefinition.named("far").at(0, 0, 900).shape(floor()).build());
+            with.run(2);
+            with.world.remove(with.world.find("far").orElseThrow().id());
+            with.run(3);
+            assertThat(with.adapter.stateHash()).isEqualTo(without.adapter.stateHash());
+        }
+    }
+
+    @Test
+    void aRestoredWorldWithMeshesContinuesToTheBit() {
+        try (AdapterFixture whole = stonesOnFloor();
+                AdapterFixture other = stonesOnFloor();
+                WorldImage image = new WorldImage(whole.world)) {
+            whole.run(35);
             image.copyFrom(whole.world, whole.loop.frame());
             PhysicsImage physics = whole.adapter.save();
             whole.run(SECOND);

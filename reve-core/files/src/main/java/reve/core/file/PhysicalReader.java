@@ -8,6 +8,7 @@ import reve.core.unit.Unit;
 import reve.core.world.Colour;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Material;
+import reve.core.world.Mesh;
 import reve.core.world.ScalarType;
 import reve.core.world.Shape;
 import reve.core.world.Texture;
@@ -36,10 +37,12 @@ final class PhysicalReader {
                     new LinkedHashSet<>(List.of("radius", "height")),
                     "cylinder",
                     new LinkedHashSet<>(List.of("radius", "height")),
+                    "terrain",
+                    new LinkedHashSet<>(List.of("size", "heights")),
                     "mesh",
                     new LinkedHashSet<>(List.of("vertices", "triangles")));
     private static final List<String> SHAPE_KEYS =
-            List.of("radius", "height", "size", "vertices", "triangles", "file");
+            List.of("radius", "height", "size", "heights", "vertices", "triangles", "file");
 
     private final WorldPrototype prototype;
     private final PhysicsReader physics;
@@ -198,6 +201,7 @@ final class PhysicalReader {
             case "plane" -> lengths(aspect, "size", 2).map(size -> Shape.plane(size[0], size[1]));
             case "capsule" -> round(aspect, Shape::capsule);
             case "cylinder" -> round(aspect, Shape::cylinder);
+            case "terrain" -> terrain(aspect);
             default ->
                     aspect.get("file").isPresent()
                             ? file(aspect.get("file").get())
@@ -217,6 +221,67 @@ final class PhysicalReader {
         return radius.isEmpty() || height.isEmpty()
                 ? Optional.empty()
                 : Optional.of(shape.of(radius.get()[0], height.get()[0]));
+    }
+
+    /** Returns the mesh of a height field: two triangles for each four neighbouring heights. */
+    private Optional<Shape> terrain(Node aspect) {
+        Optional<double[]> size = lengths(aspect, "size", 2);
+        Node heights = aspect.get("heights").orElseThrow();
+        List<Node> rows = List.copyOf(heights.children());
+        int columns = rows.isEmpty() ? 0 : rows.getFirst().children().size();
+        if (!heights.isList() || rows.size() < 2 || columns < 2) {
+            problems.add(
+                    heights,
+                    "heights: expected at least two lists of at least two heights, one list for"
+                            + " each row from -z to +z");
+            return Optional.empty();
+        }
+        if ((long) rows.size() * columns > Mesh.MAX_COUNT / 2) {
+            problems.add(
+                    heights,
+                    "heights: found "
+                            + rows.size()
+                            + " x "
+                            + columns
+                            + " numbers, expected at most "
+                            + Mesh.MAX_COUNT / 2
+                            + " in total");
+            return Optional.empty();
+        }
+        float[] vertices = new float[3 * rows.size() * columns];
+        int next = 0;
+        for (int j = 0; j < rows.size(); j++) {
+            Node row = rows.get(j);
+            Optional<double[]> numbers =
+                    quantities
+                            .numbers(row, columns, METRE)
+                            .filter(metres -> physics.fits(row, ScalarType.F32, metres));
+            if (numbers.isEmpty() || size.isEmpty()) {
+                return Optional.empty();
+            }
+            for (int i = 0; i < columns; i++) {
+                vertices[next++] = (float) (size.get()[0] * ((double) i / (columns - 1) - 0.5));
+                vertices[next++] = (float) numbers.get()[i];
+                vertices[next++] = (float) (size.get()[1] * ((double) j / (rows.size() - 1) - 0.5));
+            }
+        }
+        return Optional.of(Shape.mesh(vertices, cells(rows.size(), columns)));
+    }
+
+    /** Returns the triangles of a grid, counter-clockwise as seen from above. */
+    private static int[] cells(int rows, int columns) {
+        int[] triangles = new int[6 * (rows - 1) * (columns - 1)];
+        int next = 0;
+        for (int j = 0; j + 1 < rows; j++) {
+            for (int i = 0; i + 1 < columns; i++) {
+                int a = j * columns + i;
+                int c = a + columns;
+                for (int corner : new int[] {a, c, a + 1, a + 1, c, c + 1}) {
+                    triangles[next++] = corner;
+                }
+            }
+        }
+        return triangles;
     }
 
     private Optional<double[]> lengths(Node aspect, String key, int count) {

@@ -20,6 +20,9 @@ final class PhysicsReader {
     private static final List<String> JOINT_TYPES =
             List.of("fixed", "ball", "hinge", "slider", "distance");
 
+    /** The last layer of contacts; a column has a bit for each. */
+    private static final int MAX_LAYER = 31;
+
     private final WorldPrototype prototype;
     private final Set<String> misdeclared;
     private final Doubts doubts;
@@ -166,9 +169,36 @@ final class PhysicsReader {
         if (isJointType(property) && node.text().isPresent()) {
             return jointType(node);
         }
+        if (property.name().equals("passesLayers") && node.isList()) {
+            return layers(node, property);
+        }
         return quantities
                 .numbers(node, property.components(), property.unit())
                 .filter(values -> fits(node, property, values));
+    }
+
+    /** Reads a list of numbers of layers as bits. */
+    private Optional<double[]> layers(Node node, PropertyDescriptor property) {
+        int bits = 0;
+        for (Node layer : node.children()) {
+            Optional<Double> number = quantities.number(layer, property.unit());
+            if (number.isEmpty()) {
+                return Optional.empty();
+            }
+            int index = number.get().intValue();
+            if (index != number.get() || index < 0 || index > MAX_LAYER) {
+                problems.add(
+                        layer,
+                        node.label()
+                                + ": found "
+                                + layer.describe()
+                                + ", expected numbers of layers from 0 to "
+                                + MAX_LAYER);
+                return Optional.empty();
+            }
+            bits |= 1 << index;
+        }
+        return Optional.of(new double[] {bits});
     }
 
     private static boolean isJointType(PropertyDescriptor property) {

@@ -8,6 +8,7 @@ import reve.core.world.WorldPrototype;
 
 import java.util.HashSet;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
@@ -19,8 +20,11 @@ final class PrototypeReader {
     /** Maximum number of properties of one world. */
     static final int MAX_PROPERTIES = 1000;
 
-    /** Keys with long lists of numbers, in which no joints need be searched. */
-    private static final Set<String> MESH_KEYS = Set.of("vertices", "triangles");
+    /** Keys with long lists of numbers, in which no properties need be searched. */
+    private static final Set<String> MESH_KEYS = Set.of("vertices", "triangles", "heights");
+
+    /** The property that a law writes for each body with this one. */
+    private static final Map<String, String> WRITTEN_WITH = Map.of("touchSensor", "touchCount");
 
     private final Problems problems;
     private final Quantities quantities;
@@ -44,10 +48,42 @@ final class PrototypeReader {
         if (!ownJoints && parts.stream().anyMatch(PrototypeReader::hasJoints)) {
             prototype = prototype.withJoints();
         }
+        prototype = withContacts(prototype, properties, parts);
         for (Node property : properties) {
             prototype = extend(prototype, property);
         }
         return prototype;
+    }
+
+    /** Adds the properties of contacts that the items set and the file does not declare. */
+    private static WorldPrototype withContacts(
+            WorldPrototype prototype, List<Node> properties, List<Node> parts) {
+        Set<String> set = new HashSet<>();
+        for (Node part : parts) {
+            findProperties(part, set);
+        }
+        WRITTEN_WITH.forEach(
+                (property, written) -> {
+                    if (set.contains(property)) {
+                        set.add(written);
+                    }
+                });
+        for (Node property : properties) {
+            property.get("name").flatMap(Node::text).ifPresent(set::remove);
+        }
+        return prototype.extendedBy(
+                prototype.propertiesOfContacts().stream()
+                        .filter(property -> set.contains(property.name()))
+                        .toList());
+    }
+
+    /** Adds the keys of all mappings with the key {@code physics} in a node. */
+    private static void findProperties(Node node, Set<String> found) {
+        if (node.key().equals("physics") && node.isMapping()) {
+            node.children().forEach(value -> found.add(value.key()));
+        } else if (!MESH_KEYS.contains(node.key())) {
+            node.children().forEach(child -> findProperties(child, found));
+        }
     }
 
     private static boolean isOfJoints(Node node) {

@@ -138,7 +138,8 @@ public final class WorldWriter {
         List<Object> own = new ArrayList<>();
         for (PropertyDescriptor property :
                 prototype.properties().subList(standard, prototype.properties().size())) {
-            if (!prototype.isOfJoints(property)) {
+            if (!prototype.isOfJoints(property)
+                    && !prototype.propertiesOfContacts().contains(property)) {
                 own.add(property(property));
             }
         }

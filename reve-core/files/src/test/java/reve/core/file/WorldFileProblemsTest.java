@@ -114,7 +114,7 @@ class WorldFileProblemsTest {
                     physics: {mass: 1, mass: 2}                 ! 22 ! duplicate key `mass`, first on line 5
                     physics: {mass: {}}                         ! 19 ! mass: found a mapping, expected a number, a text or a list
                     physics: {mass: }                           ! 18 ! mass: found nothing, expected a number, a text or a list
-                    physical: {shape: ball}                     ! 21 ! shape: found text `ball`, expected one of `sphere`, `box`, `plane`, `capsule`, `cylinder`, `mesh`
+                    physical: {shape: ball}                     ! 21 ! shape: found text `ball`, expected one of `sphere`, `box`, `plane`, `capsule`, `cylinder`, `terrain`, `mesh`
                     physical: {shape: sphere}                   ! 21 ! shape sphere needs `radius`
                     physical: {radius: 1}                       ! 14 ! `radius` without a `shape`
                     physical: {shape: box, size: 3}             ! 32 ! size: found 1 number, expected 3 numbers in m

@@ -3,6 +3,8 @@ package reve.core.world;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.hull.ConvexHull;
+
 import java.nio.FloatBuffer;
 import java.nio.IntBuffer;
 import java.util.ArrayList;
@@ -28,6 +30,9 @@ public final class Mesh implements Shape {
     private final Optional<String> file;
     private final float[] low = filled(Float.POSITIVE_INFINITY);
     private final float[] high = filled(Float.NEGATIVE_INFINITY);
+
+    /** Null until it is first needed. */
+    private volatile @Nullable Optional<ConvexHull> hull;
 
     /**
      * A range of successive triangles with one material.
@@ -152,6 +157,36 @@ public final class Mesh implements Shape {
     /** Returns the largest coordinate along an axis of the shape (0, 1, 2) [m]. */
     public double max(int axis) {
         return high[axis];
+    }
+
+    /**
+     * Returns the convex hull of the vertices, computed once; empty if {@link ConvexHull#of}
+     * refuses them.
+     */
+    public Optional<ConvexHull> hull() {
+        Optional<ConvexHull> known = hull;
+        if (known == null) {
+            try {
+                known = Optional.of(requireHull());
+            } catch (IllegalArgumentException degenerate) {
+                known = Optional.empty();
+            }
+            hull = known;
+        }
+        return known;
+    }
+
+    /**
+     * Returns the convex hull of the vertices.
+     *
+     * @throws IllegalArgumentException naming the reason why {@link ConvexHull#of} refuses them
+     */
+    public ConvexHull requireHull() {
+        double[] points = new double[vertices.length];
+        for (int i = 0; i < points.length; i++) {
+            points[i] = vertices[i];
+        }
+        return ConvexHull.of(points);
     }
 
     @Override

@@ -118,6 +118,14 @@ public final class WorldPrototype {
     }
 
     /**
+     * Returns the properties of bodies that only worlds have which use them: those of contacts,
+     * except for {@code friction} and {@code restitution}.
+     */
+    public List<PropertyDescriptor> propertiesOfContacts() {
+        return contacts(realType);
+    }
+
+    /**
      * Returns a copy with a designer's own physics properties. A property of an unknown kind adds
      * this kind.
      *
@@ -320,6 +328,16 @@ public final class WorldPrototype {
                 number(JOINT, "jointAngle", real, 1, "1", "Angle of a hinge."),
                 number(JOINT, "jointTravel", real, 1, "m", "Travel of a slider, or length."),
                 number(JOINT, "broken", I32, 1, "1", "1 if the joint is broken."));
+    }
+
+    private static List<PropertyDescriptor> contacts(ScalarType real) {
+        return List.of(
+                notNegative(BODY, "rollingFriction", real, 1, "m", "Lever arm; stops rolling."),
+                notNegative(BODY, "touchLayer", I32, 1, "1", "Layer of contacts, 0 to 31."),
+                number(BODY, "passesLayers", I32, 1, "1", "Layers it passes through, as bits."),
+                number(BODY, "touchSensor", I32, 1, "1", "1: counts what touches it, no force."),
+                number(BODY, "partOfBody", I32, 1, "1", "1: collides as part of its carrier."),
+                number(BODY, "touchCount", I32, 1, "1", "Number of shapes that touch it."));
     }
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {

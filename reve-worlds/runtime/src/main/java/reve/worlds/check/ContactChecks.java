@@ -4,13 +4,16 @@ package reve.worlds.check;
 import reve.core.file.WorldDescription;
 import reve.core.text.Rounded;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Mesh;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
 import reve.pe.PhysicsLaw;
 
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 
@@ -20,6 +23,9 @@ final class ContactChecks {
     private static final double LOWEST_FLOOR = -1e8;
 
     private static final double ROUNDING = 1e-6;
+
+    /** Distance of a hull's centre from the origin that causes a warning, as part of the extent. */
+    private static final double OFF_CENTRE = 0.1;
 
     private final WorldDescription world;
     private final LawFacts laws;
@@ -43,6 +49,9 @@ final class ContactChecks {
 
     void run() {
         checkRadii();
+        if (laws.isUsed(LawFacts.MESH)) {
+            checkHulls();
+        }
         if (laws.mover().isPresent() && !surfaces) {
             down().ifPresent(this::checkFloors);
         }
@@ -64,6 +73,64 @@ final class ContactChecks {
                                 + " does not set, so nothing touches it; add radius: "
                                 + Rounded.of(((Shape.Sphere) ball.item().shape()).radius())
                                 + " m under `physics`");
+    }
+
+    /** Checks for bodies whose mesh has no convex hull, or one beside its centre of mass. */
+    private void checkHulls() {
+        List<ItemFacts.Entry> bodies =
+                items.movable().stream()
+                        .filter(body -> body.item().shape() instanceof Mesh)
+                        .toList();
+        findings.items(
+                bodies.stream().filter(body -> mesh(body).hull().isEmpty()).toList(),
+                "physical.shape",
+                body ->
+                        "shape: nothing touches "
+                                + body.name()
+                                + ", because "
+                                + reason(mesh(body))
+                                + "; a body that moves touches others with the convex hull of its"
+                                + " mesh, so give the mesh a volume, or use a thin box");
+        findings.items(
+                bodies.stream().filter(ContactChecks::isOffCentre).toList(),
+                "physical.shape",
+                body ->
+                        "shape: the centre of the convex hull of "
+                                + body.name()
+                                + " is at "
+                                + centre(mesh(body))
+                                + " m, but laws turn a body about its origin, as its centre of"
+                                + " mass; move the vertices by the opposite of that");
+    }
+
+    private static Mesh mesh(ItemFacts.Entry body) {
+        return (Mesh) body.item().shape();
+    }
+
+    private static String reason(Mesh mesh) {
+        try {
+            mesh.requireHull();
+            return "";
+        } catch (IllegalArgumentException refused) {
+            return refused.getMessage();
+        }
+    }
+
+    /** A mesh with a density was checked when the density was read. */
+    private static boolean isOffCentre(ItemFacts.Entry body) {
+        Mesh mesh = mesh(body);
+        double extent = Math.max(mesh.size(0), Math.max(mesh.size(1), mesh.size(2)));
+        return mesh.hull()
+                .filter(
+                        hull ->
+                                Arrays.stream(hull.centre())
+                                        .anyMatch(at -> Math.abs(at) > OFF_CENTRE * extent))
+                .isPresent();
+    }
+
+    private static String centre(Mesh mesh) {
+        double[] at = mesh.hull().orElseThrow().centre();
+        return String.format(Locale.ROOT, "(%.3g %.3g %.3g)", at[0], at[1], at[2]);
     }
 
     private static boolean isDrawnBall(ItemFacts.Entry item) {

@@ -47,9 +47,12 @@ final class LawFacts {
     /** Kind of the rows of items without physics; laws may use their shapes. */
     static final String SCENERY = "scenery";
 
+    /** Kind of the rows of meshes; laws may use their hulls and triangles. */
+    static final String MESH = "meshForm";
+
     /** Names of properties that tell a law the shape of a body. */
     private static final Pattern EXTENT =
-            Pattern.compile("(?i).*(shape|size|extent|dimension|hull).*");
+            Pattern.compile("(?i).*(shape|size|extent|dimension|hull|mesh).*");
 
     private final List<PhysicsLaw> laws;
     private final List<LawReference> references;

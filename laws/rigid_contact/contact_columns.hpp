@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// The columns of bodies that determine how they touch.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "form.hpp"
+#include "vesper/law.hpp"
+
+namespace vesper::rigid {
+
+template <class Real>
+struct ContactColumns {
+  OptionalRead<Real> friction{"friction", "body", units::one};
+  OptionalRead<Real> restitution{"restitution", "body", units::one};
+  OptionalRead<Real> rolling{"rollingFriction", "body", units::metre};
+  OptionalRead<int32_t> layer{"touchLayer", "body", units::one};
+  OptionalRead<int32_t> passes{"passesLayers", "body", units::one};
+  OptionalRead<int32_t> sensor{"touchSensor", "body", units::one};
+  OptionalRead<int32_t> part{"partOfBody", "body", units::one};
+  OptionalWrite<int32_t> touch_count{"touchCount", "body", units::one};
+
+  /** The columns that the first version of the law had, and the others. */
+  auto FirstProperties() { return std::tie(friction, restitution); }
+  auto LaterProperties() { return std::tie(rolling, layer, passes, sensor, part, touch_count); }
+
+  /** Returns the value of a shape: that of its body, or `otherwise` for scenery. */
+  template <class Column>
+  static double ValueOf(const Column& column, uint32_t shape, double otherwise) {
+    return column.present() && shape < column.size() ? std::max(0.0, double{column[shape]})
+                                                     : otherwise;
+  }
+
+  /** Returns whether two shapes touch: neither passes through the layer of the other. */
+  bool Meet(uint32_t a, uint32_t b) const {
+    return !passes.present() || !(PassesThrough(a, b) || PassesThrough(b, a));
+  }
+  /** Returns whether a shape only counts what touches it. */
+  bool IsSensor(uint32_t shape) const {
+    return sensor.present() && shape < sensor.size() && sensor[shape] != 0;
+  }
+  bool CountsTouches() const { return touch_count.present(); }
+
+  void ClearTouches() const {
+    if (touch_count.present()) std::fill(touch_count.begin(), touch_count.end(), 0);
+  }
+  void CountTouch(uint32_t shape) const {
+    if (touch_count.present() && shape < touch_count.size()) ++touch_count[shape];
+  }
+
+ private:
+  bool PassesThrough(uint32_t shape, uint32_t other) const {
+    if (shape >= passes.size()) return false;
+    const int32_t number = layer.present() && other < layer.size() ? layer[other] : 0;
+    return number >= 0 && number < 32 && ((uint32_t(passes[shape]) >> number) & 1u) != 0;
+  }
+};
+
+/** The columns that describe meshes: of bodies, of scenery, and of the meshes themselves. */
+struct MeshColumns {
+  OptionalRead<int32_t> mesh{"meshForm", "body", units::one};
+  OptionalRead<int32_t> scenery_mesh{"sceneryMeshForm", "scenery", units::one};
+  OptionalRead<Form::Ranges> ranges{"meshRanges", "meshForm", units::one};
+  OptionalRead<Vec3<double>> points{"meshPoints", "meshPoint", units::metre};
+  OptionalRead<int32_t> indices{"meshIndices", "meshNumber", units::one};
+
+  auto Properties() { return std::tie(mesh, scenery_mesh, ranges, points, indices); }
+};
+
+}  // namespace vesper::rigid

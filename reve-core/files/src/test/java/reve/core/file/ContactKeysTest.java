@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.file;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.Test;
+
+import reve.core.world.ItemDefinition;
+import reve.core.world.Mesh;
+
+import java.nio.charset.StandardCharsets;
+
+/** The keys of bodies that touch: terrains, and the properties that only some worlds have. */
+class ContactKeysTest {
+    private static WorldDescription parse(String items) throws WorldFileException {
+        return WorldFile.parse(
+                "w", ("reve: 1\nname: w\n" + items).getBytes(StandardCharsets.UTF_8));
+    }
+
+    @Test
+    void aTerrainIsAMeshOfTwoTrianglesForEachCell() throws WorldFileException {
+        ItemDefinition ground =
+                parse(
+                                """
+                                items:
+                                  - name: ground
+                                    physical:
+                                      shape: terrain
+                                      size: [4, 2]
+                                      heights: [[0, 10 cm, 0], [1, 2, 3]]
+                                """
+                                        .replace("10 cm", "0.1"))
+                        .items()
+                        .getFirst();
+        Mesh mesh = (Mesh) ground.shape();
+        float[] vertices = new float[18];
+        mesh.vertices().get(vertices);
+        assertThat(vertices)
+                .containsExactly(-2, 0, -1, 0, 0.1f, -1, 2, 0, -1, -2, 1, 1, 0, 2, 1, 2, 3, 1);
+        int[] triangles = new int[12];
+        mesh.triangles().get(triangles);
+        assertThat(triangles).containsExactly(0, 3, 1, 1, 3, 4, 1, 4, 2, 2, 4, 5);
+    }
+
+    @Test
+    void aTerrainHasRowsOfEqualLength() {
+        assertThatThrownBy(() -> terrain("[[0, 0, 0], [0, 0]]"))
+                .isInstanceOf(WorldFileException.class);
+        assertThatThrownBy(() -> terrain("[[0], [0]]"))
+                .hasMessageContaining("expected at least two lists of at least two heights");
+        assertThatThrownBy(
+                        () -> parse("items: [{name: t, physical: {shape: terrain, size: 1 1 m}}]"))
+                .hasMessageContaining("shape terrain needs `heights`");
+    }
+
+    private static WorldDescription terrain(String heights) throws WorldFileException {
+        return parse(
+                "items: [{name: t, physical: {shape: terrain, size: [1, 1], heights: "
+                        + heights
+                        + "}}]");
+    }
+
+    /** Other worlds keep their images, because they do not have these properties. */
+    @Test
+    void aWorldHasThePropertiesOfContactsThatItsItemsSet() throws WorldFileException {
+        WorldDescription world =
+                parse(
+                        """
+                        prefabs:
+                          ghost: {physics: {mass: 1, passesLayers: [0, 5]}}
+                        items:
+                          - {name: casper, like: ghost}
+                          - {name: plate, physics: {mass: 0, touchSensor: 1}}
+                        """);
+        assertThat(world.items().getFirst().physics("passesLayers").orElseThrow())
+                .containsExactly(33);
+        assertThat(world.prototype().find("body", "passesLayers")).isPresent();
+        assertThat(world.prototype().find("body", "touchCount")).as("of sensors").isPresent();
+        assertThat(world.prototype().find("body", "touchLayer")).isEmpty();
+        assertThat(parse("items: [{name: a, physics: {mass: 1}}]").prototype().properties())
+                .doesNotContainAnyElementsOf(world.prototype().propertiesOfContacts());
+    }
+
+    @Test
+    void aPropertyThatTheWorldDeclaresIsItsOwn() throws WorldFileException {
+        WorldDescription world =
+                parse(
+                        """
+                        properties: [{name: touchLayer, kind: body, unit: K}]
+                        items: [{name: a, physics: {mass: 1, touchLayer: 300}}]
+                        """);
+        assertThat(world.prototype().find("body", "touchLayer").orElseThrow().unit().symbol())
+                .isEqualTo("K");
+    }
+
+    @Test
+    void aLayerIsAWholeNumberUpTo31() {
+        for (String wrong : new String[] {"32", "-1", "0.5"}) {
+            assertThatThrownBy(
+                            () ->
+                                    parse(
+                                            "items: [{name: a, physics: {mass: 1, passesLayers: [1, "
+                                                    + wrong
+                                                    + "]}}]"))
+                    .as(wrong)
+                    .hasMessageContaining("expected numbers of layers from 0 to 31");
+        }
+    }
+}
