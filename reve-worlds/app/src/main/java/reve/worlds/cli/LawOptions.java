@@ -18,6 +18,7 @@ import java.util.Locale;
 import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.Queue;
+import java.util.Set;
 import java.util.concurrent.ConcurrentLinkedQueue;
 
 /** The options that name the folder of laws and permit native code. */
@@ -111,7 +112,8 @@ final class LawOptions {
                 Optional.empty(),
                 trust,
                 enginePlace(spec, usual),
-                false);
+                false,
+                Set.of());
     }
 
     /**
