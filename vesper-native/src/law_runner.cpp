@@ -85,9 +85,9 @@ void CheckColumn(const Law& law, ThreadPool& pool, const vesper_property& proper
                    unwritten && property.access == VESPER_WRITE
                        ? "declared WRITE, but the row was not written"
                    : unwritten ? "the row was not written"
-                               : "wrote " + PrintValue(property, bad) + " to component " +
-                                     std::to_string(component) +
-                                     (std::isfinite(value) ? ", expected less than 1.7e100" : ""));
+                               : "wrote " + PrintValue(property, bad) +
+                                     (std::isfinite(value) ? ", more than 1.7e100," : "") +
+                                     " to component " + std::to_string(component));
 }
 
 /// Returns true if the law writes the array of the use within `advance`.

@@ -17,7 +17,7 @@ import java.util.stream.Collectors;
 
 /** The events that report what happens to the laws of a world. World's thread. */
 final class LawEvents {
-    private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf)");
+    private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf|[0-9.]+e\\+)");
 
     private final World world;
     private final PhysicsEngine engine;
