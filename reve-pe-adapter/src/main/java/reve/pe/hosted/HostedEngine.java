@@ -336,9 +336,8 @@ public final class HostedEngine implements PhysicsEngine {
     private void advance(HostProcess current, double dt, int steps) throws HostLost {
         try {
             current.begin(Request.ADVANCE).putDouble(dt).putInt(steps);
-            long start = System.nanoTime();
             Mailbox reply = current.call(frameLimit(), config.log());
-            waitedNanos = System.nanoTime() - start - current.spentNanos();
+            waitedNanos = current.waitedNanos();
             requireOk(reply);
             boolean kept = state.keep(reply);
             for (int i = 0; i < libraries.size(); i++) { // an iterator would be allocated

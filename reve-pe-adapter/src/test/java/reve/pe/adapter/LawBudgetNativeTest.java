@@ -159,6 +159,24 @@ class LawBudgetNativeTest {
         }
     }
 
+    /** Its time is less than that of the exchange with the process. */
+    @Test
+    void aHostedLawOfLessThanAMicrosecondExceedsANanosecond() {
+        try (HostedFixture hosted = new HostedFixture()) {
+            AdapterFixture world = hosted.world.load("newton_motion", "wind");
+            world.adapter.enforceBudgets(true);
+            world.adapter.laws().setBudget("wind", budget(1, Response.UNLOAD));
+            for (int frame = 0; frame < ENOUGH_FRAMES && world.events("over-budget").isEmpty(); ) {
+                frame++; // a busy machine may make a frame too long to count
+                world.run(1);
+            }
+            assertThat(world.events("over-budget")).hasSize(1);
+            assertThat(world.adapter.laws().libraries())
+                    .extracting(LawLibrary::name)
+                    .containsExactly("newton_motion");
+        }
+    }
+
     @Test
     void aBudgetLastsThroughParametersReplacementsAndImages() {
         try (AdapterFixture world = enforced()) {
