@@ -135,6 +135,11 @@ void Service::Dispatch(Reader request, Writer& reply) {
       return Check(vesper_engine_set_ledger(engine_.get(), request.Value<uint32_t>(), &error_));
     case Request::kLedger:
       return Ledger(request, reply);
+    case Request::kSetInterval: {
+      const auto library = request.Value<vesper_library_id>();
+      const auto interval = request.Value<uint32_t>();
+      return Check(vesper_engine_set_interval(engine_.get(), library, interval, &error_));
+    }
     case Request::kBindAll:
       for (auto left = request.Value<uint32_t>(); left > 0; --left) {
         const bool rebind = request.Value<uint32_t>() != 0;
@@ -150,6 +155,7 @@ void Service::Create(Reader& request) {
   config_.threads = request.Value<uint32_t>();
   config_.validate = request.Value<uint32_t>();
   config_.touches = 1;
+  config_.limit_values = 1;
   config_.probe_path = "";  // no probe process, because this process itself may crash
   config_.log = Log;
   config_.log_user = this;

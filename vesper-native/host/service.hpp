@@ -36,6 +36,7 @@ enum class Request : uint32_t {
   kSetLedger,
   kLedger,
   kBindAll,
+  kSetInterval,
 };
 
 /// The form of the bytes of a law library. reve.pe.hosted.HostedLibrary in Java has the same

@@ -189,6 +189,8 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_engine_config, deferred),
     FIELD(vesper_engine_config, touches),
     FIELD(vesper_engine_config, running),
+    FIELD(vesper_engine_config, limit_values),
+    FIELD(vesper_engine_config, reserved),
 
     STRUCT(vesper_law_info),
     FIELD(vesper_law_info, struct_size),

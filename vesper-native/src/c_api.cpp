@@ -247,6 +247,11 @@ vesper_status vesper_engine_unload_physics_law(vesper_engine* engine, vesper_lib
   return Guarded(error, [&] { Required(engine, "engine").Unload(library); });
 }
 
+vesper_status vesper_engine_set_interval(vesper_engine* engine, vesper_library_id library,
+                                         uint32_t interval, vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(engine, "engine").SetInterval(library, interval); });
+}
+
 vesper_status vesper_engine_law_info(const vesper_engine* engine, vesper_library_id library,
                                      uint32_t index, vesper_law_info* out,
                                      vesper_error* error) noexcept {

@@ -16,6 +16,15 @@ uint64_t FindNonFinite(ThreadPool& pool, vesper_scalar_type type, const void* va
   });
 }
 
+uint64_t FindImmense(ThreadPool& pool, vesper_scalar_type type, const void* values,
+                     uint64_t count) {
+  const auto* bytes = static_cast<const std::byte*>(values);
+  return FindFirst(pool, count, [=](uint64_t begin, uint64_t end) {
+    const uint64_t found = FindImmense(type, bytes + begin * ScalarSize(type), end - begin);
+    return found == kNotFound ? kNotFound : begin + found;
+  });
+}
+
 void Zero(ThreadPool& pool, vesper_scalar_type type, void* values, uint64_t count) {
   auto* bytes = static_cast<std::byte*>(values);
   auto clear = [=](uint64_t begin, uint64_t end) {

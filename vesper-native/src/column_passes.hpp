@@ -45,6 +45,7 @@ uint64_t FindFirst(ThreadPool& pool, uint64_t count, const Find& find) {
 /// Parallel versions of the functions in kernels.hpp.
 uint64_t FindNonFinite(ThreadPool& pool, vesper_scalar_type type, const void* values,
                        uint64_t count);
+uint64_t FindImmense(ThreadPool& pool, vesper_scalar_type type, const void* values, uint64_t count);
 void Zero(ThreadPool& pool, vesper_scalar_type type, void* values, uint64_t count);
 
 }  // namespace vesper

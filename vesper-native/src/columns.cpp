@@ -152,7 +152,7 @@ void Columns::Refresh() {
   for (uint32_t i = 0; i < size(); ++i) {
     if (!columns_[i].bound || !columns_[i].stale) continue;
     if (columns_[i].arrays.indices != nullptr) Expand(i);
-    if (spec(i).minimum) CheckMinimum(i);
+    if (spec(i).minimum && spec(i).law_access == VESPER_READ) CheckMinimum(i);
   }
   // Checks references again, because they may also become invalid when the number of rows of their
   // target kind decreases.

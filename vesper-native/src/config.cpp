@@ -43,6 +43,10 @@ Config::Config(const vesper_engine_config* given) {
   if (source.touches > 1) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.touches is %u, expected 0 or 1", source.touches);
   }
+  if (source.limit_values > 1) {
+    throw Failure(VESPER_INVALID_ARGUMENT, "config.limit_values is %u, expected 0 or 1",
+                  source.limit_values);
+  }
   if (source.probe_timeout_ms == 0) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.probe_timeout_ms is 0, expected at least 1");
   }
@@ -56,6 +60,7 @@ Config::Config(const vesper_engine_config* given) {
   log = source.log;
   log_user = source.log_user;
   running = source.running;
+  limit_values = source.limit_values == 1;
 }
 
 }  // namespace vesper

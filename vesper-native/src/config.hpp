@@ -26,6 +26,7 @@ struct Config {
   void (*log)(void* user, uint32_t level, const char* message);
   void* log_user;
   uint64_t* running;
+  bool limit_values;
 };
 
 }  // namespace vesper

@@ -312,6 +312,15 @@ void vesper_engine::Unload(vesper_library_id id) {
   }
 }
 
+void vesper_engine::SetInterval(vesper_library_id id, uint32_t interval) {
+  const Turn turn(*this);
+  const vesper::LawLibrary& library = **FindLibrary(id);
+  for (const auto& law : library.laws()) {
+    if (interval != 1) law->RequireInterval(library, interval);
+  }
+  for (const auto& law : library.laws()) law->interval = interval;
+}
+
 std::vector<std::unique_ptr<vesper::LawLibrary>>::const_iterator vesper_engine::FindLibrary(
     vesper_library_id id) const {
   const auto found = std::find_if(libraries_.begin(), libraries_.end(),

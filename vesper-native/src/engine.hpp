@@ -48,6 +48,7 @@ struct vesper_engine {
   vesper_library_id Load(vesper_prepared_library& prepared, const vesper_parameter* parameters,
                          uint32_t count);
   void Unload(vesper_library_id id);
+  void SetInterval(vesper_library_id id, uint32_t interval);
   void LawInfo(vesper_library_id id, uint32_t index, vesper_law_info& out) const;
 
   void Advance(double dt, uint32_t steps);

@@ -34,6 +34,7 @@ struct Bits<double> {
   using Type = uint64_t;
   static constexpr Type kExponent = 0x7ff0000000000000u, kOne = 0x0010000000000000u;
   static constexpr Type kTop = 0x8000000000000000u;
+  static constexpr Type kImmense = kTop - (Type{1023 + 333} << 52);  // from 2^333 on
   static constexpr Type kUnwritten = 0x7ffce5be11000000u;
 };
 
@@ -44,22 +45,23 @@ typename Bits<Real>::Type BitsAt(const void* values, uint64_t index) {
   return bits;
 }
 
-/// Returns a word whose top bit is set if the value is NaN or infinite: its exponent is then all
-/// ones, and adding one to it carries into the sign.
+/// Returns a word whose top bit is set if the exponent is so large that adding `carry` to it
+/// carries into the sign.
 template <class Real>
-typename Bits<Real>::Type NonFiniteMark(typename Bits<Real>::Type bits) {
-  return (bits & Bits<Real>::kExponent) + Bits<Real>::kOne;
+typename Bits<Real>::Type Mark(typename Bits<Real>::Type bits, typename Bits<Real>::Type carry) {
+  return (bits & Bits<Real>::kExponent) + carry;
 }
 
+/// Returns the index of the first value with a mark, or kNotFound.
 template <class Real>
-uint64_t FindNonFinite(const void* values, uint64_t count) {
+uint64_t FindMarked(const void* values, uint64_t count, typename Bits<Real>::Type carry) {
   for (uint64_t begin = 0; begin < count; begin += kBlock) {
     const uint64_t end = std::min(count, begin + kBlock);
     typename Bits<Real>::Type marks = 0;
-    for (uint64_t i = begin; i < end; ++i) marks |= NonFiniteMark<Real>(BitsAt<Real>(values, i));
+    for (uint64_t i = begin; i < end; ++i) marks |= Mark<Real>(BitsAt<Real>(values, i), carry);
     if ((marks & Bits<Real>::kTop) == 0) continue;
     for (uint64_t i = begin; i < end; ++i) {
-      if ((NonFiniteMark<Real>(BitsAt<Real>(values, i)) & Bits<Real>::kTop) != 0) return i;
+      if ((Mark<Real>(BitsAt<Real>(values, i), carry) & Bits<Real>::kTop) != 0) return i;
     }
   }
   return kNotFound;
@@ -121,9 +123,15 @@ double ValueAt(vesper_scalar_type type, const void* values, uint64_t index) {
 
 VESPER_STREAMING
 uint64_t FindNonFinite(vesper_scalar_type type, const void* values, uint64_t count) {
-  if (type == VESPER_F64) return FindNonFinite<double>(values, count);
-  if (type == VESPER_F32) return FindNonFinite<float>(values, count);
+  if (type == VESPER_F64) return FindMarked<double>(values, count, Bits<double>::kOne);
+  if (type == VESPER_F32) return FindMarked<float>(values, count, Bits<float>::kOne);
   return kNotFound;
+}
+
+VESPER_STREAMING
+uint64_t FindImmense(vesper_scalar_type type, const void* values, uint64_t count) {
+  if (type == VESPER_F64) return FindMarked<double>(values, count, Bits<double>::kImmense);
+  return FindNonFinite(type, values, count);
 }
 
 VESPER_STREAMING

@@ -17,6 +17,9 @@ double ValueAt(vesper_scalar_type type, const void* values, uint64_t index);
 /// Returns the index of the first NaN or infinity, or kNotFound. Integer types are always finite.
 uint64_t FindNonFinite(vesper_scalar_type type, const void* values, uint64_t count);
 
+/// Like FindNonFinite, but also finds f64 magnitudes of 2^333 (1.7e100) or more.
+uint64_t FindImmense(vesper_scalar_type type, const void* values, uint64_t count);
+
 /// Computes sum[i] += addend[i].
 void Add(vesper_scalar_type type, void* sum, const void* addend, uint64_t count);
 

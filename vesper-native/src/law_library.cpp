@@ -2,11 +2,13 @@
 #include "law_library.hpp"
 
 #include <algorithm>
+#include <cinttypes>
 #include <cstdio>
 #include <cstring>
 
 #include "converting_runner.hpp"
 #include "foreign_call.hpp"
+#include "unit.hpp"
 
 namespace vesper {
 
@@ -15,7 +17,7 @@ LoadedLaw::LoadedLaw(const vesper_law_desc& desc, vesper_library_id library, uin
     : law(desc, Running(config.running, pool, library, law_index)),
       index(law_index),
       uses(std::move(matched)),
-      runner(MakeRunner(law, pool, config.validate)) {
+      runner(MakeRunner(law, pool, config)) {
   std::vector<UnitRatio> ratios;
   for (const MatchedUse& use : uses) ratios.push_back(use.to_law);
   const auto is_one = [](const UnitRatio& ratio) { return ratio.IsOne(); };
@@ -33,6 +35,79 @@ bool LoadedLaw::Defers() const {
   return std::any_of(uses.begin(), uses.end(), [](const MatchedUse& matched) {
     return (matched.use->flags & VESPER_USE_DEFERRED) != 0;
   });
+}
+
+void LoadedLaw::Run(const vesper_step& step) {
+  if (interval == 1) {
+    runner->Advance(step);
+    CheckMinima();
+  } else if (interval == 0 || step.index % interval != 0) {
+    AddNothing();
+  } else {
+    runner->Advance(step);
+    MultiplyAdded();
+  }
+}
+
+void LoadedLaw::AddNothing() {
+  for (const vesper_property& target : targets) {
+    if (target.access != VESPER_ACCUMULATE || target.row_count == 0) continue;
+    const uint64_t values = target.row_count * target.components;
+    std::memset(target.data, 0, values * ScalarSize(target.scalar_type));
+  }
+}
+
+void LoadedLaw::MultiplyAdded() {
+  const UnitRatio factor{static_cast<double>(interval), 1};
+  for (const vesper_property& target : targets) {
+    if (target.access != VESPER_ACCUMULATE) continue;
+    const uint64_t values = target.row_count * target.components;
+    Convert(target.scalar_type, target.data, target.data, factor, values);
+    const uint64_t bad = FindNonFinite(target.scalar_type, target.data, values);
+    if (bad == kNotFound) continue;
+    const uint64_t row = bad / target.components;
+    throw Failure(VESPER_LAW_MISBEHAVED,
+                  "%s: property %s, row %" PRIu64 ": what it adds overflows for %u steps at once",
+                  law.label().c_str(), target.name, row, interval)
+        .Property(target.name)
+        .Row(row);
+  }
+}
+
+void LoadedLaw::CheckMinima() const {
+  for (size_t i = 0; i < uses.size(); ++i) {
+    if (!uses[i].minimum || law.Defers(i)) continue;
+    const vesper_property& target = targets[i];
+    const uint64_t values = target.row_count * target.components;
+    const uint64_t bad = FindBelow(target.scalar_type, target.data, values, *uses[i].minimum);
+    if (bad == kNotFound) continue;
+    const uint64_t row = bad / target.components;
+    throw Failure(VESPER_LAW_MISBEHAVED,
+                  "%s: property %s, row %" PRIu64 ": wrote %g, expected %g or more",
+                  law.label().c_str(), target.name, row,
+                  ValueAt(target.scalar_type, target.data, bad), *uses[i].minimum)
+        .Property(target.name)
+        .Row(row);
+  }
+}
+
+void LoadedLaw::RequireInterval(const LawLibrary& library, uint32_t wanted) const {
+  const bool writes = std::any_of(uses.begin(), uses.end(), [](const MatchedUse& matched) {
+    return (matched.use->access & VESPER_WRITE) != 0;
+  });
+  const bool keeps = std::any_of(uses.begin(), uses.end(), [](const MatchedUse& matched) {
+    return matched.use->access != VESPER_READ && (matched.use->flags & VESPER_USE_DEFERRED) != 0;
+  });
+  const char* reason = keeps                                    ? "keeps properties on a device"
+                       : wanted == 0                            ? nullptr
+                       : law.desc().phase != VESPER_PHASE_FORCE ? "is no force law"
+                       : writes                                 ? "writes properties"
+                                                                : nullptr;
+  if (reason == nullptr) return;
+  throw Failure(VESPER_ACCESS_CONFLICT, "%s %s, so it cannot run in every %u. step only",
+                law.label().c_str(), reason, wanted)
+      .Library(library.id())
+      .Law(index);
 }
 
 LawLibrary::LawLibrary(vesper_library_id id, std::string name, const Config& config,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct MatchedUse {
   UnitRatio to_law{};     // from the property's unit to the unit that the law declares
   uint32_t scratch_kind = 0;
   ScratchColumn scratch{};
+  std::optional<double> minimum = {};  // of the property, if the law writes it
 };
 
 /// A field of a library, and the property of the prototype that it is matched with.
@@ -39,6 +41,8 @@ struct LoadedField {
   std::unique_ptr<ConvertedField> function = nullptr;  // created with the suite
 };
 
+class LawLibrary;
+
 /// A law with all data that the engine keeps for it.
 struct LoadedLaw {
   LoadedLaw(const vesper_law_desc& desc, vesper_library_id library, uint32_t law_index,
@@ -47,12 +51,23 @@ struct LoadedLaw {
   bool Writes(uint32_t property) const;
   /// Returns true if one of its uses is DEFERRED.
   bool Defers() const;
+  /// Runs the law on its targets; in a step between those of its interval, adds nothing instead.
+  void Run(const vesper_step& step);
+  /// Throws ACCESS_CONFLICT if the law cannot have an interval other than 1.
+  void RequireInterval(const LawLibrary& library, uint32_t wanted) const;
 
   Law law;
   uint32_t index;  // index within its library, counting only laws in the engine's precision
   std::vector<MatchedUse> uses;
   std::unique_ptr<LawRunner> runner;
-  Targets targets;  // arrays to which the law is bound; empty before the first bind
+  Targets targets;        // arrays to which the law is bound; empty before the first bind
+  uint32_t interval = 1;  // see vesper_engine_set_interval
+
+ private:
+  void AddNothing();
+  void MultiplyAdded();
+  /// Throws LAW_MISBEHAVED if a property that the law writes is below its minimum.
+  void CheckMinima() const;
 };
 
 /// The laws of a library, their shared state and the mapped file; destroyed in this order.

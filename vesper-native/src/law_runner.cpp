@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cinttypes>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -33,16 +34,23 @@ uint64_t FindNonFinite(ThreadPool& pool, const vesper_property& property) {
   return FindNonFinite(pool, property.scalar_type, property.data, ValueCount(property));
 }
 
-/// Returns true if the values of the rows in [begin, end) are finite; rows past the last are
+/// Returns the index of the first value that no law may write, or kNotFound.
+uint64_t FindWrong(ThreadPool& pool, const vesper_property& property, bool limited) {
+  return limited ? FindImmense(pool, property.scalar_type, property.data, ValueCount(property))
+                 : FindNonFinite(pool, property);
+}
+
+/// Returns true if the law may write the values of the rows in [begin, end); rows past the last are
 /// ignored.
-bool IsFinite(const vesper_property& property, uint64_t begin, uint64_t end) {
+bool IsRight(const vesper_property& property, bool limited, uint64_t begin, uint64_t end) {
   end = std::min(end, property.row_count);
   if (begin >= end) return true;
   const uint64_t first = begin * property.components;
   const auto* bytes = static_cast<const std::byte*>(property.data);
-  return vesper::FindNonFinite(property.scalar_type,
-                               bytes + first * ScalarSize(property.scalar_type),
-                               end * property.components - first) == kNotFound;
+  const auto* values = bytes + first * ScalarSize(property.scalar_type);
+  const uint64_t count = end * property.components - first;
+  return (limited ? FindImmense(property.scalar_type, values, count)
+                  : vesper::FindNonFinite(property.scalar_type, values, count)) == kNotFound;
 }
 
 /// Copies a column; memcpy and memcmp must not receive the null pointer of an empty one.
@@ -52,7 +60,11 @@ void Copy(const vesper_property& to, const vesper_property& from) {
 
 std::string PrintValue(const vesper_property& property, uint64_t index) {
   const double value = ValueAt(property.scalar_type, property.data, index);
-  return std::isnan(value) ? "nan" : std::to_string(value);  // the sign of a NaN has no meaning
+  if (std::isnan(value)) return "nan";  // the sign of a NaN has no meaning
+  if (std::isinf(value) || std::abs(value) < 1e100) return std::to_string(value);
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
 }
 
 Failure Misbehaved(const Law& law, const vesper_property& property, uint64_t row,
@@ -63,17 +75,19 @@ Failure Misbehaved(const Law& law, const vesper_property& property, uint64_t row
       .Row(row);
 }
 
-void CheckFinite(const Law& law, ThreadPool& pool, const vesper_property& property) {
-  const uint64_t bad = FindNonFinite(pool, property);
+void CheckColumn(const Law& law, ThreadPool& pool, const vesper_property& property, bool limited) {
+  const uint64_t bad = FindWrong(pool, property, limited);
   if (bad == kNotFound) return;
+  const double value = ValueAt(property.scalar_type, property.data, bad);
   const uint64_t component = bad % property.components;
   const bool unwritten = IsUnwritten(property.scalar_type, property.data, bad);
-  throw Misbehaved(
-      law, property, bad / property.components,
-      unwritten && property.access == VESPER_WRITE ? "declared WRITE, but the row was not written"
-      : unwritten
-          ? "the row was not written"
-          : "wrote " + PrintValue(property, bad) + " to component " + std::to_string(component));
+  throw Misbehaved(law, property, bad / property.components,
+                   unwritten && property.access == VESPER_WRITE
+                       ? "declared WRITE, but the row was not written"
+                   : unwritten ? "the row was not written"
+                               : "wrote " + PrintValue(property, bad) +
+                                     (std::isfinite(value) ? ", more than 1.7e100," : "") +
+                                     " to component " + std::to_string(component));
 }
 
 /// Returns true if the law writes the array of the use within `advance`.
@@ -97,9 +111,9 @@ void CheckInputs(const Law& law, ThreadPool& pool, const Targets& seen) {
   }
 }
 
-/// Returns true if all values that the law wrote are finite. All its columns are scanned in one
+/// Returns true if the law may write all values that it wrote. All its columns are scanned in one
 /// pass, because each pass synchronizes the threads.
-bool WroteFinite(const Law& law, ThreadPool& pool, const Targets& seen) {
+bool WroteRight(const Law& law, ThreadPool& pool, const Targets& seen, bool limited) {
   uint64_t rows = 0, values = 0;
   for (size_t i = 0; i < seen.size(); ++i) {
     if (!IsWritten(law, seen, i)) continue;
@@ -107,30 +121,31 @@ bool WroteFinite(const Law& law, ThreadPool& pool, const Targets& seen) {
     values += ValueCount(seen[i]);
   }
   if (values == 0) return true;
-  std::atomic<bool> finite = true;
+  std::atomic<bool> right = true;
   auto look = [&](uint64_t begin, uint64_t end) {
     for (size_t i = 0; i < seen.size(); ++i) {
-      if (IsWritten(law, seen, i) && !IsFinite(seen[i], begin, end)) finite = false;
+      if (IsWritten(law, seen, i) && !IsRight(seen[i], limited, begin, end)) right = false;
     }
   };
   const Sharing sharing = ShareOut(values);
   pool.ParallelFor(rows, sharing.grain * rows / values + 1, look, sharing.helpers);
-  return finite;
+  return right;
 }
 
-/// Throws if a value that the law wrote is not finite. Checks the law's inputs first, because they
-/// may be the cause.
-void CheckWritten(const Law& law, ThreadPool& pool, const Targets& seen) {
-  if (WroteFinite(law, pool, seen)) return;
+/// Throws if a value that the law wrote is not finite or, if `limited`, immense. Checks the law's
+/// inputs first, because they may be the cause.
+void CheckWritten(const Law& law, ThreadPool& pool, const Targets& seen, bool limited) {
+  if (WroteRight(law, pool, seen, limited)) return;
   CheckInputs(law, pool, seen);
   for (size_t i = 0; i < seen.size(); ++i) {
-    if (IsWritten(law, seen, i)) CheckFinite(law, pool, seen[i]);
+    if (IsWritten(law, seen, i)) CheckColumn(law, pool, seen[i], limited);
   }
 }
 
 class DirectRunner final : public LawRunner {
  public:
-  DirectRunner(Law& law, ThreadPool& pool) : law_(law), pool_(pool) {}
+  DirectRunner(Law& law, ThreadPool& pool, bool limited)
+      : law_(law), pool_(pool), limited_(limited) {}
 
   void Bind(const Targets& targets) override {
     targets_ = &targets;
@@ -143,12 +158,12 @@ class DirectRunner final : public LawRunner {
       if (target.access == VESPER_ACCUMULATE && !law_.Defers(i)) Zero(pool_, target);
     }
     law_.Advance(step);
-    CheckWritten(law_, pool_, *targets_);
+    CheckWritten(law_, pool_, *targets_, limited_);
   }
 
   void Synchronize(uint32_t use) override {
     law_.Synchronize(use);
-    CheckFinite(law_, pool_, (*targets_)[use]);
+    CheckColumn(law_, pool_, (*targets_)[use], limited_);
   }
 
   double PotentialEnergy() override { return law_.PotentialEnergy(); }
@@ -156,12 +171,14 @@ class DirectRunner final : public LawRunner {
  private:
   Law& law_;
   ThreadPool& pool_;
+  bool limited_;
   const Targets* targets_ = nullptr;
 };
 
 class GuardedRunner final : public LawRunner {
  public:
-  GuardedRunner(Law& law, ThreadPool& pool) : law_(law), pool_(pool) {}
+  GuardedRunner(Law& law, ThreadPool& pool, bool limited)
+      : law_(law), pool_(pool), limited_(limited) {}
 
   void Bind(const Targets& targets) override {
     targets_ = &targets;
@@ -181,7 +198,7 @@ class GuardedRunner final : public LawRunner {
     CopyIn();
     law_.Advance(step);
     CheckKeptWord();
-    CheckWritten(law_, pool_, seen_);
+    CheckWritten(law_, pool_, seen_, limited_);
     for (size_t i = 0; i < seen_.size(); ++i) {
       if (IsWritten(law_, seen_, i)) Copy((*targets_)[i], seen_[i]);
     }
@@ -193,7 +210,7 @@ class GuardedRunner final : public LawRunner {
     FillUnwritten(seen.scalar_type, seen.data, ValueCount(seen));
     law_.Synchronize(use);
     CheckKeptWord(use);
-    CheckFinite(law_, pool_, seen);
+    CheckColumn(law_, pool_, seen, limited_);
     Copy((*targets_)[use], seen);
   }
 
@@ -250,6 +267,7 @@ class GuardedRunner final : public LawRunner {
 
   Law& law_;
   ThreadPool& pool_;
+  bool limited_;
   const Targets* targets_ = nullptr;
   Targets seen_;
   std::vector<GuardedCopy> copies_;
@@ -257,9 +275,9 @@ class GuardedRunner final : public LawRunner {
 
 }  // namespace
 
-std::unique_ptr<LawRunner> MakeRunner(Law& law, ThreadPool& pool, bool validate) {
-  if (validate) return std::make_unique<GuardedRunner>(law, pool);
-  return std::make_unique<DirectRunner>(law, pool);
+std::unique_ptr<LawRunner> MakeRunner(Law& law, ThreadPool& pool, const Config& config) {
+  if (config.validate) return std::make_unique<GuardedRunner>(law, pool, config.limit_values);
+  return std::make_unique<DirectRunner>(law, pool, config.limit_values);
 }
 
 }  // namespace vesper

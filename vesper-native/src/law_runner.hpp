@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "config.hpp"
 #include "law.hpp"
 #include "thread_pool.hpp"
 
@@ -20,9 +21,10 @@ class LawRunner {
   /// Passes `targets` to the law; they must outlive the next Bind.
   virtual void Bind(const Targets& targets) = 0;
   /// Zeroes the arrays that the law accumulates into, and applies the law. Throws LAW_MISBEHAVED if
-  /// the law wrote NaN or infinity, or INVALID_ARGUMENT if one of its read-only inputs contains
-  /// one. The targets contain the results after success only; otherwise they are undefined. A use
-  /// that the law defers is neither checked nor written.
+  /// the law wrote NaN, infinity or a value beyond `vesper_engine_config.limit_values`, or
+  /// INVALID_ARGUMENT if one of its read-only inputs contains one. The targets contain the results
+  /// after success only; otherwise they are undefined. A use that the law defers is neither checked
+  /// nor written.
   virtual void Advance(const vesper_step& step) = 0;
   /// Makes the law write the array of a DEFERRED use. Throws LAW_MISBEHAVED if the values contain
   /// NaN or infinity.
@@ -32,9 +34,9 @@ class LawRunner {
   virtual double PotentialEnergy() = 0;
 };
 
-/// Returns a runner that runs the law in place or, if `validate`, on guarded copies, to check its
-/// accesses against its declarations. `pool` zeroes and checks whole columns in parallel; it must
-/// outlive the runner.
-std::unique_ptr<LawRunner> MakeRunner(Law& law, ThreadPool& pool, bool validate);
+/// Returns a runner that runs the law in place or, with `config.validate`, on guarded copies, to
+/// check its accesses against its declarations. `pool` zeroes and checks whole columns in parallel;
+/// it must outlive the runner.
+std::unique_ptr<LawRunner> MakeRunner(Law& law, ThreadPool& pool, const Config& config);
 
 }  // namespace vesper

@@ -175,6 +175,7 @@ std::vector<MatchedUse> MatchUses(const vesper_law_desc& law, const Prototype& p
     const PropertySpec& spec = prototype.properties()[property];
     CheckUse(law, uses[i], spec, prototype.kinds()[spec.kind]);
     matched.back().to_law = {spec.unit.scale, uses[i].unit.scale};
+    if ((uses[i].access & VESPER_WRITE) != 0) matched.back().minimum = spec.minimum;
     if (columns[property].arrays.indices != nullptr) CheckShared(law, uses[i]);
   }
   return matched;

@@ -28,7 +28,7 @@ bool IsCalled(const ScheduledLaw& scheduled, const vesper_step& step) {
 }
 
 void RunLaw(const ScheduledLaw& scheduled, const vesper_step& step) {
-  scheduled.OnBehalf(step.stage, [&] { scheduled.law->runner->Advance(step); });
+  scheduled.OnBehalf(step.stage, [&] { scheduled.law->Run(step); });
 }
 
 }  // namespace

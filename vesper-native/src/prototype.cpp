@@ -60,9 +60,9 @@ void CheckDescriptor(const vesper_property_descriptor& property, uint32_t index)
   }
   if (property.has_minimum > 1) throw fail("has_minimum must be 0 or 1");
   if (property.has_minimum == 1 &&
-      (!IsReal(property.scalar_type) || property.law_access != VESPER_READ ||
+      (!IsReal(property.scalar_type) || (property.law_access & VESPER_ACCUMULATE) != 0 ||
        !std::isfinite(property.minimum))) {
-    throw fail("a minimum is a finite number, of a real property that is READ only");
+    throw fail("a minimum is a finite number, of a real property that is no accumulator");
   }
 }
 

@@ -48,6 +48,27 @@ TYPED_TEST(FiniteTest, AcceptsEveryFiniteExtreme) {
   EXPECT_EQ(FindNonFinite(this->kType, values.data(), values.size()), kNotFound);
 }
 
+TYPED_TEST(FiniteTest, ImmenseValuesBeginAtTwoToThe333) {
+  constexpr bool kDouble = sizeof(TypeParam) == 8;
+  const double limit = std::ldexp(1.0, 333);
+  const auto find = [](double value) {
+    const auto real = static_cast<TypeParam>(value);
+    return FindImmense(FiniteTest<TypeParam>::kType, &real, 1);
+  };
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_EQ(find(sign * std::nextafter(limit, 0)), kDouble ? kNotFound : 0u);
+    EXPECT_EQ(find(sign * limit), 0u);
+    EXPECT_EQ(find(sign * 1e300), 0u);
+    EXPECT_EQ(find(sign * std::numeric_limits<double>::infinity()), 0u);
+    EXPECT_EQ(find(sign * 1e38), kNotFound);
+    EXPECT_EQ(find(sign * 1e-320), kNotFound);
+    EXPECT_EQ(find(sign * 0), kNotFound);
+  }
+  EXPECT_EQ(find(std::nan("")), 0u);
+  const uint32_t integer = 0xffffffff;
+  EXPECT_EQ(FindImmense(VESPER_U32, &integer, 1), kNotFound);
+}
+
 TYPED_TEST(FiniteTest, AgreesWithIsfiniteOnRandomBits) {
   constexpr uint64_t kSeed = 77;
   std::mt19937_64 random(kSeed);

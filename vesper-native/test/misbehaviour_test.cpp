@@ -134,6 +134,27 @@ TEST_P(MisbehaviourTest, BlameIsOfTheFirstStepAndRowWhateverTheNumberOfThreads) 
   }
 }
 
+TEST_P(MisbehaviourTest, ALawThatWritesImmenseValuesFailsItselfIfValuesAreLimited) {
+  for (const bool limited : {false, true}) {
+    Bodies bodies(1);
+    bodies.mass = {1e-20};
+    TestEngine fresh({.validate = GetParam(), .limit_values = limited});
+    fresh.AddBodies(bodies);
+    fresh.Load("euler");
+    const vesper_library_id push = fresh.Load("push", {{"force", 1e300}});
+    const vesper_error error = fresh.Advance(1, 1);
+    if (limited) {
+      EXPECT_REFUSED(LAW_MISBEHAVED,
+                     "law push: property externalForce, row 0: wrote 1e+300, more than 1.7e100, "
+                     "to component 0",
+                     error);
+      EXPECT_EQ(error.library_id, push);
+    } else {
+      EXPECT_REFUSED(LAW_MISBEHAVED, "law euler: property", error);
+    }
+  }
+}
+
 TEST_P(MisbehaviourTest, FailedStepsAreVoidAndLeaveTheEngineFaulted) {
   AdvanceWith(Options(), WRITE_NAN);
   EXPECT_EQ(vesper_engine_step_count(engine->get()), 0u);

@@ -31,6 +31,7 @@ vesper_engine_config TestConfig(const EngineOptions& options) {
   config.threads = options.threads;
   config.deferred = options.deferred ? 1 : 0;
   config.touches = options.touches ? 1 : 0;
+  config.limit_values = options.limit_values ? 1 : 0;
   config.law_path = VESPER_TEST_LAWS;
   config.probe_timeout_ms = options.probe_timeout_ms;
   return config;

@@ -51,6 +51,7 @@ struct EngineOptions {
   uint32_t probe_timeout_ms = 20000;
   bool deferred = false;
   bool touches = false;
+  bool limit_values = false;
 };
 
 using Parameters = std::initializer_list<std::pair<const char*, double>>;

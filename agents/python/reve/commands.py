@@ -145,6 +145,25 @@ class Commands(ABC, Generic[R, Q]):
         """Changes parameters of a loaded law library, in SI units; the others keep their values."""
         return self._command("set-law", library=library, parameters=parameters)
 
+    def set_budget(
+        self,
+        library: str,
+        milliseconds: Optional[float] = None,
+        frames: Optional[int] = None,
+        then: Optional[str] = None,
+        every: Optional[int] = None,
+    ) -> R:
+        """Sets the computing time that a loaded law library may take in a frame, and what happens
+        if it takes more in `frames` frames in a row: `then` is "warn", "unload", or "skip-steps",
+        which evaluates force laws in every `every`-th step only. Without `milliseconds`, the
+        library has no budget any more.
+        """
+        fields = {"milliseconds": milliseconds, "frames": frames, "then": then, "every": every}
+        given: dict[str, Argument] = {
+            name: field for name, field in fields.items() if field is not None
+        }
+        return self._command("set-budget", library=library, **given)
+
     def unload_law(self, library: str) -> R:
         return self._command("unload-law", library=library)
 

@@ -101,6 +101,11 @@ typedef struct vesper_engine_config {
    *  that observes it from another thread or process. A word is 0, or the library's id in the
    *  upper and 1 + the law's index in the lower 32 bits. Borrowed until destroy. Since 1.1. */
   uint64_t* running;
+  /** 1: a law that writes a magnitude of 2^333 (1.7e100) or more to an f64 property fails as if it
+   *  had written infinity, so that it fails itself, and not the law that computes with the value.
+   *  Since 1.2. */
+  uint32_t limit_values;
+  uint32_t reserved; /**< 0. */
 } vesper_engine_config;
 
 /** Information about one loaded law. */
@@ -320,6 +325,16 @@ VESPER_API vesper_status vesper_engine_load_physics_law(vesper_engine* engine, c
 VESPER_API vesper_status vesper_engine_unload_physics_law(vesper_engine* engine,
                                                           vesper_library_id library,
                                                           vesper_error* error) VESPER_NOEXCEPT;
+/** Sets in which steps the laws of a library are called: in those whose number (see
+ *  `vesper_engine_step_count`) is a multiple of `interval`. In these steps, the engine multiplies
+ *  what the laws add to accumulators by `interval`; in all others, they add nothing. So their
+ *  impulse over `interval` steps stays the same (the impulse method of r-RESPA). 1: in every step,
+ *  as after loading. 0: never. More than 1 is refused with ACCESS_CONFLICT unless all laws of the
+ *  library run in the phase FORCE and write no property. Anything but 1 is refused if one of them
+ *  writes a DEFERRED use. Between frames; also while the engine is FAULTED. Since 1.2. */
+VESPER_API vesper_status vesper_engine_set_interval(vesper_engine* engine,
+                                                    vesper_library_id library, uint32_t interval,
+                                                    vesper_error* error) VESPER_NOEXCEPT;
 /** Fills `out` with the i-th law of a loaded library, in the engine's precision. NOT_FOUND past
  *  the last law. */
 VESPER_API vesper_status vesper_engine_law_info(const vesper_engine* engine,

@@ -143,11 +143,11 @@ typedef struct vesper_property_descriptor {
                                  from which the sum of each stage starts; null: it starts from
                                  zero. */
   const char* doc;          /**< One line, may be null. */
-  uint32_t has_minimum;     /**< 1: `minimum` is used. Only for numbers that laws can only READ.
+  uint32_t has_minimum;     /**< 1: `minimum` is used. Only for reals that are no accumulators.
                                  Since 1.1. */
   uint32_t reserved;
-  double minimum; /**< Minimum [unit] of every component. The engine checks the client's arrays
-                       against it at add, rebind and touch. Since 1.1. */
+  double minimum; /**< Minimum [unit] of every component. The engine checks what laws write and, of
+                       READ properties, the arrays at add, rebind and touch. Since 1.1. */
 } vesper_property_descriptor;
 
 /** The set of properties that an engine is created for. The engine copies it at create; types and

@@ -426,6 +426,11 @@ class PhysicsEngine {
     vesper_error error{};
     detail::Check(vesper_engine_unload_physics_law(engine_.get(), library, &error), error);
   }
+  /** Sets in which steps the laws of a library are called; see `vesper_engine_set_interval`. */
+  void SetInterval(vesper_library_id library, uint32_t interval) {
+    vesper_error error{};
+    detail::Check(vesper_engine_set_interval(engine_.get(), library, interval, &error), error);
+  }
   /** Returns the laws of a loaded library, in the engine's precision; valid until the library is
    *  unloaded. */
   std::vector<vesper_law_info> Laws(vesper_library_id library) const {

@@ -5,12 +5,15 @@
 #ifndef WIND_FORCE
 #define WIND_FORCE 1.0
 #endif
+#ifndef WIND_MOST
+#define WIND_MOST 100
+#endif
 
 static const vesper_property_use kUses[] = {
     TEST_USE("externalForce", 3, VESPER_ACCUMULATE, VESPER_UNIT_NEWTON)};
 
-static const vesper_parameter_desc kParameters[] = {
-    TEST_PARAMETER("force", "Force along X.", VESPER_UNIT_NEWTON, WIND_FORCE, -100, 100)};
+static const vesper_parameter_desc kParameters[] = {TEST_PARAMETER(
+    "force", "Force along X.", VESPER_UNIT_NEWTON, WIND_FORCE, -WIND_MOST, WIND_MOST)};
 
 static vesper_status Advance(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)step, (void)error;

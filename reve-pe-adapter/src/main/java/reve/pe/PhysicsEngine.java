@@ -97,6 +97,32 @@ public interface PhysicsEngine extends AutoCloseable {
     List<PhysicsLaw> laws();
 
     /**
+     * Sets in which steps the laws of a library are called: in those whose number is a multiple of
+     * the interval. In these steps, what the laws add is multiplied by the interval; in all others,
+     * they add nothing, so their impulse stays the same. Each load of a library resets it to 1.
+     *
+     * @param interval 1 for every step, 0 for never; more than 1 only if all laws of the library
+     *     are force laws that write no property
+     */
+    void setInterval(int libraryId, int interval);
+
+    /**
+     * Writes the wall-clock time of each law since it was loaded [ns], in the order of {@link
+     * #laws}. Allocates nothing; times are for reports and budgets only.
+     *
+     * @param into long enough for all laws
+     */
+    void readTimes(long[] into);
+
+    /**
+     * Returns the part of the last advance in which the engine waited for a processor, as far as it
+     * is known [ns]. The times of laws contain it.
+     */
+    default long waitedNanos() {
+        return 0;
+    }
+
+    /**
      * Applies all laws for {@code steps} steps of {@code dt}; if one step fails, none counts. After
      * a failure the engine is faulted, its time has not advanced, and properties that laws may
      * write are undefined. The client restores them and calls {@link #clearFault}, or unloads the

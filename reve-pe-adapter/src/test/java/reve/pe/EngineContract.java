@@ -19,6 +19,7 @@ import java.lang.management.ManagementFactory;
 import java.nio.file.Files;
 import java.security.MessageDigest;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.HexFormat;
 import java.util.List;
 import java.util.Map;
@@ -75,6 +76,44 @@ public abstract class EngineContract {
                     .filteredOn(use -> use.name().equals("position"))
                     .extracting(PropertyUse::access)
                     .containsExactly(Set.of(Access.READ, Access.WRITE));
+        }
+    }
+
+    @Test
+    void aLawWithAnIntervalActsInEveryNthStepWithAllItsForce() {
+        try (EngineFixture orbit = new EngineFixture(home()).springOrbit().load("newton_motion")) {
+            int wind = orbit.engine.loadPhysicsLaw("wind", Map.of("force", 2.0));
+            orbit.engine.setInterval(wind, 3);
+            for (double velocity : new double[] {6, 6, 6, 12}) {
+                orbit.engine.advance(1, 1);
+                assertThat(orbit.get("velocity")[3]).isEqualTo(velocity);
+            }
+            assertThat(orbit.engine.laws().getLast().calls()).isEqualTo(2);
+            orbit.engine.setInterval(wind, 0);
+            orbit.engine.advance(1, 4);
+            assertThat(orbit.get("velocity")[3]).isEqualTo(12.0);
+            orbit.engine.setInterval(wind, 1);
+            orbit.engine.advance(1, 1);
+            assertThat(orbit.get("velocity")[3]).isEqualTo(14.0);
+            int motion = orbit.engine.laws().getFirst().libraryId();
+            assertThatExceptionOfType(PhysicsException.class)
+                    .isThrownBy(() -> orbit.engine.setInterval(motion, 2))
+                    .withMessageContaining("law newton_motion is no force law");
+        }
+    }
+
+    @Test
+    void timesAreThoseOfTheLaws() {
+        try (EngineFixture orbit = new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
+            long[] times = new long[SpringOrbit.LAWS.length];
+            orbit.engine.advance(SpringOrbit.DT, 3);
+            orbit.engine.readTimes(times);
+            assertThat(times)
+                    .containsExactly(
+                            orbit.engine.laws().stream()
+                                    .mapToLong(PhysicsLaw::nanoseconds)
+                                    .toArray());
+            assertThat(Arrays.stream(times).min().orElseThrow()).isPositive();
         }
     }
 

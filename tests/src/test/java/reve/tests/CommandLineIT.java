@@ -202,7 +202,11 @@ class CommandLineIT {
                         "DERIVE",
                         "PUBLISH snapshot copy",
                         "PUBLISH readers",
-                        "rest");
+                        "rest",
+                        "p50 ns/frame",
+                        "p99 ns/frame")
+                .containsPattern("\\nhooke_spring +[1-9][0-9]* +[1-9][0-9]* +[0-9.]+%\\n")
+                .containsPattern("\\nnewton_motion +[1-9][0-9]* +[1-9][0-9]* +[0-9.]+%\\n");
     }
 
     @Test

@@ -9,6 +9,7 @@ import org.junit.jupiter.api.io.TempDir;
 
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
+import tools.jackson.databind.node.MissingNode;
 
 import java.io.IOException;
 import java.net.InetAddress;
@@ -107,6 +108,66 @@ class ControlCommandIT {
             assertThat(Reve.run("control", "inspect", "item=nobody", "--port", port).err())
                     .contains("no-such-item", "nobody");
         }
+    }
+
+    @Test
+    void aLawOverItsBudgetIsReportedAndUnloaded(@TempDir Path folder) throws Exception {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        Project.WORLDS.resolve("icosahedron").toString(),
+                        "--port",
+                        "0",
+                        "--json")) {
+            String port = server.port();
+            assertThat(setBudget(port, "newton_motion", "milliseconds=1", "then=skip-steps").err())
+                    .contains("law-refused", "law newton_motion is no force law");
+            assertThat(setBudget(port, "hooke_spring", "milliseconds=0").err())
+                    .contains("milliseconds is 0", "expected a number from 0.001");
+            assertThat(setBudget(port, "hooke_spring", "milliseconds=500", "frames=7").code())
+                    .isZero();
+            JsonNode springs = library(report(port, "laws"), "hooke_spring");
+            assertThat(springs.at("/budget").toString())
+                    .isEqualTo("{\"milliseconds\":500.0,\"frames\":7,\"then\":\"warn\"}");
+            JsonNode law = springs.at("/laws/0");
+            assertThat(law.get("p50Seconds").doubleValue()).isPositive();
+            assertThat(law.get("p99Seconds").doubleValue())
+                    .isGreaterThanOrEqualTo(law.get("p50Seconds").doubleValue());
+            assertThat(law.get("share").doubleValue()).isBetween(0.0, 1.0);
+
+            assertThat(setBudget(port, "hooke_spring", "milliseconds=0.001", "then=unload").code())
+                    .isZero();
+            JsonNode over = server.events().await("over-budget", event -> true);
+            assertThat(over.get("library").asString()).isEqualTo("hooke_spring");
+            assertThat(over.get("frames").intValue()).isEqualTo(10);
+            assertThat(over.get("message").asString()).endsWith("; it is unloaded");
+            assertThat(server.events().await("law-unloaded", event -> true).get("frame"))
+                    .isEqualTo(over.get("frame"));
+            assertThat(library(report(port, "laws"), "hooke_spring").isMissingNode()).isTrue();
+            Reve.run("control", "shut-down", "--port", port);
+            JsonNode end = server.events().await("end", event -> true);
+            assertThat(end.at("/laws/0").has("p99Nanoseconds")).isTrue();
+            assertThat(server.exitCode()).isZero();
+        }
+    }
+
+    private static Reve.Outcome setBudget(String port, String library, String... fields)
+            throws Exception {
+        List<String> command =
+                new ArrayList<>(List.of("control", "set-budget", "library=" + library));
+        command.addAll(List.of(fields));
+        command.addAll(List.of("--port", port));
+        return Reve.run(command.toArray(String[]::new));
+    }
+
+    private static JsonNode library(JsonNode laws, String name) {
+        for (JsonNode library : laws.get("loaded")) {
+            if (library.get("library").asString().equals(name)) {
+                return library;
+            }
+        }
+        return MissingNode.getInstance();
     }
 
     private static JsonNode report(String port, String... question) throws Exception {

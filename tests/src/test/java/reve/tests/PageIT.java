@@ -90,6 +90,16 @@ class PageIT {
             browser.await(
                     "[...document.querySelectorAll('#ledger tbody tr')].some(r => r.firstChild.textContent"
                             + " === 'gravity_field' && r.children[1].textContent !== '0')");
+            // Its time in a frame, and a budget for it.
+            browser.await(
+                    "document.querySelector('[data-library=gravity_field]').textContent.includes('ms per"
+                            + " frame (p99 ')");
+            browser.ask(
+                    "(() => { const field = document.querySelector('#budget-gravity_field');"
+                            + " field.value = '5'; field.dispatchEvent(new Event('change')); })()");
+            browser.await(
+                    "reve.connection.report('laws').then(r => r.loaded.find(l => l.library ==="
+                            + " 'gravity_field').budget?.milliseconds === 5)");
             browser.picture(PICTURES.resolve("laws.png"));
             server.events()
                     .await(

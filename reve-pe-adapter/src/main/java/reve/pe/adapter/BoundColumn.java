@@ -2,6 +2,7 @@
 package reve.pe.adapter;
 
 import reve.core.world.Column;
+import reve.core.world.ScalarType;
 import reve.core.world.Table;
 
 import java.lang.foreign.MemorySegment;
@@ -28,6 +29,11 @@ final class BoundColumn extends BoundProperty {
     /** Zeroes the memory behind the last row. */
     void clearUnused() {
         column.clearUnused();
+    }
+
+    /** Returns the type of the numbers. */
+    ScalarType type() {
+        return column.descriptor().type();
     }
 
     /** Returns the size of the rows that the engine sees [bytes]. */

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
+import reve.core.frame.TimeBudget;
 import reve.core.world.ItemId;
 
 import java.util.Map;
+import java.util.Optional;
 
 /** A change to the laws of a world. An index counts libraries in the order of loading, from 0. */
 public sealed interface LawChange {
@@ -19,6 +21,12 @@ public sealed interface LawChange {
      * @param changed values, keyed by {@code parameter} or {@code law.parameter}
      */
     record ParametersSet(int place, Map<String, Double> changed) implements LawChange {}
+
+    /** The library at an index got another budget, or none; its laws act in every step again. */
+    record BudgetSet(int place, Optional<TimeBudget> budget) implements LawChange {}
+
+    /** The laws of the library at an index are evaluated in every n-th step only. */
+    record IntervalSet(int place, int interval) implements LawChange {}
 
     /**
      * The library at an index failed in PHYSICS, the frame's phase in which laws act, was unloaded

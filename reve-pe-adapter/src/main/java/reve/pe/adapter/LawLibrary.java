@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
+import reve.core.frame.TimeBudget;
 import reve.pe.PreparedLibrary;
 
 import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.Map;
+import java.util.Optional;
 
 /**
  * A loaded law library, with all data that is needed to load it again.
@@ -15,22 +17,46 @@ import java.util.Map;
  * @param parameters values, keyed by {@code parameter} or {@code law.parameter}; omitted ones have
  *     their default
  * @param bytes of the file; the caller must not change them
+ * @param budget of the library's time in a frame, if it has one
+ * @param interval 1, or n if its laws are evaluated in every n-th step only
  */
-public record LawLibrary(String name, String sha256, Map<String, Double> parameters, byte[] bytes) {
+public record LawLibrary(
+        String name,
+        String sha256,
+        Map<String, Double> parameters,
+        byte[] bytes,
+        Optional<TimeBudget> budget,
+        int interval) {
     /** Copies the parameters. */
     public LawLibrary {
         parameters = Collections.unmodifiableMap(new LinkedHashMap<>(parameters));
     }
 
     static LawLibrary of(PreparedLibrary prepared, Map<String, Double> parameters) {
-        return new LawLibrary(prepared.name(), prepared.sha256(), parameters, prepared.bytes());
+        return new LawLibrary(
+                prepared.name(),
+                prepared.sha256(),
+                parameters,
+                prepared.bytes(),
+                Optional.empty(),
+                1);
     }
 
     /** Returns this library with other values of some parameters. */
     LawLibrary with(Map<String, Double> changed) {
         Map<String, Double> all = new LinkedHashMap<>(parameters);
         all.putAll(changed);
-        return new LawLibrary(name, sha256, all, bytes);
+        return new LawLibrary(name, sha256, all, bytes, budget, interval);
+    }
+
+    /** Returns this library with another budget. */
+    LawLibrary withBudget(Optional<TimeBudget> other) {
+        return new LawLibrary(name, sha256, parameters, bytes, other, interval);
+    }
+
+    /** Returns this library with another interval of its steps. */
+    LawLibrary withInterval(int other) {
+        return new LawLibrary(name, sha256, parameters, bytes, budget, other);
     }
 
     /** Returns whether the library is a law as text, and not native code. */

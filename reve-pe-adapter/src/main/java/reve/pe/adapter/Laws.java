@@ -3,6 +3,7 @@ package reve.pe.adapter;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.frame.TimeBudget;
 import reve.core.world.Item;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
@@ -15,15 +16,15 @@ import reve.pe.Status;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.Collections;
+import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Objects;
 import java.util.Optional;
 import java.util.Set;
 import java.util.function.Consumer;
-import java.util.regex.Pattern;
-import java.util.stream.Collectors;
 
 /**
  * The loaded and the quarantined laws of a world. Each change raises a {@code law-loaded}, {@code
@@ -31,8 +32,6 @@ import java.util.stream.Collectors;
  * called, and their wall-clock milliseconds. World's thread only.
  */
 public final class Laws {
-    private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf)");
-
     /** Maximum number of attempts at a change, if the engine's process is lost during it. */
     private static final int MOST_TRIES = 10;
 
@@ -41,6 +40,7 @@ public final class Laws {
 
     private final World world;
     private final PhysicsEngine engine;
+    private final LawEvents events;
     private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
 
     /** Ids of libraries that a laws folder may adopt if it contains their bytes. */
@@ -48,6 +48,10 @@ public final class Laws {
 
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
     private final List<Consumer<LawChange>> listeners = new ArrayList<>();
+
+    /** The budgets by name of the library; a new version of a library keeps the budget. */
+    private final Map<String, TimeBudget> budgets = new HashMap<>();
+
     private NameGuard guard = (name, file, library) -> {};
     private long version;
     private boolean unmoved;
@@ -58,6 +62,7 @@ public final class Laws {
     Laws(World world, PhysicsEngine engine) {
         this.world = world;
         this.engine = engine;
+        this.events = new LawEvents(world, engine);
     }
 
     /**
@@ -128,18 +133,13 @@ public final class Laws {
             engine.unloadPhysicsLaw(id);
             throw refused;
         }
-        LawLibrary added = LawLibrary.of(prepared, parameters);
+        LawLibrary added =
+                LawLibrary.of(prepared, parameters)
+                        .withBudget(Optional.ofNullable(budgets.get(library)));
         loaded.put(id, added);
         version++;
         tell(new LawChange.Loaded(added));
-        Map<String, Object> fields = fields(library, sha256);
-        fields.put(
-                "laws",
-                engine.laws().stream()
-                        .filter(law -> law.libraryId() == id)
-                        .map(PhysicsLaw::name)
-                        .collect(Collectors.joining(", ")));
-        world.raise(new WorldEvent(frame, "law-loaded", fields));
+        events.loaded(frame, added, id);
         return id;
     }
 
@@ -164,8 +164,7 @@ public final class Laws {
             throw new IllegalArgumentException(
                     "law library " + libraryId + " is not loaded; loaded are " + loaded.keySet());
         }
-        Map<String, Object> fields = fields(library.name(), library.sha256());
-        addCost(fields, libraryId);
+        Map<String, Object> fields = events.fieldsWithCost(library, libraryId);
         tell(new LawChange.Unloaded(drop(libraryId)));
         world.raise(new WorldEvent(frame, "law-unloaded", fields));
     }
@@ -199,6 +198,48 @@ public final class Laws {
                     made.clear();
                     made.add(new LawChange.ParametersSet(place, Map.copyOf(changed)));
                 });
+    }
+
+    /**
+     * Sets the computing time that the laws of a library may take in a frame; later versions of the
+     * library keep it. The laws act in every step again. Outside PHYSICS. See {@link
+     * PhysicsAdapter#enforceBudgets}.
+     *
+     * @throws IllegalArgumentException if no library has the name
+     * @throws PhysicsException if the laws cannot skip steps as the budget says; then nothing
+     *     changed
+     */
+    public void setBudget(String library, Optional<TimeBudget> budget) {
+        int place = libraries().stream().map(LawLibrary::name).toList().indexOf(library);
+        if (place < 0) {
+            throw new IllegalArgumentException("no library \"" + library + "\" is loaded");
+        }
+        int id = idAt(place);
+        if (budget.isPresent() && budget.get().response() == TimeBudget.Response.SKIP_STEPS) {
+            engine.setInterval(id, budget.get().every()); // refuses laws that cannot skip steps
+        }
+        apply(id, budget, 1);
+        tell(new LawChange.BudgetSet(place, budget));
+    }
+
+    /** Makes the laws of a library act in every n-th step only. Outside PHYSICS. */
+    void setInterval(int libraryId, int interval) {
+        LawLibrary library = loaded.get(libraryId);
+        if (library != null && library.interval() != interval) {
+            apply(libraryId, library.budget(), interval);
+            tell(
+                    new LawChange.IntervalSet(
+                            List.copyOf(loaded.keySet()).indexOf(libraryId), interval));
+        }
+    }
+
+    private void apply(int libraryId, Optional<TimeBudget> budget, int interval) {
+        LawLibrary library = Objects.requireNonNull(loaded.get(libraryId));
+        engine.setInterval(libraryId, interval);
+        loaded.put(libraryId, library.withBudget(budget).withInterval(interval));
+        budgets.remove(library.name());
+        budget.ifPresent(some -> budgets.put(library.name(), some));
+        version++;
     }
 
     /**
@@ -306,6 +347,15 @@ public final class Laws {
         return loaded.entrySet().stream().reduce((earlier, later) -> later);
     }
 
+    /**
+     * Returns the name of the library that was loaded last.
+     *
+     * @throws java.util.NoSuchElementException if none is loaded
+     */
+    public String latestName() {
+        return latest().orElseThrow().getValue().name();
+    }
+
     /** Returns the loaded libraries, in the order of loading. */
     public List<LawLibrary> libraries() {
         return List.copyOf(loaded.values());
@@ -359,7 +409,9 @@ public final class Laws {
                 // Journals of earlier versions contain no Released.
                 quarantined.remove(added.library().sha256());
                 try (PreparedLibrary prepared = engine.prepare(added.library().bytes())) {
-                    leaveToFolder(load(frame, prepared, added.library().parameters()));
+                    int id = load(frame, prepared, added.library().parameters());
+                    apply(id, added.library().budget(), added.library().interval());
+                    leaveToFolder(id);
                 }
             }
             case LawChange.Unloaded gone -> unload(frame, idAt(gone.place()));
@@ -367,6 +419,11 @@ public final class Laws {
                 idAt(set.place());
                 setParameters(frame, set.place(), set.changed());
             }
+            case LawChange.BudgetSet set -> {
+                idAt(set.place());
+                setBudget(libraries().get(set.place()).name(), set.budget());
+            }
+            case LawChange.IntervalSet set -> setInterval(idAt(set.place()), set.interval());
             case LawChange.Failed failed -> {
                 unload(frame, idAt(failed.place()));
                 quarantined.put(failed.reason().sha256(), failed.reason());
@@ -422,6 +479,14 @@ public final class Laws {
         for (int id : List.copyOf(loaded.keySet()).subList(same, loaded.size())) {
             unload(frame, id);
         }
+        List<Integer> kept = List.copyOf(loaded.keySet());
+        for (int place = 0; place < same; place++) {
+            LawLibrary library = wanted.get(place);
+            if (library.interval() != present.get(place).interval()
+                    || !library.budget().equals(present.get(place).budget())) {
+                apply(kept.get(place), library.budget(), library.interval());
+            }
+        }
         quarantined.clear();
         unmoved = false;
         for (LawLibrary library : wanted.subList(same, wanted.size())) {
@@ -458,8 +523,7 @@ public final class Laws {
         if (library == null) {
             throw failure;
         }
-        Map<String, Object> fields = fields(library.name(), library.sha256());
-        addCost(fields, failure.libraryId());
+        Map<String, Object> fields = events.fieldsWithCost(library, failure.libraryId());
         Quarantined reason =
                 new Quarantined(
                         library.sha256(),
@@ -469,9 +533,9 @@ public final class Laws {
                         String.valueOf(failure.getMessage()));
         quarantined.put(library.sha256(), reason);
         tell(new LawChange.Failed(drop(failure.libraryId()), reason));
-        addPlace(fields, failure);
+        LawEvents.addPlace(fields, failure);
         item.ifPresent(i -> fields.put("item", i.name()));
-        reportFault(frame, fields, failure);
+        events.fault(frame, fields, failure);
     }
 
     /**
@@ -481,38 +545,21 @@ public final class Laws {
     void arrested(long frame, Item item, PhysicsException failure) {
         tell(new LawChange.Arrested(item.id()));
         LawLibrary library = loaded.get(failure.libraryId());
-        Map<String, Object> fields = fields(library.name(), library.sha256());
-        addPlace(fields, failure);
+        Map<String, Object> fields = LawEvents.fields(library);
+        LawEvents.addPlace(fields, failure);
         fields.put("item", item.name());
         fields.put("arrested", true);
-        reportFault(frame, fields, failure);
-    }
-
-    private static void addPlace(Map<String, Object> fields, PhysicsException failure) {
-        fields.put("law", failure.law());
-        fields.put("property", failure.property());
-        failure.row().ifPresent(row -> fields.put("row", row));
+        events.fault(frame, fields, failure);
     }
 
     /** Reports that the engine refused a call or a law failed. */
     void reportFault(long frame, Map<String, Object> fields, PhysicsException failure) {
-        fields.put("status", failure.status().name());
-        fields.put("message", failure.getMessage() + remedy(fields, failure));
-        world.raise(new WorldEvent(frame, "fault", fields));
+        events.fault(frame, fields, failure);
     }
 
-    /**
-     * Returns the end of a fault's message about numbers that are not finite: the item, and what to
-     * do.
-     */
-    private static String remedy(Map<String, Object> fields, PhysicsException failure) {
-        return failure.status() == Status.LAW_MISBEHAVED
-                        && NOT_FINITE.matcher(String.valueOf(failure.getMessage())).find()
-                ? (fields.containsKey("item") ? " of item " + fields.get("item") : "")
-                        + "; if the world has diverged, make its steps shorter (frame: steps in the"
-                        + " world file), or its springs and contacts softer: ./reve check names"
-                        + " those that are too stiff"
-                : "";
+    /** Returns the reports of this world's laws. */
+    LawEvents events() {
+        return events;
     }
 
     /** Removes a library, and returns the index that it had in the order of loading. */
@@ -523,30 +570,5 @@ public final class Laws {
         forFolder.remove(libraryId);
         version++;
         return place;
-    }
-
-    /**
-     * Adds to an event the calls and times of a library's laws, which the engine forgets at
-     * unloading.
-     */
-    private void addCost(Map<String, Object> fields, int libraryId) {
-        long calls = 0;
-        long nanoseconds = 0;
-        for (PhysicsLaw law : engine.laws()) {
-            if (law.libraryId() == libraryId) {
-                calls += law.calls();
-                nanoseconds += law.nanoseconds();
-            }
-        }
-        fields.put("calls", calls);
-        fields.put("milliseconds", nanoseconds / 1e6);
-    }
-
-    private static Map<String, Object> fields(String library, String sha256) {
-        Map<String, Object> fields = new LinkedHashMap<>();
-        fields.put("source", "physics");
-        fields.put("library", library);
-        fields.put("sha256", sha256);
-        return fields;
     }
 }

@@ -22,6 +22,7 @@ import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.LongSupplier;
 import java.util.stream.Collectors;
 
 /**
@@ -30,11 +31,12 @@ import java.util.stream.Collectors;
  *
  * <p>A failing law costs one repeated frame: the columns are restored, the law's library is
  * quarantined and reported as a "fault" event, and the frame is repeated without it. From that
- * frame on, the world has the same bits as one without that law. If no loaded law caused the
- * failure, the columns are restored and the failure is thrown: that frame has no physics. This is a
- * {@link LawChange}, too, so that a replay of the journal does the same. If the engine's process
- * was lost while no law ran, the frame is repeated; if it is lost again, the library that was
- * loaded last is quarantined.
+ * frame on, the world has the same bits as one without that law. If a law failed because another
+ * one made extreme numbers, the other one is quarantined. If no loaded law caused the failure, the
+ * columns are restored and the failure is thrown: that frame has no physics. This is a {@link
+ * LawChange}, too, so that a replay of the journal does the same. If the engine's process was lost
+ * while no law ran, the frame is repeated; if it is lost again, the library that was loaded last is
+ * quarantined.
  *
  * <p>Before a law is quarantined, the adapter tries to arrest items, which makes them unreachable
  * for laws: among the items that actions or edits changed, the one at which the law failed,
@@ -60,6 +62,9 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private final PhysicsEngine engine;
     private final BoundWorld bound;
     private final Laws laws;
+    private final Blame blame;
+    private final LawTimes times;
+    private final BudgetWatch budgets;
     private final RollbackCopy rollback = new RollbackCopy();
     private final Set<String> accumulators = new HashSet<>();
     private final List<Arrested> arrests = new ArrayList<>();
@@ -95,6 +100,11 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         this.engine = engine;
         this.bound = new BoundWorld(world, engine, arena);
         this.laws = new Laws(world, engine);
+        this.blame = new Blame(engine, laws, bound, rollback);
+        this.times =
+                new LawTimes(
+                        engine, laws, () -> bindNanoseconds + copyNanoseconds + advanceNanoseconds);
+        this.budgets = new BudgetWatch(engine, laws, times);
         for (PropertyDescriptor property : engine.prototype().properties()) {
             if (property.lawAccess().contains(Access.ACCUMULATE)) {
                 accumulators.add(property.name());
@@ -112,6 +122,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     public void onFrame(FrameEvent frame) {
         boolean moved = false;
         try {
+            budgets.carryOut(frame.frame());
             if (laws.takeUnmoved()) {
                 bind();
             } else {
@@ -135,8 +146,13 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         bindNanoseconds += bound - start;
         copyNanoseconds += copied - bound;
         losses = 0;
+        long redone = redoneFrames;
+        times.begin();
         while (!advanced(frame)) {
             redoneFrames++;
+        }
+        if (times.end(redoneFrames == redone)) {
+            budgets.check(frame.frame());
         }
         if (!arrests.isEmpty()) {
             arrests.forEach(one -> laws.arrested(frame.frame(), one.item, one.failure));
@@ -144,6 +160,32 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         }
         advanceNanoseconds += System.nanoTime() - copied;
         frames++;
+    }
+
+    /**
+     * Sets the clock against which {@link #lawTimes} compares the times of laws; without it, they
+     * are compared with the time of PHYSICS.
+     *
+     * @param nanoseconds returns the time of all frames so far [ns]
+     */
+    public void measureFrames(LongSupplier nanoseconds) {
+        times.measureFrames(nanoseconds);
+    }
+
+    /**
+     * Returns the times of the loaded laws in the last 1,024 frames at most, in the order of {@link
+     * Laws#loaded}. Between frames.
+     */
+    public List<LawTime> lawTimes() {
+        return times.report();
+    }
+
+    /**
+     * Sets whether the budgets of libraries have an effect (off at first). The clock then decides
+     * which laws act, and journals record each decision. A replay must not enforce them.
+     */
+    public void enforceBudgets(boolean on) {
+        budgets.enforce(on);
     }
 
     /** Returns a hash of the engine's step count and of all bound columns. Between frames. */
@@ -169,6 +211,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
      */
     public void restore(long frame, PhysicsImage image) {
         laws.restore(frame, image.libraries(), image.quarantined());
+        budgets.forget();
         bind();
         engine.loadState(image.engineState());
     }
@@ -222,12 +265,16 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
             return true;
         } catch (PhysicsException failure) {
             List<Arrested> tried = List.copyOf(arrests);
+            boolean hasReadExtremes = blame.hasReadExtremes(failure);
             undo();
             engine.clearFault();
             if (failure.status() == Status.ENGINE_LOST && losses++ < MOST_LOSSES) {
                 tried.forEach(one -> arrest(one.item, one.failure));
             } else if (!arrestFor(failure, tried)) {
-                laws.quarantine(frame.frame(), blamed(failure), itemOf(failure));
+                Optional<Item> item = itemOf(failure);
+                PhysicsException cause =
+                        hasReadExtremes ? blame.cause(frame, failure) : blamed(failure);
+                laws.quarantine(frame.frame(), cause, item);
                 losses = 0;
             }
             return false;

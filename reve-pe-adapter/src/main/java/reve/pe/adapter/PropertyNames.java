@@ -186,13 +186,16 @@ public final class PropertyNames {
         reve.core.world.PropertyDescriptor first = columns.getFirst();
         int components =
                 columns.stream().mapToInt(reve.core.world.PropertyDescriptor::components).sum();
-        // A property that laws write has no minimum in the engine; the world checks other writes.
+        ScalarType type = scalarType(first.type());
+        boolean real = type == ScalarType.F32 || type == ScalarType.F64;
         double minimum =
-                access.equals(Set.of(Access.READ)) ? first.minimum() : Double.NEGATIVE_INFINITY;
+                real && !access.contains(Access.ACCUMULATE)
+                        ? first.minimum()
+                        : Double.NEGATIVE_INFINITY;
         return new PropertyDescriptor(
                 name,
                 kind,
-                scalarType(first.type()),
+                type,
                 components,
                 access,
                 unit(first.unit()),

@@ -107,6 +107,7 @@ class HostProcess implements AutoCloseable {
     private int requests;
     private long endedNanos = System.nanoTime();
     private long spentNanos;
+    private long waitedNanos;
 
     /**
      * Starts a host.
@@ -194,8 +195,12 @@ class HostProcess implements AutoCloseable {
         }
         reply.await(number - 1, LOOK_NANOS);
         spentNanos = Math.min(System.nanoTime() - start, LOOK_NANOS);
+        waitedNanos = 0;
         if (reply.get() != number) {
-            spentNanos += new Wait(number, limitNanos).untilAnswered(log);
+            long from = System.nanoTime();
+            long spent = new Wait(number, limitNanos).untilAnswered(log);
+            spentNanos += spent;
+            waitedNanos = System.nanoTime() - from - spent;
         }
         if (control.segment().get(JAVA_INT, LOG_USED) != 0) {
             passLog(log);
@@ -214,6 +219,11 @@ class HostProcess implements AutoCloseable {
     /** Returns the time of the last call as it counts for the limit of {@link #call} [ns]. */
     long spentNanos() {
         return spentNanos;
+    }
+
+    /** Returns the time of the last call in which the host waited for a processor [ns]. */
+    long waitedNanos() {
+        return waitedNanos;
     }
 
     /** The wait for a reply that does not come within {@link #LOOK_NANOS}. */

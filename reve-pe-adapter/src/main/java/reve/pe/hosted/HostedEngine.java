@@ -64,9 +64,6 @@ public final class HostedEngine implements PhysicsEngine {
     /** Number of frames after which a long one counts about a third. */
     private static final int MEMORY = 256;
 
-    /** Numbers of rows in one request, from and to of each move; the mailbox has more room. */
-    private static final int ROWS_PER_REQUEST = 2 * 16 * 1024;
-
     private final Hosts hosts;
     private final Duration frameLimit;
     private final VesperConfig config;
@@ -76,7 +73,7 @@ public final class HostedEngine implements PhysicsEngine {
     private final KeptState state = new KeptState();
 
     /** Moves of rows since the state was kept. */
-    private final List<Moves> moves = new ArrayList<>();
+    private final List<RowMoves> moves = new ArrayList<>();
 
     private @Nullable HostProcess host;
     private int nextId = 1;
@@ -85,18 +82,12 @@ public final class HostedEngine implements PhysicsEngine {
     private final Losses losses;
     private final TestedLibraries tested = new TestedLibraries();
     private long longestNanos;
+    private long waitedNanos;
 
     /** Advances left in which laws may build. */
     private int building = BUILD_ADVANCES;
 
     private volatile boolean closed;
-
-    /**
-     * Moves of rows of a kind.
-     *
-     * @param rows from and to of each move
-     */
-    private record Moves(String kind, long[] rows) {}
 
     /**
      * Creates an engine and its first host.
@@ -247,18 +238,21 @@ public final class HostedEngine implements PhysicsEngine {
         }
     }
 
+    private Loaded require(int libraryId) {
+        checkOpen();
+        return libraries.stream()
+                .filter(library -> library.id == libraryId)
+                .findFirst()
+                .orElseThrow(
+                        () ->
+                                new PhysicsException(
+                                        Status.NOT_FOUND,
+                                        "no library with id " + libraryId + " is loaded"));
+    }
+
     @Override
     public void unloadPhysicsLaw(int libraryId) {
-        checkOpen();
-        Loaded old =
-                libraries.stream()
-                        .filter(library -> library.id == libraryId)
-                        .findFirst()
-                        .orElseThrow(
-                                () ->
-                                        new PhysicsException(
-                                                Status.NOT_FOUND,
-                                                "no library with id " + libraryId + " is loaded"));
+        Loaded old = require(libraryId);
         HostProcess current = host;
         if (current != null) {
             try {
@@ -307,6 +301,27 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     @Override
+    public void setInterval(int libraryId, int interval) {
+        Loaded library = require(libraryId);
+        ask(to -> to.begin(Request.SET_INTERVAL).putInt(library.hostId).putInt(interval));
+        library.interval = interval;
+    }
+
+    @Override
+    public void readTimes(long[] into) {
+        checkOpen();
+        int read = 0;
+        for (int i = 0; i < libraries.size(); i++) { // an iterator would be allocated
+            read = libraries.get(i).readTimes(into, read);
+        }
+    }
+
+    @Override
+    public long waitedNanos() {
+        return waitedNanos;
+    }
+
+    @Override
     public void advance(double dt, int steps) {
         checkOpen();
         provider.checkArraysAlive();
@@ -331,6 +346,7 @@ public final class HostedEngine implements PhysicsEngine {
         try {
             current.begin(Request.ADVANCE).putDouble(dt).putInt(steps);
             Mailbox reply = current.call(frameLimit(), config.log());
+            waitedNanos = current.waitedNanos();
             requireOk(reply);
             boolean kept = state.keep(reply);
             for (int i = 0; i < libraries.size(); i++) { // an iterator would be allocated
@@ -380,7 +396,7 @@ public final class HostedEngine implements PhysicsEngine {
     @Override
     public void moveRows(String kind, long[] rows) {
         checkOpen();
-        Moves moved = new Moves(kind, rows);
+        RowMoves moved = new RowMoves(kind, rows);
         HostProcess current = host;
         if (current != null) {
             try {
@@ -388,27 +404,12 @@ public final class HostedEngine implements PhysicsEngine {
                 if (provider.hasPending()) {
                     provider.flush(calls);
                 }
-                send(moved, calls);
+                moved.send(calls);
             } catch (HostLost lost) {
                 lose();
             }
         }
         moves.add(moved); // a new host makes them, too
-    }
-
-    private static void send(Moves moves, Calls calls) throws HostLost {
-        for (int at = 0; at < moves.rows.length; at += ROWS_PER_REQUEST) {
-            int begin = at;
-            int end = Math.min(moves.rows.length, at + ROWS_PER_REQUEST);
-            calls.call(
-                    to -> {
-                        Mailbox request = to.begin(Request.MOVE_ROWS).putText(moves.kind);
-                        request.putInt((end - begin) / 2);
-                        for (int i = begin; i < end; i++) {
-                            request.putLong(moves.rows[i]);
-                        }
-                    });
-        }
     }
 
     @Override
@@ -601,8 +602,8 @@ public final class HostedEngine implements PhysicsEngine {
         }
         state.lend(calls);
         state.restore(calls);
-        for (Moves moved : moves) {
-            send(moved, calls);
+        for (RowMoves moved : moves) {
+            moved.send(calls);
         }
         if (ledger) {
             calls.call(to -> to.begin(Request.SET_LEDGER).putInt(1));

@@ -3,6 +3,7 @@ package reve.pe.hosted;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.pe.Access;
 import reve.pe.PhysicalProperty;
 import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsException;
@@ -197,7 +198,8 @@ final class HostedProvider implements PhysicalPropertyProvider {
         touched.add(name);
         if (!bound.containsKey(name)
                 || property.refersTo() != null
-                || property.minimum() != Double.NEGATIVE_INFINITY) {
+                || property.minimum() != Double.NEGATIVE_INFINITY
+                        && !property.lawAccess().contains(Access.WRITE)) {
             flushTouches(); // in this request, the engine may refuse the values
         }
     }

@@ -23,6 +23,9 @@ final class Loaded {
     /** Number of threads that the host had before the library was loaded. */
     int threads;
 
+    /** See {@link reve.pe.PhysicsEngine#setInterval}. */
+    int interval = 1;
+
     private List<PhysicsLaw> laws = List.of();
 
     /** Calls and times [ns] in the current host as last reported, by law. */
@@ -50,6 +53,9 @@ final class Loaded {
         threads = reply.getInt();
         hostId = reply.getInt();
         read(reply);
+        if (interval != 1) {
+            host.call(to -> to.begin(Request.SET_INTERVAL).putInt(hostId).putInt(interval));
+        }
     }
 
     /** Reads the laws as the current host describes them. */
@@ -70,6 +76,18 @@ final class Loaded {
         for (int i = 0; i < counts.length; i++) {
             counts[i] = from.getLong();
         }
+    }
+
+    /**
+     * Writes the time of each law in all hosts to {@code into} from an index on, and returns the
+     * index after the last one.
+     */
+    int readTimes(long[] into, int first) {
+        int at = first;
+        for (int i = 1; i < counts.length; i += 2) {
+            into[at++] = before[i] + counts[i];
+        }
+        return at;
     }
 
     /** Adds the counts of a host that has ended to those of earlier hosts. */

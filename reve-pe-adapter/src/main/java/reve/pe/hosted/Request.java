@@ -23,7 +23,8 @@ enum Request {
     LOAD_STATE,
     SET_LEDGER,
     LEDGER,
-    BIND_ALL;
+    BIND_ALL,
+    SET_INTERVAL;
 
     int number() {
         return ordinal() + 1;

@@ -41,6 +41,9 @@ import java.util.stream.Collectors;
  * prepare} has returned on other threads.
  */
 public final class VesperEngine implements PhysicsEngine {
+    private static final long STRUCT_SIZE = offset(LAW_INFO, "struct_size");
+    private static final long NANOSECONDS = offset(LAW_INFO, "nanoseconds");
+
     private final Arena arena = Arena.ofShared();
     private final Prototype prototype;
     private final List<Path> lawPath;
@@ -51,6 +54,11 @@ public final class VesperEngine implements PhysicsEngine {
     private final MemorySegment lawInfo;
     private final MemorySegment out;
     private final Map<Integer, LibraryNames> libraries = new LinkedHashMap<>();
+
+    /** The ids of the libraries in the order of loading, and the number of laws of each. */
+    private int[] libraryIds = {};
+
+    private int[] lawCounts = {};
     private volatile boolean closed;
 
     /**
@@ -186,6 +194,7 @@ public final class VesperEngine implements PhysicsEngine {
         libraries.put(
                 id,
                 new LibraryNames(library.name(), laws(id).stream().map(PhysicsLaw::name).toList()));
+        listLibraries();
         return id;
     }
 
@@ -194,6 +203,31 @@ public final class VesperEngine implements PhysicsEngine {
         checkOpen();
         errors.check(VesperLibrary.engineUnloadPhysicsLaw(engine, libraryId, errors.segment()));
         libraries.remove(libraryId);
+        listLibraries();
+    }
+
+    private void listLibraries() {
+        libraryIds = libraries.keySet().stream().mapToInt(Integer::intValue).toArray();
+        lawCounts = libraries.values().stream().mapToInt(names -> names.laws().size()).toArray();
+    }
+
+    @Override
+    public void setInterval(int libraryId, int interval) {
+        checkOpen();
+        errors.check(
+                VesperLibrary.engineSetInterval(engine, libraryId, interval, errors.segment()));
+    }
+
+    @Override
+    public void readTimes(long[] into) {
+        checkOpen();
+        int read = 0;
+        for (int i = 0; i < libraryIds.length; i++) { // an iterator of the map would be allocated
+            for (int law = 0; law < lawCounts[i]; law++) {
+                nextLaw(libraryIds[i], law);
+                into[read++] = lawInfo.get(JAVA_LONG, NANOSECONDS);
+            }
+        }
     }
 
     @Override
@@ -319,6 +353,7 @@ public final class VesperEngine implements PhysicsEngine {
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "threads"), config.threads());
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "validate"), config.validate() ? 1 : 0);
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "touches"), 1);
+        struct.set(JAVA_INT, offset(ENGINE_CONFIG, "limit_values"), 1);
         struct.set(
                 ADDRESS,
                 offset(ENGINE_CONFIG, "law_path"),
@@ -372,7 +407,7 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     private boolean nextLaw(int libraryId, int index) {
-        lawInfo.set(JAVA_INT, offset(LAW_INFO, "struct_size"), (int) LAW_INFO.byteSize());
+        lawInfo.set(JAVA_INT, STRUCT_SIZE, (int) LAW_INFO.byteSize());
         return VesperLibrary.engineLawInfo(engine, libraryId, index, lawInfo, errors.segment())
                 == 0;
     }

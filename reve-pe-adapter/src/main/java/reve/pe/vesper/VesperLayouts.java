@@ -120,7 +120,9 @@ final class VesperLayouts {
                             ADDRESS.withName("log_user"),
                             JAVA_INT.withName("deferred"),
                             JAVA_INT.withName("touches"),
-                            ADDRESS.withName("running"))
+                            ADDRESS.withName("running"),
+                            JAVA_INT.withName("limit_values"),
+                            JAVA_INT.withName("reserved"))
                     .withName("vesper_engine_config");
 
     static final StructLayout LAW_INFO =

@@ -114,6 +114,8 @@ final class VesperLibrary {
                     ADDRESS);
     private static final MethodHandle UNLOAD_LAW =
             function("vesper_engine_unload_physics_law", JAVA_INT, ADDRESS, JAVA_INT, ADDRESS);
+    private static final MethodHandle SET_INTERVAL =
+            function("vesper_engine_set_interval", JAVA_INT, ADDRESS, JAVA_INT, JAVA_INT, ADDRESS);
     private static final MethodHandle LAW_INFO =
             function(
                     "vesper_engine_law_info",
@@ -359,6 +361,15 @@ final class VesperLibrary {
             MemorySegment error) {
         try {
             return (int) LOAD_PREPARED.invokeExact(engine, prepared, parameters, count, out, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineSetInterval(
+            MemorySegment engine, int library, int interval, MemorySegment error) {
+        try {
+            return (int) SET_INTERVAL.invokeExact(engine, library, interval, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }

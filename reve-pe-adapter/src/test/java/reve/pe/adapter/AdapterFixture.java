@@ -96,15 +96,16 @@ final class AdapterFixture implements AutoCloseable {
     }
 
     static AdapterFixture springOrbit(boolean validate) {
-        AdapterFixture fixture =
-                new AdapterFixture(
-                        WorldPrototype.standard("si-f64"),
-                        springOrbitItems(),
-                        new OffHeapArena(),
-                        validate,
-                        engine -> engine);
-        fixture.load(SpringOrbit.LAWS);
-        return fixture;
+        return springOrbitWithoutLaws(validate).load(SpringOrbit.LAWS);
+    }
+
+    static AdapterFixture springOrbitWithoutLaws(boolean validate) {
+        return new AdapterFixture(
+                WorldPrototype.standard("si-f64"),
+                springOrbitItems(),
+                new OffHeapArena(),
+                validate,
+                engine -> engine);
     }
 
     static List<ItemDefinition> springOrbitItems() {

@@ -22,6 +22,9 @@ final class FailingEngine implements PhysicsEngine {
     private final PhysicsEngine engine;
     boolean broken;
 
+    /** The time that the engine says it waited for a processor [ns]. */
+    long waited;
+
     /** Number of libraries to refuse next. */
     int refusals;
 
@@ -81,6 +84,21 @@ final class FailingEngine implements PhysicsEngine {
     @Override
     public void unloadPhysicsLaw(int libraryId) {
         engine.unloadPhysicsLaw(libraryId);
+    }
+
+    @Override
+    public void setInterval(int libraryId, int interval) {
+        engine.setInterval(libraryId, interval);
+    }
+
+    @Override
+    public long waitedNanos() {
+        return waited;
+    }
+
+    @Override
+    public void readTimes(long[] into) {
+        engine.readTimes(into);
     }
 
     @Override

@@ -121,6 +121,23 @@ class HostLossNativeTest {
         }
     }
 
+    @Test
+    void aNewProcessSkipsTheStepsThatTheLastOneSkipped() {
+        try (HostedFixture hosted = new HostedFixture();
+                AdapterFixture expected = HostedFixture.inProcess()) {
+            for (AdapterFixture world : List.of(hosted.world, expected)) {
+                world.load("newton_motion", "wind");
+                Laws laws = world.adapter.laws();
+                laws.setInterval(laws.latest().orElseThrow().getKey(), 3);
+            }
+            expected.run(FRAMES);
+            hosted.world.run(BAD_FRAME);
+            killHosts();
+            hosted.world.run(FRAMES - BAD_FRAME);
+            assertThat(differing(hosted.world, expected)).isEmpty();
+        }
+    }
+
     /** The engine has then made the steps, and cannot say so. */
     @Test
     void anEngineWithoutMemoryIsReplacedBeforeALawIsBlamed() {

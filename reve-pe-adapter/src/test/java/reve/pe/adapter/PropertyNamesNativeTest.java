@@ -69,7 +69,7 @@ class PropertyNamesNativeTest {
         assertThat(temperature.type()).isEqualTo(reve.pe.ScalarType.F32);
         assertThat(temperature.lawAccess()).isEqualTo(Set.of(Access.READ, Access.WRITE));
         assertThat(temperature.unit().kelvin()).isEqualTo((byte) 1);
-        assertThat(temperature.minimum()).isEqualTo(Double.NEGATIVE_INFINITY);
+        assertThat(temperature.minimum()).isZero();
         var axle = prototype.find("axle").orElseThrow();
         assertThat(axle.kind()).isEqualTo("wheel");
         assertThat(axle.type()).isEqualTo(reve.pe.ScalarType.U32);

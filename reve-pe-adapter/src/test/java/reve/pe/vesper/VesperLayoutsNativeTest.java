@@ -37,10 +37,10 @@ class VesperLayoutsNativeTest {
 
     @Test
     void aGrownStructIsNamed() {
-        replace(new Row("vesper_engine_config", "", 0, 72));
+        replace(new Row("vesper_engine_config", "", 0, 80));
         assertThatIllegalStateException()
                 .isThrownBy(() -> VesperLayouts.check(library))
-                .withMessageContaining("vesper_engine_config is at offset 0 with 72 bytes");
+                .withMessageContaining("vesper_engine_config is at offset 0 with 80 bytes");
     }
 
     @Test

@@ -3,6 +3,7 @@ package reve.core.agent;
 
 import reve.core.agent.port.WorldControl;
 import reve.core.frame.FrameLoop;
+import reve.core.frame.TimeBudget;
 import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
 import reve.core.world.World;
@@ -45,6 +46,11 @@ public record RoomControl(World world, FrameLoop loop, Image beginning) implemen
     @Override
     public Change setLaw(String library, Map<String, Double> parameters) throws ActionRefused {
         return WorldControl.none().setLaw(library, parameters);
+    }
+
+    @Override
+    public Change setBudget(String library, Optional<TimeBudget> budget) throws ActionRefused {
+        return WorldControl.none().setBudget(library, budget);
     }
 
     @Override

@@ -50,6 +50,7 @@ final class EffectReader {
                     "law-loaded",
                     "law-unloaded",
                     "fault",
+                    "over-budget",
                     "missed",
                     "waiting",
                     "ready",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
+import reve.core.frame.TimeBudget;
 import reve.core.unit.Unit;
 
 import java.util.Collections;
@@ -15,6 +16,7 @@ import java.util.Optional;
  * @param text the law as text, if the world file contains it; {@code name} is then the name of the
  *     first law in the text
  * @param parameters values [coherent SI units] by parameter name, in the order of the file
+ * @param budget of the law's time in a frame, if it has one
  * @param place position of the reference, as {@code file:line:column}, for messages
  * @param mentions positions and units of the parameters in the file, by name; empty without a file
  */
@@ -22,6 +24,7 @@ public record LawReference(
         String name,
         Optional<String> text,
         Map<String, Double> parameters,
+        Optional<TimeBudget> budget,
         String place,
         Map<String, Mention> mentions) {
     /**
@@ -38,8 +41,13 @@ public record LawReference(
         mentions = Collections.unmodifiableMap(new LinkedHashMap<>(mentions));
     }
 
+    /** Returns this reference with another budget. */
+    LawReference withBudget(Optional<TimeBudget> other) {
+        return new LawReference(name, text, parameters, other, place, mentions);
+    }
+
     /** Creates a reference that is not in a file. */
     public LawReference(String name, Map<String, Double> parameters, String place) {
-        this(name, Optional.empty(), parameters, place, Map.of());
+        this(name, Optional.empty(), parameters, Optional.empty(), place, Map.of());
     }
 }

@@ -79,6 +79,6 @@ public final class ParameterFile {
                                                 Problems.keyPlace(node), quantity.unit()));
                             });
         }
-        return new LawReference(name, text, values, place, mentions);
+        return new LawReference(name, text, values, Optional.empty(), place, mentions);
     }
 }

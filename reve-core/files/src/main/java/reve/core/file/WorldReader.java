@@ -241,13 +241,20 @@ final class WorldReader {
     private LawReference law(
             String name, Optional<String> text, Node law, String place, PhysicsReader physics) {
         return ParameterFile.reference(
-                name,
-                text,
-                law.get("parameters").<Collection<Node>>map(Node::children).orElse(List.of()),
-                place,
-                quantities,
-                physics,
-                problems);
+                        name,
+                        text,
+                        law.get("parameters")
+                                .<Collection<Node>>map(Node::children)
+                                .orElse(List.of()),
+                        place,
+                        quantities,
+                        physics,
+                        problems)
+                .withBudget(
+                        Optional.of(law)
+                                .filter(Node::isMapping)
+                                .flatMap(mapping -> mapping.get("budget"))
+                                .flatMap(new BudgetReader(quantities, problems)::read));
     }
 
     private Optional<CameraDescription> camera(Node node) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
+import reve.core.frame.TimeBudget;
 import reve.core.rule.Rule;
 import reve.core.rule.Rules;
 import reve.core.unit.Unit;
@@ -202,7 +203,7 @@ public final class WorldWriter {
     }
 
     private static Object law(LawReference law) {
-        if (law.parameters().isEmpty() && law.text().isEmpty()) {
+        if (law.parameters().isEmpty() && law.text().isEmpty() && law.budget().isEmpty()) {
             return law.name();
         }
         Map<String, Object> parameters = new LinkedHashMap<>();
@@ -216,6 +217,16 @@ public final class WorldWriter {
         if (!parameters.isEmpty()) {
             tree.put("parameters", parameters);
         }
+        law.budget().ifPresent(budget -> tree.put("budget", budget(budget)));
+        return tree;
+    }
+
+    private static Map<String, Object> budget(TimeBudget budget) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("time", YamlWriter.Numeral.of(budget.nanoseconds() / 1e9));
+        tree.put("frames", YamlWriter.Numeral.of((double) budget.frames()));
+        tree.put("then", budget.response().text());
+        tree.put("every", YamlWriter.Numeral.of((double) budget.every()));
         return tree;
     }
 

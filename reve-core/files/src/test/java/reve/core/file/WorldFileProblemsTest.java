@@ -50,6 +50,11 @@ class WorldFileProblemsTest {
                     laws: [{name: a, parameters: {x: [1]}}]! 34 ! x: found a list of 1, expected a number or a text
                     laws: [{name: a, parameters: {x: 3 q}}]! 34 ! x: unit `q`: `q` is not a unit that is known here
                     laws: [{name: a, parameters: {x: 1 2}}]! 34 ! x: found 2 numbers, expected one
+                    laws: [{name: a, budget: 3 kg}]       ! 26 ! budget: unit kg does not fit s
+                    laws: [{name: a, budget: 0 s}]        ! 26 ! budget: found 0.0 s, expected a time above 0 s, and at most 10 s
+                    laws: [{name: a, budget: {frames: 3}}]! 26 ! budget: `time` is missing
+                    laws: [{name: a, budget: {time: 1 ms, then: stop}}]! 45 ! then: found text `stop`, expected one of `warn`, `unload`, `skip-steps`
+                    laws: [{name: a, budget: {time: 1 ms, every: 1}}]! 46 ! every: found number 1, expected at least 2
                     laws: [' ']                           ! 8  ! laws[0]: found text ` `, expected the name of a law: letters, digits, `_` and `-`, never a path; or `text`, a law as text
                     laws: [./evil.so]                     ! 8  ! laws[0]: found text `./evil.so`, expected the name of a law: letters, digits, `_` and `-`, never a path; or `text`, a law as text
                     laws: [{name: ../x/libvesper_law_y.so}] ! 15 ! name: found text `../x/libvesper_law_y.so`, expected the name of a law: letters, digits, `_` and `-`, never a path
@@ -275,6 +280,7 @@ class WorldFileProblemsTest {
                 "law-loaded",
                 "law-unloaded",
                 "fault",
+                "over-budget",
                 "missed",
                 "waiting",
                 "ready",
@@ -295,8 +301,9 @@ class WorldFileProblemsTest {
                         "w:5:37: raise: the event "
                                 + event
                                 + " is the server's own; choose a name other than joined, left, "
-                                + "acted, law-loaded, law-unloaded, fault, missed, waiting, ready, "
-                                + "snapshot, snapshot-failed, end, detached and removed");
+                                + "acted, law-loaded, law-unloaded, fault, over-budget, missed, "
+                                + "waiting, ready, snapshot, snapshot-failed, end, detached and "
+                                + "removed");
     }
 
     /** It becomes part of file names. */

@@ -8,6 +8,7 @@ import static org.assertj.core.api.Assertions.within;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import reve.core.frame.TimeBudget;
 import reve.core.frame.Timing;
 import reve.core.mesh.Assets;
 import reve.core.mesh.WorldFolder;
@@ -280,6 +281,30 @@ class WorldFileTest {
                                 "world.yaml:6:36", Optional.of(Unit.parse("km/h"))))
                 .containsEntry(
                         "factor", new LawReference.Mention("world.yaml:6:51", Optional.empty()));
+    }
+
+    @Test
+    void budgetsOfLawsAreReadAndWritten() throws WorldFileException {
+        WorldDescription world =
+                parse(
+                        """
+                        reve: 1
+                        name: w
+                        laws:
+                          - newton_motion
+                          - {name: drag, budget: 2 ms}
+                          - name: hooke_spring
+                            budget: {time: 300 us, frames: 5, then: skip-steps, every: 4}
+                        """);
+        assertThat(world.laws())
+                .extracting(LawReference::budget)
+                .containsExactly(
+                        Optional.empty(),
+                        Optional.of(new TimeBudget(2_000_000, 10, TimeBudget.Response.WARN, 2)),
+                        Optional.of(new TimeBudget(300_000, 5, TimeBudget.Response.SKIP_STEPS, 4)));
+        assertThat(parse(WorldWriter.write(world)).laws())
+                .extracting(LawReference::budget)
+                .isEqualTo(world.laws().stream().map(LawReference::budget).toList());
     }
 
     @Test

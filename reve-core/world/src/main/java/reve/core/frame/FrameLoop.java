@@ -323,6 +323,11 @@ public final class FrameLoop {
         return frames.getAcquire();
     }
 
+    /** Returns the time inside all frames so far [ns], as in {@link #profile}. Any thread. */
+    public long busyNanoseconds() {
+        return busyNanoseconds.getAcquire();
+    }
+
     /** Returns the number of frames and their times so far. Any thread. */
     public FrameProfile profile() {
         Map<FramePhase, Long> byPhase = new EnumMap<>(FramePhase.class);

@@ -38,7 +38,7 @@ import java.util.concurrent.Callable;
         name = "control",
         description =
                 "Sends a command to a running world: pause, step, run, speed, snapshot, rewind, "
-                        + "save, edit, add, change, remove, rule, batch, load-law, set-law, "
+                        + "save, edit, add, change, remove, rule, batch, load-law, set-law, set-budget, "
                         + "unload-law, release, profile, changes, near, region, picture, "
                         + "shut-down; or asks: state, laws, inspect, ledger. For example: "
                         + "control rewind image=calm, "
@@ -77,6 +77,9 @@ public final class ControlCommand implements Callable<Integer> {
                             Map.entry("speed", Set.of("factor")),
                             Map.entry("load-law", Set.of("library", "file", "text")),
                             Map.entry("set-law", Set.of("library")),
+                            Map.entry(
+                                    "set-budget",
+                                    Set.of("library", "milliseconds", "frames", "then", "every")),
                             Map.entry("unload-law", Set.of("library")),
                             Map.entry("picture", Set.of()),
                             Map.entry("shut-down", Set.of())));

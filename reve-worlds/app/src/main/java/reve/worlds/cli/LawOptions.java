@@ -17,6 +17,7 @@ import java.time.Duration;
 import java.util.Locale;
 import java.util.Optional;
 import java.util.Queue;
+import java.util.Set;
 import java.util.concurrent.ConcurrentLinkedQueue;
 
 /** The options that name the folder of laws and permit native code. */
@@ -110,7 +111,8 @@ final class LawOptions {
                 Optional.empty(),
                 trust,
                 enginePlace(spec, usual),
-                false);
+                false,
+                Set.of());
     }
 
     /**

@@ -39,6 +39,7 @@ enum Printed {
                     "back",
                     "law-loaded",
                     "law-unloaded",
+                    "over-budget",
                     "snapshot",
                     "saved",
                     "rewound");

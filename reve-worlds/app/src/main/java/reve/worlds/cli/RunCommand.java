@@ -106,6 +106,8 @@ public final class RunCommand implements Callable<Integer> {
             interrupt.stopWith(simulation.loop()::stop);
             List<Problem> warnings = Warnings.print(spec, simulation.warnings(true));
             simulation.physics().setLedger(ledger);
+            // otherwise results would depend on the speed of the machine
+            simulation.physics().enforceBudgets(realTime);
             RunReport report = recorded(simulation, frames, pacing, recording);
             cut = interrupt.wasAsked() && report.frames() < frames;
             if (cut) {

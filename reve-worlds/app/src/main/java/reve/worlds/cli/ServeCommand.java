@@ -38,6 +38,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
 import java.util.TreeMap;
 import java.util.concurrent.Callable;
 import java.util.regex.Pattern;
@@ -75,6 +76,14 @@ public final class ServeCommand implements Callable<Integer> {
     @Mixin private LawOptions laws = new LawOptions();
 
     @Mixin private EngineOptions engine = new EngineOptions();
+
+    @Option(
+            names = "--without-law",
+            paramLabel = "NAME",
+            description =
+                    "Run the worlds without this law library, even if a world file, a store or the"
+                            + " folder of --laws has it. May be repeated.")
+    private List<String> withoutLaws = new ArrayList<>();
 
     @Option(
             names = "--seconds",
@@ -259,7 +268,7 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException {
-        LawPath lawPath = engine.of(laws.path(spec, LAW_DEADLINE));
+        LawPath lawPath = engine.of(laws.path(spec, LAW_DEADLINE)).without(Set.copyOf(withoutLaws));
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);

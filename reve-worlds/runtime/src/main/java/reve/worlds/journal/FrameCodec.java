@@ -136,6 +136,14 @@ public final class FrameCodec {
                                     case "released" ->
                                             new LawChange.Released(Trees.text(change, "sha256"));
                                     case "unmoved" -> new LawChange.Unmoved();
+                                    case "budget" ->
+                                            new LawChange.BudgetSet(
+                                                    (int) Trees.integer(change, "place"),
+                                                    ImageCodec.budget(change));
+                                    case "interval" ->
+                                            new LawChange.IntervalSet(
+                                                    (int) Trees.integer(change, "place"),
+                                                    (int) Trees.integer(change, "interval"));
                                     case "parameters" ->
                                             new LawChange.ParametersSet(
                                                     (int) Trees.integer(change, "place"),
@@ -167,6 +175,16 @@ public final class FrameCodec {
                 tree.put("law", "parameters");
                 tree.put("place", set.place());
                 tree.put("parameters", set.changed());
+            }
+            case LawChange.BudgetSet set -> {
+                tree.put("law", "budget");
+                tree.put("place", set.place());
+                set.budget().ifPresent(budget -> tree.put("budget", ImageCodec.tree(budget)));
+            }
+            case LawChange.IntervalSet set -> {
+                tree.put("law", "interval");
+                tree.put("place", set.place());
+                tree.put("interval", set.interval());
             }
             case LawChange.Failed failed -> {
                 tree.put("law", "failed");

@@ -3,6 +3,7 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.frame.TimeBudget;
 import reve.core.image.CorruptException;
 import reve.core.image.Sections;
 import reve.core.image.Trees;
@@ -22,6 +23,7 @@ import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import java.util.function.Function;
 
 /**
@@ -138,6 +140,10 @@ public final class ImageCodec {
         tree.put("library", library.name());
         tree.put("sha256", library.sha256());
         tree.put("parameters", library.parameters());
+        library.budget().ifPresent(budget -> tree.put("budget", tree(budget)));
+        if (library.interval() != 1) {
+            tree.put("interval", library.interval());
+        }
         return tree;
     }
 
@@ -149,7 +155,45 @@ public final class ImageCodec {
             throw new CorruptException(
                     "the law library " + name + " (SHA-256 " + sha256 + ") is missing or damaged");
         }
-        return new LawLibrary(name, sha256, parameters(tree), bytes);
+        return new LawLibrary(
+                name,
+                sha256,
+                parameters(tree),
+                bytes,
+                budget(tree),
+                tree.has("interval") ? (int) Trees.integer(tree, "interval") : 1);
+    }
+
+    static Map<String, Object> tree(TimeBudget budget) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("nanoseconds", budget.nanoseconds());
+        tree.put("frames", budget.frames());
+        tree.put("then", budget.response().text());
+        tree.put("every", budget.every());
+        return tree;
+    }
+
+    /** Returns the budget of a library or of a change of it; empty if it has none. */
+    static Optional<TimeBudget> budget(JsonNode tree) {
+        if (!tree.has("budget")) {
+            return Optional.empty();
+        }
+        JsonNode budget = Trees.field(tree, "budget");
+        String then = Trees.text(budget, "then");
+        try {
+            return Optional.of(
+                    new TimeBudget(
+                            Trees.integer(budget, "nanoseconds"),
+                            (int) Trees.integer(budget, "frames"),
+                            TimeBudget.Response.find(then)
+                                    .orElseThrow(
+                                            () ->
+                                                    new IllegalArgumentException(
+                                                            "no response " + then)),
+                            (int) Trees.integer(budget, "every")));
+        } catch (IllegalArgumentException invalid) {
+            throw new CorruptException("the budget of a law: " + invalid.getMessage(), invalid);
+        }
     }
 
     static Map<String, Double> parameters(JsonNode tree) {

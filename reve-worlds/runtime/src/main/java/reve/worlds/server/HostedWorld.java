@@ -70,6 +70,8 @@ final class HostedWorld implements AutoCloseable {
                                                             plan.description(),
                                                             pacing,
                                                             plan.laws())));
+            simulation.unloadExcluded();
+            simulation.physics().enforceBudgets(true);
             closing.add(plan.pictures());
             laws =
                     lawsFolder

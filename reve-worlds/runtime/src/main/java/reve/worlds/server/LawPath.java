@@ -42,6 +42,7 @@ import java.util.stream.Stream;
  * @param place process in which the laws run
  * @param validated whether laws run on guarded copies of the columns, so that accesses against
  *     their declarations are detected (slower)
+ * @param excluded names of libraries that must not act, wherever they come from
  */
 public record LawPath(
         Path shipped,
@@ -49,7 +50,8 @@ public record LawPath(
         Optional<Path> world,
         boolean trusted,
         EnginePlace place,
-        boolean validated) {
+        boolean validated,
+        Set<String> excluded) {
     private static final Pattern NAME = Pattern.compile("[A-Za-z0-9_-]{1,47}");
     private static final String PREFIX = "libvesper_law_";
     private static final String SUFFIX = ".so";
@@ -61,7 +63,12 @@ public record LawPath(
 
     /** Creates a search path of laws that run in this process, without validation. */
     public LawPath(Path shipped, Optional<Path> folder, Optional<Path> world, boolean trusted) {
-        this(shipped, folder, world, trusted, EnginePlace.IN_PROCESS, false);
+        this(shipped, folder, world, trusted, EnginePlace.IN_PROCESS, false, Set.of());
+    }
+
+    /** Copies the excluded names. */
+    public LawPath {
+        excluded = Set.copyOf(excluded);
     }
 
     /** Where a library comes from. */
@@ -84,7 +91,24 @@ public record LawPath(
 
     /** Returns this path with validation on or off. */
     public LawPath withValidation(boolean on) {
-        return new LawPath(shipped, folder, world, trusted, place, on);
+        return new LawPath(shipped, folder, world, trusted, place, on, excluded);
+    }
+
+    /** Returns this path without the libraries of these names. */
+    public LawPath without(Set<String> names) {
+        return new LawPath(shipped, folder, world, trusted, place, validated, names);
+    }
+
+    /** Returns whether the law of a world file, or the library, is excluded by its name. */
+    boolean isExcluded(String name) {
+        String bare = name;
+        for (String ending : SOURCES) {
+            bare =
+                    bare.endsWith(ending)
+                            ? bare.substring(0, bare.length() - ending.length())
+                            : bare;
+        }
+        return excluded.contains(name) || excluded.contains(bare);
     }
 
     /** Returns a path of the shipped laws only. */
@@ -95,7 +119,8 @@ public record LawPath(
 
     /** Returns this path for a world whose file is in this folder. */
     public LawPath forWorld(Path worldFolder) {
-        return new LawPath(shipped, folder, Optional.of(worldFolder), trusted, place, validated);
+        return new LawPath(
+                shipped, folder, Optional.of(worldFolder), trusted, place, validated, excluded);
     }
 
     /**
@@ -201,12 +226,20 @@ public record LawPath(
 
     /**
      * Refuses a library if its own name, or the name of one of its laws, is the name of a shipped
-     * law, because users would confuse the two.
+     * law, because users would confuse the two; and libraries that are excluded.
      *
      * @param library bytes of the file; shipped libraries and their copies may have these names
      * @throws PhysicsException naming both files
      */
     void requireOwnName(String name, Path file, byte[] library) {
+        if (isExcluded(name)) {
+            throw new PhysicsException(
+                    Status.ACCESS_CONFLICT,
+                    "'"
+                            + Visible.line(name)
+                            + "' is excluded by --without-law: restart the server without this"
+                            + " option to load it");
+        }
         Path ships = shipped.resolve(PREFIX + name + SUFFIX);
         if (!Files.exists(ships)) {
             ships = shipped.resolve(name + PreparedLibrary.TEXT_ENDING);

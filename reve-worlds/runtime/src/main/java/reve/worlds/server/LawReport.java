@@ -5,7 +5,9 @@ import reve.pe.LawParameter;
 import reve.pe.PhysicsLaw;
 import reve.pe.PropertyUse;
 import reve.pe.adapter.LawLibrary;
+import reve.pe.adapter.LawTime;
 import reve.pe.adapter.Laws;
+import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.Quarantined;
 
 import java.nio.charset.StandardCharsets;
@@ -14,9 +16,12 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Locale;
 import java.util.Map;
+import java.util.stream.IntStream;
 
 /** The laws of a world for operators: loaded, quarantined and available ones. */
 final class LawReport {
+    private static final double NANOSECONDS = 1e9;
+
     private LawReport() {}
 
     /**
@@ -26,18 +31,32 @@ final class LawReport {
      * @param faults whether to include messages of faults, which may name files of the server
      */
     static Map<String, Object> of(
-            Laws laws, List<String> available, LawEquations equations, boolean faults) {
+            PhysicsAdapter physics,
+            List<String> available,
+            LawEquations equations,
+            boolean faults) {
+        Laws laws = physics.laws();
         Map<String, Object> content = new LinkedHashMap<>();
         List<Object> libraries = new ArrayList<>();
         List<PhysicsLaw> loaded = laws.loaded();
+        List<LawTime> times = physics.lawTimes();
         laws.byId()
                 .forEach(
                         (id, library) ->
                                 libraries.add(
                                         library(
                                                 library,
-                                                loaded.stream()
-                                                        .filter(law -> law.libraryId() == id)
+                                                IntStream.range(0, loaded.size())
+                                                        .filter(
+                                                                i ->
+                                                                        loaded.get(i).libraryId()
+                                                                                == id)
+                                                        .mapToObj(
+                                                                i ->
+                                                                        law(
+                                                                                library,
+                                                                                loaded.get(i),
+                                                                                times.get(i)))
                                                         .toList(),
                                                 equations)));
         content.put("loaded", libraries);
@@ -61,7 +80,7 @@ final class LawReport {
     }
 
     private static Map<String, Object> library(
-            LawLibrary library, List<PhysicsLaw> laws, LawEquations equations) {
+            LawLibrary library, List<Map<String, Object>> laws, LawEquations equations) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("library", library.name());
         fields.put("sha256", library.sha256());
@@ -69,18 +88,25 @@ final class LawReport {
         if (library.isText()) {
             fields.put("text", new String(library.bytes(), StandardCharsets.UTF_8));
         }
-        fields.put("laws", laws.stream().map(law -> law(library, law)).toList());
+        library.budget().ifPresent(budget -> fields.put("budget", budget.fields()));
+        if (library.interval() != 1) {
+            fields.put("interval", library.interval());
+        }
+        fields.put("laws", laws);
         return fields;
     }
 
-    private static Map<String, Object> law(LawLibrary library, PhysicsLaw law) {
+    private static Map<String, Object> law(LawLibrary library, PhysicsLaw law, LawTime time) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("name", law.name());
         fields.put("version", law.version());
         fields.put("doc", law.doc());
         fields.put("phase", law.phase().name().toLowerCase(Locale.ROOT));
         fields.put("calls", law.calls());
-        fields.put("seconds", law.nanoseconds() / 1e9);
+        fields.put("seconds", law.nanoseconds() / NANOSECONDS);
+        fields.put("p50Seconds", time.medianNanoseconds() / NANOSECONDS);
+        fields.put("p99Seconds", time.p99Nanoseconds() / NANOSECONDS);
+        fields.put("share", time.share());
         fields.put("uses", law.uses().stream().map(LawReport::use).toList());
         fields.put(
                 "parameters",

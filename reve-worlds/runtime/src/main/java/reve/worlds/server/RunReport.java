@@ -9,12 +9,14 @@ import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 import reve.pe.PhysicsLaw;
 import reve.pe.adapter.AdapterProfile;
+import reve.pe.adapter.LawTime;
 
 import java.io.PrintWriter;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Locale;
 import java.util.Map;
+import java.util.stream.IntStream;
 
 /**
  * The result of a run.
@@ -26,6 +28,7 @@ import java.util.Map;
  * @param items number of items, without the one that holds the world's constants
  * @param bodies rows of kind {@code body} that laws may move
  * @param laws loaded at the end, with their cost
+ * @param lawTimes their times in the last frames, in the same order
  * @param libraries all law libraries that were ever loaded, in order of loading
  * @param snapshotNanoseconds time for copying the world into snapshots [ns]
  */
@@ -38,6 +41,7 @@ public record RunReport(
         int items,
         int bodies,
         List<PhysicsLaw> laws,
+        List<LawTime> lawTimes,
         List<String> libraries,
         List<WorldEvent> faults,
         FrameProfile profile,
@@ -47,6 +51,7 @@ public record RunReport(
     /** Copies the lists. */
     public RunReport {
         laws = List.copyOf(laws);
+        lawTimes = List.copyOf(lawTimes);
         libraries = List.copyOf(libraries);
         faults = List.copyOf(faults);
     }
@@ -65,6 +70,7 @@ public record RunReport(
                 world.items().size() - 1,
                 world.table(WorldPrototype.BODY).physicsRowCount(),
                 simulation.physics().laws().loaded(),
+                simulation.physics().lawTimes(),
                 simulation.events().libraries(),
                 simulation.events().faults(),
                 profile,
@@ -88,7 +94,11 @@ public record RunReport(
         fields.put("stateHash", hash());
         fields.put("items", items);
         fields.put("bodies", bodies);
-        fields.put("laws", laws.stream().map(RunReport::lawFields).toList());
+        fields.put(
+                "laws",
+                IntStream.range(0, laws.size())
+                        .mapToObj(i -> lawFields(laws.get(i), lawTimes.get(i)))
+                        .toList());
         fields.put("libraries", libraries);
         fields.put("faults", faults.stream().map(WorldEvent::fields).toList());
         fields.put("profile", profileFields());
@@ -142,6 +152,28 @@ public record RunReport(
                     perFrame / Math.max(1, bodies),
                     100 * part.getValue() / Math.max(1, busy));
         }
+        printLaws(out);
+    }
+
+    /** Prints the times of the laws, which are parts of PHYSICS advance, one line each. */
+    private void printLaws(PrintWriter out) {
+        out.printf(
+                Locale.ROOT,
+                "%-24s %12s %12s %8s%n",
+                "law",
+                "p50 ns/frame",
+                "p99 ns/frame",
+                "share");
+        for (int i = 0; i < laws.size(); i++) {
+            LawTime time = lawTimes.get(i);
+            out.printf(
+                    Locale.ROOT,
+                    "%-24s %12d %12d %7.1f%%%n",
+                    laws.get(i).name(),
+                    time.medianNanoseconds(),
+                    time.p99Nanoseconds(),
+                    100 * time.share());
+        }
     }
 
     /**
@@ -179,13 +211,16 @@ public record RunReport(
         return fields;
     }
 
-    private static Map<String, Object> lawFields(PhysicsLaw law) {
+    private static Map<String, Object> lawFields(PhysicsLaw law, LawTime time) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("library", law.library());
         fields.put("law", law.name());
         fields.put("version", law.version());
         fields.put("calls", law.calls());
         fields.put("nanoseconds", law.nanoseconds());
+        fields.put("p50Nanoseconds", time.medianNanoseconds());
+        fields.put("p99Nanoseconds", time.p99Nanoseconds());
+        fields.put("share", time.share());
         return fields;
     }
 }

@@ -11,6 +11,7 @@ import reve.core.file.EditReader;
 import reve.core.file.WorldEdit;
 import reve.core.file.WorldFile;
 import reve.core.file.WorldFileException;
+import reve.core.frame.TimeBudget;
 import reve.core.rule.Rule;
 import reve.core.world.ActionRefused;
 import reve.core.world.Departure;
@@ -171,10 +172,23 @@ final class ServerControl implements WorldControl, AutoCloseable {
     }
 
     @Override
+    public Change setBudget(String library, Optional<TimeBudget> budget) {
+        return (world, frame) -> {
+            try {
+                simulation.physics().laws().setBudget(library, budget);
+            } catch (IllegalArgumentException unknown) {
+                throw new ActionRefused("law-refused", String.valueOf(unknown.getMessage()));
+            } catch (PhysicsException refused) {
+                throw refusal(refused);
+            }
+        };
+    }
+
+    @Override
     public Reading laws(boolean faults) {
         List<String> available = simulation.lawNames();
         equations.read(available);
-        return () -> LawReport.of(simulation.physics().laws(), available, equations, faults);
+        return () -> LawReport.of(simulation.physics(), available, equations, faults);
     }
 
     @Override

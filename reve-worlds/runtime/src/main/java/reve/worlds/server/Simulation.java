@@ -138,6 +138,7 @@ public final class Simulation implements AutoCloseable {
             snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
             rules = new Rules(world, description.rules(), description.ruleSteps());
             loop = new FrameLoop(world, bus, description.timing(), pacing);
+            physics.measureFrames(loop::busyNanoseconds);
             image.ifPresentOrElse(this::goOnFrom, this::begin);
         } catch (RuntimeException refused) {
             closing.closeAfter(refused);
@@ -178,6 +179,9 @@ public final class Simulation implements AutoCloseable {
     private void loadAll(List<LawReference> laws) {
         List<PhysicsException> refusals = new ArrayList<>();
         for (LawReference law : laws) {
+            if (lawPath.isExcluded(law.name())) {
+                continue;
+            }
             try {
                 load(law);
             } catch (PhysicsException refused) {
@@ -213,6 +217,7 @@ public final class Simulation implements AutoCloseable {
                                 LawParameters.wrongUnits(law, LawParameters.lawsOf(id, engine))
                                         .values());
             }
+            budget(law);
         } catch (PhysicsException refused) {
             status = refused.status();
             problems = LawParameters.refused(law, refused, engine, lawPath);
@@ -234,8 +239,32 @@ public final class Simulation implements AutoCloseable {
             if (!wrong.isEmpty()) {
                 throw new PhysicsException(Status.INVALID_ARGUMENT, String.join("\n", wrong));
             }
+            budget(law);
         } catch (PhysicsException refused) {
             throw new PhysicsException(refused.status(), law.place() + ": " + refused.getMessage());
+        }
+    }
+
+    /** Unloads libraries of a restored state that the law path excludes. Between frames. */
+    void unloadExcluded() {
+        physics.laws()
+                .byId()
+                .forEach(
+                        (id, library) -> {
+                            if (lawPath.isExcluded(library.name())) {
+                                physics.laws().unload(loop.frame(), id);
+                            }
+                        });
+    }
+
+    /** Gives the law that was loaded last its budget. */
+    private void budget(LawReference law) {
+        if (law.budget().isPresent()) {
+            try {
+                physics.laws().setBudget(physics.laws().latestName(), law.budget());
+            } catch (PhysicsException refused) {
+                throw new PhysicsException(refused.status(), "its budget: " + refused.getMessage());
+            }
         }
     }
 
@@ -298,6 +327,7 @@ public final class Simulation implements AutoCloseable {
                                                 nameOf(library),
                                                 textOf(library),
                                                 library.parameters(),
+                                                library.budget(),
                                                 library.name(),
                                                 Map.of()))
                         .toList());

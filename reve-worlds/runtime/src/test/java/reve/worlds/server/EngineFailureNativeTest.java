@@ -30,6 +30,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
+import java.util.Set;
 import java.util.concurrent.ConcurrentLinkedQueue;
 
 /** Journals of worlds whose engine fails. */
@@ -144,7 +145,8 @@ class EngineFailureNativeTest {
                         Optional.empty(),
                         false,
                         (config, prototype, arena) -> failing(new VesperEngine(config, prototype)),
-                        false);
+                        false,
+                        Set.of());
         try (Simulation simulation = new Simulation(description, Pacing.FAST, laws);
                 Journal _ =
                         simulation.journal(

@@ -28,6 +28,7 @@ import java.nio.file.Path;
 import java.time.Duration;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
@@ -107,7 +108,8 @@ class LawPythonNativeTest {
                         Optional.empty(),
                         trusted,
                         EnginePlace.hosted(hosts, Duration.ofSeconds(10)),
-                        false)
+                        false,
+                        Set.of())
                 .forWorld(folder);
     }
 

@@ -13,9 +13,13 @@ import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
+import reve.worlds.journal.SimulationImage;
 
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.Map;
+import java.util.Set;
 
 /** Laws as text that a world file contains, or that lie beside it. */
 class LawTextNativeTest {
@@ -118,5 +122,96 @@ class LawTextNativeTest {
                     .extracting(PhysicsLaw::name)
                     .contains("push");
         }
+    }
+
+    private static SimulationImage atStart(Simulation simulation) {
+        simulation.loop().run(0);
+        return simulation.keep();
+    }
+
+    @Test
+    void excludedLibrariesDoNotAct() throws Exception {
+        LawPath path = LawPath.ofShipped().without(Set.of("push"));
+        try (Simulation simulation = new Simulation(world(INLINE), Pacing.FAST, path)) {
+            simulation.loop().run(60);
+            assertThat(speed(simulation)).isZero();
+            assertThat(simulation.physics().laws().loaded())
+                    .extracting(PhysicsLaw::name)
+                    .containsExactly("newton_motion");
+        }
+        try (Simulation restored = new Simulation(world(INLINE), Pacing.FAST);
+                SimulationImage image = atStart(restored);
+                Simulation without = new Simulation(world(INLINE), Pacing.FAST, path, image)) {
+            without.unloadExcluded();
+            without.loop().run(60);
+            assertThat(speed(without)).isZero();
+            assertThatThrownBy(
+                            () ->
+                                    without.physics()
+                                            .laws()
+                                            .load(
+                                                    60,
+                                                    without.engine()
+                                                            .prepareText(
+                                                                    "push.law",
+                                                                    restored.physics()
+                                                                            .laws()
+                                                                            .libraries()
+                                                                            .getLast()
+                                                                            .bytes()),
+                                                    Map.of(),
+                                                    folder.resolve("push.law")))
+                    .hasMessageContaining("'push' is excluded by --without-law");
+        }
+    }
+
+    @Test
+    void aLawThatWritesLessThanThePropertysMinimumFails() throws Exception {
+        String cooling =
+                """
+                reve: 1
+                name: frozen
+                frame: {rate: 60, steps: 1}
+                properties:
+                  - {name: temperature, kind: body, unit: K, min: 0}
+                laws:
+                  - newton_motion
+                  - text: |
+                      law cooling "Cools below absolute zero."
+                        each body has temperature in K
+                        each body: temperature += -60 K/s dt
+                items:
+                  - {name: stone, physics: {mass: 2 kg, temperature: 2.5 K}}
+                """;
+        Path saved = folder.resolve("saved.yaml");
+        try (Simulation simulation =
+                new Simulation(
+                        WorldFile.parse("frozen.yaml", cooling.getBytes(StandardCharsets.UTF_8)),
+                        Pacing.FAST)) {
+            simulation.loop().run(5);
+            assertThat(simulation.events().faults())
+                    .singleElement()
+                    .satisfies(
+                            fault -> {
+                                assertThat(fault.frame()).isEqualTo(3);
+                                assertThat(fault.fields())
+                                        .containsEntry("library", "cooling")
+                                        .containsEntry("property", "temperature")
+                                        .containsEntry("item", "stone");
+                                assertThat(fault.fields().get("message"))
+                                        .asString()
+                                        .contains("wrote -0.5", ", expected 0 or more");
+                            });
+            assertThat(
+                            simulation
+                                    .world()
+                                    .find("stone")
+                                    .orElseThrow()
+                                    .physics()
+                                    .scalar("temperature"))
+                    .isEqualTo(0.5);
+            WorldFile.save(saved, simulation.descriptionNow());
+        }
+        assertThat(WorldFile.load(saved).name()).isEqualTo("frozen");
     }
 }

@@ -157,6 +157,12 @@ public final class ControlDesk {
                             set,
                             true,
                             () -> port.control().setLaw(set.library(), set.parameters()));
+            case ClientMessage.SetBudget set ->
+                    change(
+                            requester,
+                            set,
+                            true,
+                            () -> port.control().setBudget(set.library(), set.budget()));
             case ClientMessage.Picture picture ->
                     change(requester, picture, false, () -> port.control().picture());
             case ClientMessage.Speed speed -> {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.port;
 
+import reve.core.frame.TimeBudget;
 import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
 import reve.core.world.World;
@@ -63,6 +64,13 @@ public interface WorldControl {
      *     values
      */
     Change setLaw(String library, Map<String, Double> parameters) throws ActionRefused;
+
+    /**
+     * Prepares a budget for the computing time of a loaded library.
+     *
+     * @param budget empty to remove the budget
+     */
+    Change setBudget(String library, Optional<TimeBudget> budget) throws ActionRefused;
 
     /** A prepared report about a world. */
     @FunctionalInterface
@@ -176,6 +184,11 @@ public interface WorldControl {
 
         @Override
         public Change setLaw(String library, Map<String, Double> parameters) throws ActionRefused {
+            throw unsupported("laws");
+        }
+
+        @Override
+        public Change setBudget(String library, Optional<TimeBudget> budget) throws ActionRefused {
             throw unsupported("laws");
         }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.protocol;
 
+import reve.core.frame.TimeBudget;
+
 import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -49,6 +51,7 @@ public sealed interface ClientMessage {
             case Fork fork -> "fork";
             case Speed speed -> "speed";
             case SetLaw set -> "set-law";
+            case SetBudget set -> "set-budget";
             case State state -> "state";
             case Inspect inspect -> "inspect";
             case Laws laws -> "laws";
@@ -291,6 +294,11 @@ public sealed interface ClientMessage {
      *     keep their values
      */
     record SetLaw(long id, String library, Map<String, Double> parameters) implements Control {}
+
+    /**
+     * @param budget of the computing time of a loaded library in a frame; empty to remove it
+     */
+    record SetBudget(long id, String library, Optional<TimeBudget> budget) implements Control {}
 
     /** Requests the ledger of energy and momentum; {@code open} opens or closes it. */
     record Ledger(long id, Optional<Boolean> open) implements Control {}

@@ -5,6 +5,8 @@ import static reve.core.agent.protocol.ClientMessage.NO_ID;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.frame.TimeBudget;
+
 import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
 
@@ -24,6 +26,7 @@ public final class MessageReader {
     static final int MAX_EVERY = 1_000_000;
 
     private static final double MAX_SECONDS = 1e6;
+    private static final double LEAST_MILLISECONDS = 0.001;
     private static final double MIN_SPEED = 0.01;
     private static final double MAX_SPEED = 100;
     private static final double DEFAULT_DEADLINE_SECONDS = 1;
@@ -207,6 +210,9 @@ public final class MessageReader {
             case "set-law" ->
                     new ClientMessage.SetLaw(
                             fields.required(), fields.text("library"), fields.parameters());
+            case "set-budget" ->
+                    new ClientMessage.SetBudget(
+                            fields.required(), fields.text("library"), fields.budget());
             case "state" -> new ClientMessage.State(fields.required());
             case "inspect" -> new ClientMessage.Inspect(fields.required(), fields.text("item"));
             case "laws" -> new ClientMessage.Laws(fields.required());
@@ -229,7 +235,7 @@ public final class MessageReader {
                             "a client sends hello, perceive, look, act, ready, ping, pong or bye;"
                                     + " in the roles observer and control also state, inspect or"
                                     + " laws; in the role control also pause, run, step, speed,"
-                                    + " load-law, set-law, unload-law, release, edit, add, change,"
+                                    + " load-law, set-law, set-budget, unload-law, release, edit, add, change,"
                                     + " remove, rule, batch, picture, snapshot, rewind, save, fork,"
                                     + " ledger, profile, changes, near, region or shut-down");
         };
@@ -379,6 +385,35 @@ public final class MessageReader {
                         number("parameters", parameter.getKey(), parameter.getValue()));
             }
             return parameters;
+        }
+
+        /** Returns the budget of a library; empty without {@code milliseconds}. */
+        Optional<TimeBudget> budget() throws BadMessage {
+            if (!has("milliseconds")) {
+                return Optional.empty();
+            }
+            double seconds =
+                    number("milliseconds", LEAST_MILLISECONDS, TimeBudget.MOST_SECONDS * 1e3) / 1e3;
+            String then = optionalText("then").orElse(TimeBudget.Response.WARN.text());
+            TimeBudget.Response response =
+                    TimeBudget.Response.find(then)
+                            .orElseThrow(
+                                    () ->
+                                            bad(
+                                                    id,
+                                                    "then",
+                                                    "is " + Text.quote(then),
+                                                    "expected warn, unload or skip-steps"));
+            return Optional.of(
+                    TimeBudget.of(
+                            seconds,
+                            has("frames")
+                                    ? (int) integer("frames", 1, TimeBudget.MOST_FRAMES)
+                                    : TimeBudget.DEFAULT_FRAMES,
+                            response,
+                            has("every")
+                                    ? (int) integer("every", 2, TimeBudget.MOST_EVERY)
+                                    : TimeBudget.DEFAULT_EVERY));
         }
 
         Object value() throws BadMessage {

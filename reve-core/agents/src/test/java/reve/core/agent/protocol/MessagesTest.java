@@ -257,6 +257,14 @@ class MessagesTest {
             case ClientMessage.SetLaw set ->
                     json.put("library", set.library())
                             .set("parameters", JSON.valueToTree(set.parameters()));
+            case ClientMessage.SetBudget set -> {
+                json.put("library", set.library());
+                set.budget()
+                        .ifPresent(
+                                budget ->
+                                        json.setAll(
+                                                (ObjectNode) JSON.valueToTree(budget.fields())));
+            }
             case ClientMessage.Ledger ledger ->
                     ledger.open().ifPresent(open -> json.put("open", open));
             case ClientMessage.Inspect inspect -> json.put("item", inspect.item());

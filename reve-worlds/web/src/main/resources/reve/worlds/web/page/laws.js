@@ -63,7 +63,7 @@ export class LawsPanel {
       this.available.replaceChildren(new Option("Choose a law…", ""), ...choices.map((name) => new Option(name, name)));
       if (choices.includes(chosen)) this.available.value = chosen;
     }
-    const shape = JSON.stringify(report.loaded.map((library) => [library.sha256, library.laws.map((law) => law.parameters.map((p) => p.value))]));
+    const shape = JSON.stringify(report.loaded.map((library) => [library.sha256, library.budget, library.interval, library.laws.map((law) => law.parameters.map((p) => p.value))]));
     if (shape !== this.shape && !this.sliding) {
       this.shape = shape;
       this.cards.clear();
@@ -94,7 +94,39 @@ export class LawsPanel {
                 h("td", null, `${use.kind}.${use.name}${use.optional ? " (optional)" : ""}`),
                 h("td", { className: "unit" }, `${use.components > 1 ? use.components + "×" : ""}${use.type} [${use.unit}]`)))))),
           law.parameters.map((parameter) => this.parameter(library, law, parameter, control)));
-      }));
+      }),
+      this.budget(library, control));
+  }
+
+  /** The computing time that a library may take in a frame, and what happens if it takes more. */
+  budget(library, control) {
+    const given = library.budget ?? { then: "warn" };
+    const id = `budget-${library.library}`;
+    const field = (properties) => h("input", { type: "number", min: 0, step: "any", className: "exact", disabled: !control,
+      onfocus: () => (this.sliding = true), onblur: () => (this.sliding = false), onchange: () => send(), ...properties });
+    const milliseconds = field({ id, placeholder: "none", value: given.milliseconds ?? "" });
+    const every = field({ "aria-label": `Steps of ${library.library}`, min: 2, step: 1, value: given.every ?? 2, hidden: given.then !== "skip-steps" });
+    const then = h("select", { "aria-label": `What happens if ${library.library} exceeds its budget`, disabled: !control, onchange: () => send() },
+      new Option("warn", "warn"), new Option("unload it", "unload"), new Option("skip steps", "skip-steps"));
+    then.value = given.then;
+    const send = async () => {
+      this.sliding = false;
+      every.hidden = then.value !== "skip-steps";
+      const time = milliseconds.valueAsNumber;
+      if (!(time > 0) && !library.budget) return;
+      const budget = time > 0 ? { milliseconds: time, then: then.value, ...(every.hidden ? {} : { every: every.valueAsNumber }) } : {};
+      try {
+        await this.app.connection.ask("set-budget", { library: library.library, ...budget });
+      } catch (refused) {
+        toast(refused.message, true);
+        this.shape = null;
+      }
+      this.read();
+    };
+    return h("div", { className: "parameter budget" },
+      h("label", { htmlFor: id, title: "Computing time that the laws of this library may take in a frame" }, h("span", null, "budget [ms]"), milliseconds),
+      h("div", { className: "row" }, then, every,
+        library.interval ? h("span", { className: "chip bad" }, `acts in every ${library.interval}. step`) : null));
   }
 
   parameter(library, law, parameter, control) {
@@ -130,16 +162,13 @@ export class LawsPanel {
   }
 
   cost(report) {
-    const frames = report.frame;
+    const milliseconds = (seconds) => number(+(seconds * 1000).toPrecision(2));
     for (const library of report.loaded) {
       for (const law of library.laws) {
         const card = this.cards.get(`${library.library}/${law.name}`);
         if (!card) continue;
-        if (card.frame !== undefined && frames > card.frame) {
-          const milliseconds = ((law.seconds - card.seconds) * 1000) / (frames - card.frame);
-          card.cost.textContent = `${number(+milliseconds.toPrecision(2))} ms per frame`;
-        }
-        if (card.frame !== frames) Object.assign(card, { frame: frames, seconds: law.seconds });
+        card.cost.textContent = `${milliseconds(law.p50Seconds)} ms per frame (p99 ${milliseconds(law.p99Seconds)} ms), ${number(+(100 * law.share).toPrecision(2))} %`;
+        card.cost.title = "Median and 99th percentile of the last frames, and share of the time of all frames";
       }
     }
   }

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.adapter;
+
+import reve.core.frame.TimeBudget;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
+import reve.pe.Status;
+
+import java.util.LinkedHashMap;
+import java.util.Locale;
+import java.util.Map;
+import java.util.regex.Pattern;
+import java.util.stream.Collectors;
+
+/** The events that report what happens to the laws of a world. World's thread. */
+final class LawEvents {
+    private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf|[0-9.]+e\\+)");
+
+    private final World world;
+    private final PhysicsEngine engine;
+
+    LawEvents(World world, PhysicsEngine engine) {
+        this.world = world;
+        this.engine = engine;
+    }
+
+    /** Reports that a library was loaded. */
+    void loaded(long frame, LawLibrary library, int libraryId) {
+        Map<String, Object> fields = fields(library);
+        fields.put(
+                "laws",
+                engine.laws().stream()
+                        .filter(law -> law.libraryId() == libraryId)
+                        .map(PhysicsLaw::name)
+                        .collect(Collectors.joining(", ")));
+        world.raise(new WorldEvent(frame, "law-loaded", fields));
+    }
+
+    /**
+     * Reports that a library exceeded its budget.
+     *
+     * @param nanoseconds that it took in the last frame [ns]
+     * @param done end of the message: what happens to the library
+     */
+    void overBudget(
+            long frame, LawLibrary library, TimeBudget budget, long nanoseconds, String done) {
+        Map<String, Object> fields = fields(library);
+        fields.put("milliseconds", nanoseconds / 1e6);
+        budget.fields()
+                .forEach(
+                        (name, value) ->
+                                fields.put(
+                                        name.equals("milliseconds") ? "budgetMilliseconds" : name,
+                                        value));
+        fields.put(
+                "message",
+                String.format(
+                        Locale.ROOT,
+                        "library %s exceeded its budget of %.3g ms in %d frames in a row, with %.3g"
+                                + " ms in the last one%s",
+                        library.name(),
+                        budget.milliseconds(),
+                        budget.frames(),
+                        nanoseconds / 1e6,
+                        done));
+        world.raise(new WorldEvent(frame, "over-budget", fields));
+    }
+
+    /** Reports that the engine refused a call or a law failed. */
+    void fault(long frame, Map<String, Object> fields, PhysicsException failure) {
+        fields.put("status", failure.status().name());
+        fields.put("message", failure.getMessage() + remedy(fields, failure));
+        world.raise(new WorldEvent(frame, "fault", fields));
+    }
+
+    /**
+     * Returns the end of a fault's message about numbers that are not finite: the item, and what to
+     * do.
+     */
+    private static String remedy(Map<String, Object> fields, PhysicsException failure) {
+        return failure.status() == Status.LAW_MISBEHAVED
+                        && NOT_FINITE.matcher(String.valueOf(failure.getMessage())).find()
+                ? (fields.containsKey("item") ? " of item " + fields.get("item") : "")
+                        + "; if the world has diverged, make its steps shorter (frame: steps in the"
+                        + " world file), or its springs and contacts softer: ./reve check names"
+                        + " those that are too stiff"
+                : "";
+    }
+
+    /** Adds the place at which a law failed. */
+    static void addPlace(Map<String, Object> fields, PhysicsException failure) {
+        fields.put("law", failure.law());
+        fields.put("property", failure.property());
+        failure.row().ifPresent(row -> fields.put("row", row));
+    }
+
+    /**
+     * Returns the fields of an event about a library, with the calls and times of its laws, which
+     * the engine forgets at unloading.
+     */
+    Map<String, Object> fieldsWithCost(LawLibrary library, int libraryId) {
+        Map<String, Object> fields = fields(library);
+        long calls = 0;
+        long nanoseconds = 0;
+        for (PhysicsLaw law : engine.laws()) {
+            if (law.libraryId() == libraryId) {
+                calls += law.calls();
+                nanoseconds += law.nanoseconds();
+            }
+        }
+        fields.put("calls", calls);
+        fields.put("milliseconds", nanoseconds / 1e6);
+        return fields;
+    }
+
+    /** Returns the fields of an event about a library. */
+    static Map<String, Object> fields(LawLibrary library) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("source", "physics");
+        fields.put("library", library.name());
+        fields.put("sha256", library.sha256());
+        return fields;
+    }
+}
