@@ -282,9 +282,7 @@ public final class AgentServer implements AutoCloseable {
                                         "world is "
                                                 + world
                                                 + ", expected one of "
-                                                + worlds.stream()
-                                                        .map(ServedWorld::name)
-                                                        .toList()));
+                                                + worlds.stream().map(ServedWorld::name).toList()));
     }
 
     /**

@@ -31,7 +31,7 @@ public final class Experiment {
     static final long MAX_FRAMES = 1_000_000_000;
 
     /** Maximum number of values that all runs measure. */
-    static final long MAX_VALUES = 20_000_000;
+    static final long MAX_VALUES = 2_000_000;
 
     private static final Unit SECOND = Unit.parse("s");
     private static final double DEFAULT_DEADLINE_SECONDS = 60;
@@ -94,13 +94,10 @@ public final class Experiment {
         String worldShown = world.get().name();
         WorldSource source =
                 WorldSource.read(
-                        worldFile,
-                        new WorldFolder(worldFile.getParent()),
-                        problems.of(worldShown));
+                        worldFile, new WorldFolder(worldFile.getParent()), problems.of(worldShown));
         problems.throwIfAny();
         var experiment =
-                new Experiment(
-                        file, shown, root, worldFile, worldShown, source, space, deadline);
+                new Experiment(file, shown, root, worldFile, worldShown, source, space, deadline);
         experiment.plan(0);
         return experiment;
     }
@@ -287,8 +284,7 @@ public final class Experiment {
         if (every().isEmpty()) {
             return;
         }
-        double values =
-                (double) runs() * measures().size() * (frames / every().getAsInt() + 2);
+        double values = (double) runs() * measures().size() * (frames / every().getAsInt() + 2);
         if (values > MAX_VALUES) {
             problems.add(
                     root.get("every").orElseThrow(),
@@ -335,9 +331,7 @@ public final class Experiment {
     /** Returns an argument of a program; a formula alone gives a number. */
     private static String word(Node node) {
         return node.text()
-                .orElseGet(
-                        () ->
-                                YamlWriter.Numeral.of(node.number().orElse(Double.NaN)).text());
+                .orElseGet(() -> YamlWriter.Numeral.of(node.number().orElse(Double.NaN)).text());
     }
 
     /** Evaluates the formulas of the schedule, except those in texts of laws, which have braces. */

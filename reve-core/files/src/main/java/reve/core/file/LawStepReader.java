@@ -116,9 +116,7 @@ final class LawStepReader {
                         ParameterFile.reference(
                                 law,
                                 text,
-                                parameters
-                                        .<Collection<Node>>map(Node::children)
-                                        .orElse(List.of()),
+                                parameters.<Collection<Node>>map(Node::children).orElse(List.of()),
                                 Problems.place(node),
                                 quantities,
                                 physics,

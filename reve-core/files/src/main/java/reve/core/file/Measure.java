@@ -33,8 +33,7 @@ public record Measure(
      *
      * @param itemClass only items of this class, if present
      */
-    public record OfKind(
-            Fold fold, String kind, Optional<String> itemClass, Expression expression)
+    public record OfKind(Fold fold, String kind, Optional<String> itemClass, Expression expression)
             implements Source {}
 
     /**

@@ -110,8 +110,7 @@ final class MeasureReader {
                             isVector(of.value()) ? ExpressionType.LIST : ExpressionType.NUMBER;
                     case Measure.Energy energy -> ExpressionType.NUMBER;
                 };
-        if ((needed || source instanceof Measure.OfKind)
-                && !type.suits(ExpressionType.NUMBER)) {
+        if ((needed || source instanceof Measure.OfKind) && !type.suits(ExpressionType.NUMBER)) {
             Node at = node.get("is").or(() -> node.get("ledger")).orElse(node);
             problems.add(
                     at, at.label() + ": is " + type.words() + ", expected a number to summarize");
@@ -124,8 +123,7 @@ final class MeasureReader {
     }
 
     private Optional<Measure.Source> source(Node node) {
-        List<String> found =
-                SOURCES.stream().filter(key -> node.get(key).isPresent()).toList();
+        List<String> found = SOURCES.stream().filter(key -> node.get(key).isPresent()).toList();
         if (found.size() != 1) {
             problems.addAtKey(
                     node,
@@ -198,9 +196,7 @@ final class MeasureReader {
             return Optional.empty();
         }
         return expression(node.get("is").orElseThrow(), kind)
-                .map(
-                        expression ->
-                                new Measure.OfKind(fold, kind, text(node, "class"), expression));
+                .map(expression -> new Measure.OfKind(fold, kind, text(node, "class"), expression));
     }
 
     private Optional<Measure.Source> ofLedger(Node value) {
@@ -231,8 +227,7 @@ final class MeasureReader {
     private Optional<Expression> expression(Node node, String kind) {
         try {
             return Optional.of(
-                    scopes.computeIfAbsent(
-                                    kind, known -> Scope.ofItem(world.prototype(), known))
+                    scopes.computeIfAbsent(kind, known -> Scope.ofItem(world.prototype(), known))
                             .compile(node.text().orElse("")));
         } catch (ExpressionException refused) {
             problems.addInText(node, refused.offset(), node.label() + ": " + refused.getMessage());

@@ -8,8 +8,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Replacement of values of a world file, each named by its path: the keys that lead to it, joined by
- * dots. An element of a list is named by its {@code name}, or by itself if it is a text. A
+ * Replacement of values of a world file, each named by its path: the keys that lead to it, joined
+ * by dots. An element of a list is named by its {@code name}, or by itself if it is a text. A
  * replaced value keeps the position of the replacement, so problems with it are reported there.
  */
 final class Overrides {
@@ -168,9 +168,7 @@ final class Overrides {
     }
 
     private Node replaced(Node owner, Object key, Step step, Node value) {
-        return step.rest.isEmpty()
-                ? value.as(owner, key)
-                : set(step.child, step.rest, value);
+        return step.rest.isEmpty() ? value.as(owner, key) : set(step.child, step.rest, value);
     }
 
     private Node inList(Node list, Step step, Node value) {
@@ -190,8 +188,13 @@ final class Overrides {
     private Node unknown(Node list, String path, Node value) {
         List<String> names = new ArrayList<>();
         for (Node part : parts) {
-            part.get(list.key()).ifPresent(same -> same.children().forEach(
-                    element -> nameOf(element).ifPresent(names::add)));
+            part.get(list.key())
+                    .ifPresent(
+                            same ->
+                                    same.children()
+                                            .forEach(
+                                                    element ->
+                                                            nameOf(element).ifPresent(names::add)));
         }
         int end = path.indexOf(SEPARATOR);
         String wanted = end < 0 ? path : path.substring(0, end);

@@ -91,8 +91,7 @@ final class SweepSpace {
             Unit unit = read.get().unit().orElse(Unit.ONE);
             if (first.isPresent() && !first.get().sameDimension(unit)) {
                 problems.add(
-                        node,
-                        node.label() + ": unit " + unit + " does not fit " + first.get());
+                        node, node.label() + ": unit " + unit + " does not fit " + first.get());
             }
             first = Optional.of(first.orElse(unit));
             values.add(read.get().value());
@@ -115,13 +114,11 @@ final class SweepSpace {
                             + to
                             + " on a logarithmic scale, expected values above 0");
         }
-        double[] values = new double[axis.get("count").flatMap(Node::number).orElse(2.0).intValue()];
+        double[] values =
+                new double[axis.get("count").flatMap(Node::number).orElse(2.0).intValue()];
         for (int i = 0; i < values.length; i++) {
             double part = (double) i / (values.length - 1);
-            values[i] =
-                    log
-                            ? from * StrictMath.pow(to / from, part)
-                            : from + (to - from) * part;
+            values[i] = log ? from * StrictMath.pow(to / from, part) : from + (to - from) * part;
         }
         values[values.length - 1] = to;
         return values;
