@@ -47,7 +47,7 @@ public final class Experiment {
     private final double deadlineSeconds;
 
     /** Files that runs have read, by their names relative to the world's folder. */
-    private final SortedMap<String, Path> read = new ConcurrentSkipListMap<>();
+    private final SortedMap<String, Path> read;
 
     private Experiment(
             Path file,
@@ -57,7 +57,8 @@ public final class Experiment {
             String worldShown,
             WorldSource source,
             SweepSpace space,
-            double deadlineSeconds) {
+            double deadlineSeconds,
+            SortedMap<String, Path> read) {
         this.file = file;
         this.shown = shown;
         this.root = root;
@@ -66,6 +67,7 @@ public final class Experiment {
         this.source = source;
         this.space = space;
         this.deadlineSeconds = deadlineSeconds;
+        this.read = read;
     }
 
     /**
@@ -92,12 +94,18 @@ public final class Experiment {
         problems.throwIfAny();
         Path worldFile = world.orElseThrow().path();
         String worldShown = world.get().name();
+        SortedMap<String, Path> read = new ConcurrentSkipListMap<>();
         WorldSource source =
                 WorldSource.read(
-                        worldFile, new WorldFolder(worldFile.getParent()), problems.of(worldShown));
+                        worldFile,
+                        new WorldFolder(
+                                worldFile.getParent(),
+                                name -> read.put(name, worldFile.resolveSibling(name))),
+                        problems.of(worldShown));
         problems.throwIfAny();
         var experiment =
-                new Experiment(file, shown, root, worldFile, worldShown, source, space, deadline);
+                new Experiment(
+                        file, shown, root, worldFile, worldShown, source, space, deadline, read);
         experiment.plan(0);
         return experiment;
     }

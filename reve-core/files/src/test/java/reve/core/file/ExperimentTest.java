@@ -129,7 +129,8 @@ class ExperimentTest {
         assertThat(item(world, "ball").symbols()).containsEntry("hot", false);
         assertThat(item(world, "part.one").location()).containsExactly(3, 0, 1);
         assertThat(item(world, "dust-2").physics("mass").orElseThrow()).containsExactly(9);
-        assertThat(item(world, "ball").shape().size()[0]).isEqualTo(1.0);
+        assertThat(item(world, "ball").shape().size(0)).isEqualTo(1.0);
+        assertThat(experiment.inputs()).containsOnlyKeys("e.yaml", "world.yaml", "parts.yaml");
     }
 
     @Test
@@ -205,7 +206,7 @@ class ExperimentTest {
                                                 + " `ball`?"))
                 .anyMatch(line -> line.startsWith("e.yaml:9:15: ledger: found `total.enrgy`"))
                 .anyMatch(line -> line.contains("did you mean `energy`?"))
-                .anyMatch(line -> line.startsWith("e.yaml:10:29: take: "));
+                .anyMatch(line -> line.startsWith("e.yaml:10:30: take: "));
         assertThat(problems(HEAD + "sweep: {a: [1 m, 2 kg]}\n" + SPEED))
                 .containsExactly("e.yaml:5:18: a[1]: unit kg does not fit m");
         assertThat(problems(HEAD + "sweep: {sin: [1]}\n" + SPEED))

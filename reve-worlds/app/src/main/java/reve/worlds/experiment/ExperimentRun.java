@@ -80,7 +80,7 @@ final class ExperimentRun {
             return failed(
                     invalid.problems().stream()
                             .map(Problem::toString)
-                            .collect(Collectors.joining("\n")));
+                            .collect(Collectors.joining("; ")));
         } catch (IOException | RuntimeException failure) {
             return failed(failure.getMessage() == null ? failure.toString() : failure.getMessage());
         }

@@ -109,13 +109,14 @@ final class Plots {
                                     ? XYSeries.XYSeriesRenderStyle.Line
                                     : XYSeries.XYSeriesRenderStyle.Scatter);
             if (expected.containsKey(line.getKey())) {
-                series(
+                XYSeries curve =
+                        series(
                                 chart,
                                 line.getKey().isEmpty() ? "expected" : label + ", expected",
                                 expected.get(line.getKey()),
-                                colour)
-                        .setLineStyle(SeriesLines.DASH_DASH)
-                        .setMarker(SeriesMarkers.NONE);
+                                colour);
+                curve.setLineStyle(SeriesLines.DASH_DASH);
+                curve.setMarker(SeriesMarkers.NONE);
             }
         }
         save(chart, name + "-over-" + variable.get() + ".png", drawn);
