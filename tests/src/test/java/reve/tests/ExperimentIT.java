@@ -273,7 +273,7 @@ class ExperimentIT {
         Outcome outcome =
                 Reve.run(
                         "experiment",
-                        Project.WORLDS.resolve("pendulum/experiment.yaml").toString(),
+                        Project.WORLDS.resolve("pendulum").toString(),
                         "--out",
                         folder.resolve("p").toString());
         assertThat(outcome.code()).as(outcome.out() + outcome.err()).isZero();

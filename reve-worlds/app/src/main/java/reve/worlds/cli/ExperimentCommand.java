@@ -44,6 +44,9 @@ import java.util.concurrent.ConcurrentSkipListSet;
                     + " identical, or the first difference."
         })
 public final class ExperimentCommand implements Callable<Integer> {
+    /** File name of an experiment in a folder. */
+    private static final String NAME = "experiment.yaml";
+
     private static final int MAX_JOBS = 256;
 
     /** Maximum number of runs that the printed table shows. */
@@ -51,7 +54,9 @@ public final class ExperimentCommand implements Callable<Integer> {
 
     @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Parameters(paramLabel = "FILE", description = "An experiment file.")
+    @Parameters(
+            paramLabel = "FILE",
+            description = "An experiment file, or a folder that contains an experiment.yaml.")
     private Path file = Path.of("");
 
     @Mixin private LawOptions laws = new LawOptions();
@@ -95,6 +100,9 @@ public final class ExperimentCommand implements Callable<Integer> {
         if (threads < 1 || threads > MAX_JOBS) {
             throw new ParameterException(
                     spec.commandLine(), "--jobs is " + threads + ", expected 1 to " + MAX_JOBS);
+        }
+        if (Files.isDirectory(file)) {
+            file = file.resolve(NAME);
         }
         if (!Files.exists(file)) {
             throw new NoSuchFileException(
