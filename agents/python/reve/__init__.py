@@ -25,7 +25,7 @@ from .protocol import (
     Value,
     Welcome,
 )
-from .server import serve
+from .server import experiment, serve
 
 __all__ = [
     "Act",
@@ -50,5 +50,6 @@ __all__ = [
     "Welcome",
     "connect",
     "control",
+    "experiment",
     "serve",
 ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A local server for the duration of a context."""
+"""The commands `serve` and `experiment` of the project's launcher."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import os
 import subprocess
 import tempfile
 import threading
-from typing import IO, Iterator, List, Tuple, Union
+from typing import IO, Any, Dict, Iterator, List, Tuple, Union
 
 from .errors import ReveError
 
@@ -66,6 +66,36 @@ def serve(
                 except subprocess.TimeoutExpired:
                     process.kill()
                     process.wait()
+
+
+def experiment(
+    file: Union[str, "os.PathLike[str]"],
+    *options: str,
+    launcher: Union[str, "os.PathLike[str]"] = "./reve",
+) -> Dict[str, Any]:
+    """Runs `./reve experiment FILE` to its end and returns its result, the document of `--json`.
+
+    The result says with `identical` whether it equals the earlier results in the folder, if there
+    are any; each of its `runs` has a `state`. `options` are further options of the command,
+    `launcher` is the project's launcher. Raises ReveError with the command's output if the
+    experiment cannot be run.
+    """
+    command = [os.fspath(launcher), "experiment", os.fspath(file), "--json", *options]
+    try:
+        run = subprocess.run(
+            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
+        )
+    except OSError as error:
+        raise ReveError(
+            "no-experiment",
+            f"cannot run {command[0]}: {error.strerror}",
+            "give the path of the project's `reve` as launcher",
+        ) from error
+    try:
+        result: Dict[str, Any] = json.loads(run.stdout)
+    except ValueError as error:
+        raise ReveError("no-experiment", f"`{' '.join(command)}`: {run.stderr.strip()}") from error
+    return result
 
 
 def _start(command: List[str], errors: IO[str]) -> "subprocess.Popen[str]":

@@ -15,7 +15,8 @@ import reve
 from support import PACKAGE, java, launched, pond
 
 README = PACKAGE / "README.md"
-PAGE = PACKAGE.parents[1] / "docs" / "agents.md"
+ROOT = PACKAGE.parents[1]
+PAGE = ROOT / "docs" / "agents.md"
 
 
 def examples(document: pathlib.Path, language: str, port: int) -> List[str]:
@@ -98,6 +99,29 @@ class PageTest(unittest.TestCase):
                 self.assertIn(f'"t":"{wanted}"', answer)
                 self.assertNotIn('"accepted":false', answer)
             self.assertEqual(answers.readline(), "")
+
+
+class ExperimentsTest(unittest.TestCase):
+    """Tests the example in Python of docs/experiments.md, with the files of this page."""
+
+    def test_an_experiment_is_run_and_read_as_the_page_says(self):
+        page = (ROOT / "docs" / "experiments.md").read_text("utf-8")
+        files = dict(re.findall(r"^```\w+ title=(\S+)\n(.*?)^```$", page, re.MULTILINE | re.DOTALL))
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("syrup.yaml", "sinking.yaml", "read.py"):
+                pathlib.Path(folder, name).write_text(files[name], "utf-8")
+            run = subprocess.run(
+                [sys.executable, "read.py"],
+                cwd=folder,
+                env={**os.environ, "PYTHONPATH": str(PACKAGE), "REVE": str(ROOT)},
+                capture_output=True,
+                text=True,
+                timeout=120,
+            )
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertEqual(run.stdout, files["read"])
+            with self.assertRaisesRegex(reve.ReveError, "there is no experiment file nothing"):
+                reve.experiment("nothing", launcher=ROOT / "reve")
 
 
 if __name__ == "__main__":

@@ -260,6 +260,32 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
+     * Holds the first frame of a world until this number of agents waits to join, so that they join
+     * in the same frame. Call it before the world's loop runs.
+     */
+    public void expect(String world, int agents) {
+        served(world).expectAgents(agents);
+    }
+
+    /** Returns the number of agents of a world that are in lock-step. */
+    public int inLockStep(String world) {
+        return served(world).inLockStep();
+    }
+
+    private ServedWorld served(String world) {
+        return worlds.stream()
+                .filter(served -> served.name().equals(world))
+                .findFirst()
+                .orElseThrow(
+                        () ->
+                                new IllegalArgumentException(
+                                        "world is "
+                                                + world
+                                                + ", expected one of "
+                                                + worlds.stream().map(ServedWorld::name).toList()));
+    }
+
+    /**
      * Ends a world: sends the message {@code bye} to all its clients, and admits no more clients to
      * it.
      */

@@ -19,6 +19,7 @@ final class Expansion {
     private final SourceFiles files;
     private final Room values;
     private final Prefabs prefabs;
+    private final long firstNumber;
 
     /**
      * @param source the file with the prefabs
@@ -26,6 +27,7 @@ final class Expansion {
     Expansion(WorldSource source, Problems problems) throws WorldFileException {
         this.problems = problems;
         this.files = source.files();
+        this.firstNumber = source.firstNumber();
         this.values = new Room(problems);
         this.prefabs = new Prefabs(source.named("prefabs"), problems, values);
     }
@@ -158,7 +160,7 @@ final class Expansion {
         if (fromTable) {
             values.requireItems(repetition.count(), item);
         }
-        var template = new Template(item, repetition.variables(), problems);
+        var template = new Template(item, repetition.variables(), problems, firstNumber);
         values.require(Math.min(repetition.count(), MAX_VALUES) * (1 + template.size()), item);
         values.requireFormulas(
                 Math.min(repetition.count(), MAX_FORMULAS + 1L) * template.formulas(), item);

@@ -64,6 +64,18 @@ final class Node {
         return new Node(file, parent, key, keyLine, keyColumn, line, column, other);
     }
 
+    /**
+     * Returns this value with its position as the value of another mapping or list.
+     *
+     * @param owner the mapping or list, which does not change
+     * @param otherKey a String for a mapping, an Integer for a list
+     */
+    Node as(Node owner, Object otherKey) {
+        Node node = new Node(file, owner, otherKey, keyLine, keyColumn, line, column, value);
+        node.textColumn = textColumn;
+        return node;
+    }
+
     /** Returns a node at this position with a list of numbers. */
     Node withNumbers(double[] numbers) {
         List<Node> elements = new ArrayList<>(numbers.length);

@@ -34,17 +34,11 @@ import java.util.stream.Collectors;
  * library into messages with the position in the file.
  */
 final class SchemaCheck {
-    private static final String RESOURCE = "/reve-world.schema.json";
-    private static final String ID = "urn:reve:world-file:1";
-    private static final String SOURCE = resource();
-    private static final JsonNode TREE = JsonMapper.shared().readTree(SOURCE);
-    private static final SchemaRegistry REGISTRY =
-            SchemaRegistry.withDefaultDialect(
-                    SpecificationVersion.DRAFT_2020_12,
-                    builder -> builder.schemas(Map.of(ID, SOURCE)));
-    private static final Schema FILE = REGISTRY.getSchema(SchemaLocation.of(ID));
-    private static final Schema PART = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/part"));
-    private static final Schema ITEM = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/item"));
+    private static final Source WORLD =
+            new Source("/reve-world.schema.json", "urn:reve:world-file:1");
+    private static final Schema FILE = WORLD.schema("");
+    private static final Schema PART = WORLD.schema("#/$defs/part");
+    private static final Schema ITEM = WORLD.schema("#/$defs/item");
 
     /**
      * Number of elements of a list that are checked: one more than the schema permits in any list
@@ -70,12 +64,46 @@ final class SchemaCheck {
     private static final Pattern DIGITS = Pattern.compile("\\d+( .*)?");
 
     private final Problems problems;
+    private final JsonNode tree;
 
     /** Whether a list or a mapping is longer than permitted. */
     private boolean tooLong;
 
     private SchemaCheck(Problems problems) {
+        this(problems, WORLD.tree);
+    }
+
+    private SchemaCheck(Problems problems, JsonNode tree) {
         this.problems = problems;
+        this.tree = tree;
+    }
+
+    /** A schema file with its id. */
+    private static final class Source {
+        private final String id;
+        private final JsonNode tree;
+        private final SchemaRegistry registry;
+
+        Source(String resource, String id) {
+            String text = resource(resource);
+            this.id = id;
+            this.tree = JsonMapper.shared().readTree(text);
+            this.registry =
+                    SchemaRegistry.withDefaultDialect(
+                            SpecificationVersion.DRAFT_2020_12,
+                            builder -> builder.schemas(Map.of(id, text)));
+        }
+
+        Schema schema(String fragment) {
+            return registry.getSchema(SchemaLocation.of(id + fragment));
+        }
+    }
+
+    /** The schema of experiments, read when the first experiment is checked. */
+    private static final class OfExperiments {
+        private static final Source SOURCE =
+                new Source("/reve-experiment.schema.json", "urn:reve:experiment:1");
+        private static final Schema FILE = SOURCE.schema("");
     }
 
     /** Notes all violations of the schema in a world file. */
@@ -86,6 +114,13 @@ final class SchemaCheck {
     /** Checks an included file, like {@link #check}. */
     static void checkPart(Node root, Problems problems) throws WorldFileException {
         new SchemaCheck(problems).check(root, PART);
+    }
+
+    /** Checks an experiment, like {@link #check}. */
+    static void checkExperiment(Node root, Problems problems) throws WorldFileException {
+        var check = new SchemaCheck(problems, OfExperiments.SOURCE.tree);
+        check.report(OfExperiments.FILE.validate(toJson(root, Optional.empty())), root);
+        check.endIfTooLong();
     }
 
     /** Checks a single item, like {@link #check}. */
@@ -281,17 +316,17 @@ final class SchemaCheck {
     }
 
     /** Returns the part of the schema that contains the broken rule. */
-    private static JsonNode surrounding(Error error) {
+    private JsonNode surrounding(Error error) {
         String rule = error.getSchemaLocation().getFragment().toString();
-        return TREE.at(JsonPointer.compile(rule.substring(0, rule.lastIndexOf('/'))));
+        return tree.at(JsonPointer.compile(rule.substring(0, rule.lastIndexOf('/'))));
     }
 
     /** Returns the description of a rule, from the rule itself or from its reference. */
-    private static String description(JsonNode rule) {
+    private String description(JsonNode rule) {
         JsonNode reference = rule.path("$ref");
         return (reference.isMissingNode()
                         ? rule
-                        : TREE.at(JsonPointer.compile(reference.asString().substring(1))))
+                        : tree.at(JsonPointer.compile(reference.asString().substring(1))))
                 .path("description")
                 .asString();
     }
@@ -353,14 +388,14 @@ final class SchemaCheck {
         return Double.isFinite(number) && Math.abs(number) >= 0x1p63;
     }
 
-    private static String resource() {
-        try (InputStream in = SchemaCheck.class.getResourceAsStream(RESOURCE)) {
+    private static String resource(String name) {
+        try (InputStream in = SchemaCheck.class.getResourceAsStream(name)) {
             if (in == null) {
-                throw new IllegalStateException(RESOURCE + " is not on the class path");
+                throw new IllegalStateException(name + " is not on the class path");
             }
             return new String(in.readAllBytes(), StandardCharsets.UTF_8);
         } catch (IOException e) {
-            throw new UncheckedIOException("cannot read resource " + RESOURCE, e);
+            throw new UncheckedIOException("cannot read resource " + name, e);
         }
     }
 }

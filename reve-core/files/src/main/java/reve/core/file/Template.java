@@ -49,6 +49,7 @@ final class Template {
 
     private final List<String> variables;
     private final Problems problems;
+    private final long firstNumber;
     private final Maker maker;
     private final List<Part> parts = new ArrayList<>();
     private int made;
@@ -58,8 +59,16 @@ final class Template {
      * @param variables the names that formulas may use; problems with formulas are noted
      */
     Template(Node item, List<String> variables, Problems problems) {
+        this(item, variables, problems, 0);
+    }
+
+    /**
+     * @param firstNumber number of the first repetition; random numbers depend on it
+     */
+    Template(Node item, List<String> variables, Problems problems, long firstNumber) {
         this.variables = variables;
         this.problems = problems;
+        this.firstNumber = firstNumber;
         this.maker = item(item);
     }
 
@@ -256,7 +265,7 @@ final class Template {
     private double[] value(Node node, Formula formula, double[] variableValues, long repetition) {
         String wrong;
         try {
-            double[] value = formula.value(variableValues, repetition);
+            double[] value = formula.value(variableValues, firstNumber + repetition);
             int bad = 0;
             while (bad < value.length && Double.isFinite(value[bad])) {
                 bad++;

@@ -229,7 +229,7 @@ final class WorldReader {
      * Returns the name of the first law in a text; for a text without a law, the physics engine
      * reports the error.
      */
-    private static String nameInText(String text) {
+    static String nameInText(String text) {
         Matcher name = FIRST_LAW.matcher(text);
         return name.find() ? name.group(1) : "text";
     }

@@ -19,10 +19,29 @@ import java.util.Set;
  * @param world the outermost mapping of the world file
  * @param parts the outermost mappings of all files; an included file precedes the including one
  * @param files resolves the files that the world names
+ * @param seed seed of an experiment's run, on which random numbers of formulas depend; 0 for the
+ *     world as its file describes it
  */
-record WorldSource(Node world, List<Node> parts, SourceFiles files) {
+record WorldSource(Node world, List<Node> parts, SourceFiles files, long seed) {
     /** Maximum depth of inclusion. */
     static final int MAX_DEPTH = 16;
+
+    /** Maximum seed. */
+    static final long MAX_SEED = Integer.MAX_VALUE;
+
+    private static final int SEED_SHIFT = 32;
+
+    WorldSource(Node world, List<Node> parts, SourceFiles files) {
+        this(world, parts, files, 0);
+    }
+
+    /**
+     * Returns the number of the first repetition for random numbers. There are fewer than 2^32
+     * repetitions, so different seeds give different numbers.
+     */
+    long firstNumber() {
+        return seed << SEED_SHIFT;
+    }
 
     /**
      * Reads a world file and its included files.

@@ -25,6 +25,7 @@ class SchemaAgreementTest {
     private static final int MUTANTS = Integer.getInteger("reve.schema.mutants", 1500);
     private static final URI FILE = URI.create("urn:reve:world-file:1");
     private static final URI PART = URI.create("urn:reve:world-file:1#/$defs/part");
+    private static final URI EXPERIMENT = URI.create("urn:reve:experiment:1");
     private final Validator editor = new ValidatorFactory().createValidator();
 
     SchemaAgreementTest() throws IOException {
@@ -38,6 +39,19 @@ class SchemaAgreementTest {
         Map<String, Object> worlds = WorldTrees.worlds();
         assertThat(worlds).as("world files and whole worlds in documents").hasSizeGreaterThan(15);
         worlds.forEach((place, world) -> assertThat(saidBy(FILE, world)).as(place).isEmpty());
+    }
+
+    @Test
+    void everyExperimentOfTheProjectIsAccepted() throws IOException {
+        try (var in = WorldFile.class.getResourceAsStream("/reve-experiment.schema.json")) {
+            editor.registerSchema(
+                    EXPERIMENT, new String(in.readAllBytes(), StandardCharsets.UTF_8));
+        }
+        Map<String, Object> experiments = WorldTrees.experiments();
+        assertThat(experiments).as("experiments of the project and of documents").hasSize(5);
+        experiments.forEach(
+                (place, experiment) ->
+                        assertThat(saidBy(EXPERIMENT, experiment)).as(place).isEmpty());
     }
 
     @Test

@@ -25,6 +25,9 @@ final class WorldTrees {
     private static final Pattern YAML_BLOCK =
             Pattern.compile("^```yaml[^\n]*\n(.*?)^```", Pattern.MULTILINE | Pattern.DOTALL);
 
+    /** Line by which experiments differ from world files. */
+    private static final String EXPERIMENT = "experiment: 1";
+
     /** The values that damage puts in place of any value. */
     private static final List<Object> OTHERS =
             List.of(
@@ -203,11 +206,30 @@ final class WorldTrees {
         return parts;
     }
 
+    /** Experiments of the project, and those in its documents. */
+    static Map<String, Object> experiments() throws IOException {
+        Map<String, Object> experiments = new TreeMap<>();
+        Map<String, String> all = blocks();
+        for (Path file : files("worlds", ".yaml")) {
+            all.put(file.toString(), Files.readString(file));
+        }
+        all.forEach(
+                (place, text) -> {
+                    if (text.contains(EXPERIMENT)) {
+                        experiments.put(place, loaded(text));
+                    }
+                });
+        return experiments;
+    }
+
     private static Map<String, String> texts() throws IOException {
         Map<String, String> texts = new TreeMap<>();
         for (String folder : List.of("worlds", "agents", "tests", "bench")) {
             for (Path file : files(folder, ".yaml")) {
-                texts.put(file.toString(), Files.readString(file));
+                String text = Files.readString(file);
+                if (!text.contains(EXPERIMENT)) {
+                    texts.put(file.toString(), text);
+                }
             }
         }
         return texts;

@@ -84,6 +84,11 @@ final class LawOptions {
         }
     }
 
+    /** Returns whether native code and programs that come with a world may run. */
+    boolean isTrusted() {
+        return trust;
+    }
+
     /** Returns the operator's folder of laws. */
     Optional<Path> folder() {
         return folder;

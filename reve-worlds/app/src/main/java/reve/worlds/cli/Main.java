@@ -53,6 +53,7 @@ public final class Main {
             List.of(
                     ServeCommand.class,
                     RunCommand.class,
+                    ExperimentCommand.class,
                     ReplayCommand.class,
                     SnapshotCommand.class,
                     CheckCommand.class,

@@ -172,6 +172,10 @@ final class HostedWorld implements AutoCloseable {
         return simulation.loop().frame() > 0 ? List.of() : simulation.warnings(true);
     }
 
+    Simulation simulation() {
+        return simulation;
+    }
+
     String name() {
         return plan.description().name();
     }

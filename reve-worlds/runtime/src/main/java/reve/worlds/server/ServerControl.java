@@ -370,6 +370,32 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 .toList();
     }
 
+    /**
+     * Loads a library, in place of a loaded text of the same name if both are texts. If the engine
+     * refuses it, loads the old text again. World's thread, outside PHYSICS.
+     *
+     * @return id of the library
+     */
+    static int loadOrReplace(
+            Laws laws,
+            long frame,
+            PreparedLibrary prepared,
+            Map<String, Double> parameters,
+            Path file) {
+        OptionalInt old =
+                laws.loaded().stream()
+                        .filter(law -> law.library().equals(prepared.name()))
+                        .mapToInt(PhysicsLaw::libraryId)
+                        .findFirst();
+        boolean isText =
+                laws.libraries().stream()
+                        .filter(library -> library.name().equals(prepared.name()))
+                        .anyMatch(LawLibrary::isText);
+        return old.isEmpty() || !isText || !PreparedLibrary.isText(prepared.bytes())
+                ? laws.load(frame, prepared, parameters, file)
+                : laws.replace(frame, old.getAsInt(), prepared, parameters, file);
+    }
+
     private static ActionRefused refusal(PhysicsException refused) {
         return new ActionRefused("law-refused", String.valueOf(refused.getMessage()));
     }
@@ -389,32 +415,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
         @Override
         public void make(World world, long frame) throws ActionRefused {
             try (prepared) {
-                replaceText(frame);
+                loadOrReplace(simulation.physics().laws(), frame, prepared, parameters, file);
             } catch (PhysicsException refused) {
                 throw refusal(refused);
             }
-        }
-
-        /**
-         * Loads the library in place of a loaded text of the same name. If the engine refuses it,
-         * loads the old text again.
-         */
-        private void replaceText(long frame) {
-            Laws laws = simulation.physics().laws();
-            OptionalInt old =
-                    laws.loaded().stream()
-                            .filter(law -> law.library().equals(prepared.name()))
-                            .mapToInt(PhysicsLaw::libraryId)
-                            .findFirst();
-            boolean isText =
-                    laws.libraries().stream()
-                            .filter(library -> library.name().equals(prepared.name()))
-                            .anyMatch(LawLibrary::isText);
-            if (old.isEmpty() || !isText || !PreparedLibrary.isText(prepared.bytes())) {
-                laws.load(frame, prepared, parameters, file);
-                return;
-            }
-            laws.replace(frame, old.getAsInt(), prepared, parameters, file);
         }
 
         @Override

@@ -134,6 +134,14 @@ public final class WorldServer implements AutoCloseable {
         return ports;
     }
 
+    /**
+     * Returns the worlds with their laws, in the order of the plans. A program may subscribe to
+     * their frames before {@link #run}.
+     */
+    public List<Simulation> simulations() {
+        return worlds.stream().map(HostedWorld::simulation).toList();
+    }
+
     /** Returns the TCP port for agents. */
     public int port() {
         return agents.address().getPort();

@@ -44,6 +44,12 @@ public final class LockStep implements FrameGate {
     /** Number of agents that wait to join; a join is executed in the next frame. */
     private final AtomicInteger coming = new AtomicInteger();
 
+    /**
+     * Number of agents that must wait to join before the first frame; 0 after that. Only the loop's
+     * thread uses it once the loop runs.
+     */
+    private int expected;
+
     /** The frame that is held; {@link #NO_FRAME} if none is. */
     private volatile long held = NO_FRAME;
 
@@ -104,6 +110,19 @@ public final class LockStep implements FrameGate {
     public void comes() {
         coming.incrementAndGet();
         wake.run();
+    }
+
+    /**
+     * Holds the first frame until this number of agents waits to join, so that all join in the same
+     * frame. Call it before the loop runs.
+     */
+    public void expect(int agents) {
+        expected = agents;
+    }
+
+    /** Returns the number of agents in lock-step. */
+    public int size() {
+        return turns.length;
     }
 
     /** Records that a waiting agent has joined or was refused. */
@@ -180,6 +199,11 @@ public final class LockStep implements FrameGate {
             allowances.postpone(nowNanoseconds - askedNanos);
         }
         askedNanos = nowNanoseconds;
+        if (!isExpectedHere()) {
+            dueSinceNanos = nowNanoseconds;
+            return CHECK_NANOS;
+        }
+        expected = 0;
         held = frame; // set before the check: an agent that becomes ready from now on wakes the
         // loop
         boolean somebodyComes = coming.get() > 0;
@@ -251,7 +275,14 @@ public final class LockStep implements FrameGate {
 
     @Override
     public void await(long nanoseconds, BooleanSupplier disturbed, FrameClock clock) {
-        waiting.await(nanoseconds, () -> disturbed.getAsBoolean() || !isAnybodyAwaited(due), clock);
+        waiting.await(
+                nanoseconds,
+                () -> disturbed.getAsBoolean() || isExpectedHere() && !isAnybodyAwaited(due),
+                clock);
+    }
+
+    private boolean isExpectedHere() {
+        return coming.get() >= expected;
     }
 
     @Override

@@ -100,6 +100,19 @@ public final class ServedWorld implements AutoCloseable {
         return lockStep;
     }
 
+    /**
+     * Holds the first frame until this number of agents waits to join. Call it before the loop
+     * runs.
+     */
+    public void expectAgents(int agents) {
+        lockStep.expect(agents);
+    }
+
+    /** Returns the number of agents in lock-step. Any thread. */
+    public int inLockStep() {
+        return lockStep.size();
+    }
+
     Cameras cameras() {
         return port.cameras();
     }

@@ -511,9 +511,9 @@ public final class Session implements Client, Perceiver {
             }
             services.kept().keepNoLonger(this);
         }
-        pace.leave();
         world.publisher().dismiss(this); // must happen before another client may take the name
         world.leave(this, reason);
+        pace.leave(); // last: the world waits for the agent until its leave is in the next frame
     }
 
     synchronized ServerMessage.@Nullable Ticket ticket() {

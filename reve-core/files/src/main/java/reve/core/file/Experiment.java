@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.file;
+
+import reve.core.mesh.Assets;
+import reve.core.mesh.WorldFolder;
+import reve.core.unit.Unit;
+
+import java.io.IOException;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.Collections;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.OptionalInt;
+import java.util.SortedMap;
+import java.util.TreeMap;
+import java.util.concurrent.ConcurrentSkipListMap;
+
+/**
+ * An experiment: runs of one world with other values, seeds and laws, and what is measured in them.
+ * Read from a YAML file that follows the schema {@code reve-experiment.schema.json}. Immutable; any
+ * thread.
+ */
+public final class Experiment {
+    /** Version of the format, the value of the key {@code experiment}. */
+    public static final int FORMAT_VERSION = 1;
+
+    /** Maximum number of frames of a run. */
+    static final long MAX_FRAMES = 1_000_000_000;
+
+    /** Maximum number of values that all runs measure. */
+    static final long MAX_VALUES = 2_000_000;
+
+    private static final Unit SECOND = Unit.parse("s");
+    private static final double DEFAULT_DEADLINE_SECONDS = 60;
+    private static final double MAX_DEADLINE_SECONDS = 3600;
+
+    private final Path file;
+    private final String shown;
+    private final Node root;
+    private final Path worldFile;
+    private final String worldShown;
+    private final WorldSource source;
+    private final SweepSpace space;
+    private final double deadlineSeconds;
+
+    /** Files that runs have read, by their names relative to the world's folder. */
+    private final SortedMap<String, Path> read;
+
+    private Experiment(
+            Path file,
+            String shown,
+            Node root,
+            Path worldFile,
+            String worldShown,
+            WorldSource source,
+            SweepSpace space,
+            double deadlineSeconds,
+            SortedMap<String, Path> read) {
+        this.file = file;
+        this.shown = shown;
+        this.root = root;
+        this.worldFile = worldFile;
+        this.worldShown = worldShown;
+        this.source = source;
+        this.space = space;
+        this.deadlineSeconds = deadlineSeconds;
+        this.read = read;
+    }
+
+    /**
+     * Reads and checks an experiment with its world.
+     *
+     * @throws WorldFileException with all problems, by line and column
+     * @throws IOException if the system cannot read it
+     */
+    public static Experiment load(Path file) throws WorldFileException, IOException {
+        String shown = file.toString();
+        var problems = new Problems(shown);
+        var folder = new WorldFolder(file.toAbsolutePath().getParent());
+        var files = new SourceFiles(folder, shown);
+        Node root =
+                YamlReader.read(
+                        files.read(file, problems),
+                        problems,
+                        new Allowance(YamlReader.MAX_OTHER_VALUES));
+        SchemaCheck.checkExperiment(root, problems);
+        problems.throwIfAny();
+        SweepSpace space = SweepSpace.read(root, problems);
+        double deadline = deadline(root, problems);
+        Optional<SourceFiles.Source> world = files.find(root.get("world").orElseThrow(), problems);
+        problems.throwIfAny();
+        Path worldFile = world.orElseThrow().path();
+        String worldShown = world.get().name();
+        SortedMap<String, Path> read = new ConcurrentSkipListMap<>();
+        WorldSource source =
+                WorldSource.read(
+                        worldFile,
+                        new WorldFolder(
+                                worldFile.getParent(),
+                                name -> read.put(name, worldFile.resolveSibling(name))),
+                        problems.of(worldShown));
+        problems.throwIfAny();
+        var experiment =
+                new Experiment(
+                        file, shown, root, worldFile, worldShown, source, space, deadline, read);
+        experiment.plan(0);
+        return experiment;
+    }
+
+    private static double deadline(Node root, Problems problems) {
+        Optional<Node> node = root.get("deadline");
+        double seconds =
+                node.flatMap(each -> new Quantities(problems).number(each, SECOND))
+                        .orElse(DEFAULT_DEADLINE_SECONDS);
+        if (!(seconds > 0 && seconds <= MAX_DEADLINE_SECONDS)) {
+            problems.add(
+                    node.orElse(root),
+                    "deadline: found "
+                            + seconds
+                            + " s, expected more than 0 and at most "
+                            + MAX_DEADLINE_SECONDS
+                            + " s");
+        }
+        return seconds;
+    }
+
+    /** Returns the experiment file as the caller gave it. */
+    public Path file() {
+        return file;
+    }
+
+    /** Returns the folder of the experiment file. */
+    public Path folder() {
+        Path parent = file.toAbsolutePath().getParent();
+        return parent == null ? Path.of("/") : parent;
+    }
+
+    /** Returns the folder of the world file. */
+    public Path worldFolder() {
+        return worldFile.getParent();
+    }
+
+    /** Returns the name. */
+    public String name() {
+        return root.get("name").flatMap(Node::text).orElseThrow();
+    }
+
+    /** Returns the number of runs. */
+    public int runs() {
+        return space.count();
+    }
+
+    /** Returns the names of the swept variables. */
+    public List<String> variables() {
+        return space.variables();
+    }
+
+    /** Returns whether runs differ by a case. */
+    public boolean hasCases() {
+        return space.hasCases();
+    }
+
+    /** Returns the number of frames between two measurements; empty if only the end is measured. */
+    public OptionalInt every() {
+        Optional<Double> every = root.get("every").flatMap(Node::number);
+        return every.isPresent() ? OptionalInt.of(every.get().intValue()) : OptionalInt.empty();
+    }
+
+    /** Returns the names of the measures. */
+    public List<String> measures() {
+        return root.get("measures").orElseThrow().children().stream().map(Node::key).toList();
+    }
+
+    /** Returns the names of the measures with an expected value. */
+    public List<String> expected() {
+        return root.get("measures").orElseThrow().children().stream()
+                .filter(node -> node.get("expected").isPresent())
+                .map(Node::key)
+                .toList();
+    }
+
+    /** Returns the names of the agents whose programs the file names. */
+    public List<String> agents() {
+        return agentNodes().stream().map(Node::key).toList();
+    }
+
+    /**
+     * Returns the longest time for agents to join, and for one answer of an agent [s of the wall
+     * clock].
+     */
+    public double deadlineSeconds() {
+        return deadlineSeconds;
+    }
+
+    /**
+     * Returns the files that the experiment has read so far, by their names relative to the
+     * experiment's or the world's folder.
+     */
+    public SortedMap<String, Path> inputs() {
+        SortedMap<String, Path> inputs = new TreeMap<>(read);
+        inputs.put(String.valueOf(file.getFileName()), file);
+        inputs.put(String.valueOf(worldFile.getFileName()), worldFile);
+        return Collections.unmodifiableSortedMap(inputs);
+    }
+
+    /** Returns the values that distinguish a run, from 0. */
+    public RunPoint point(int run) {
+        return space.point(run);
+    }
+
+    /**
+     * Reads and checks the world of a run, and what happens and is measured in it.
+     *
+     * @param run from 0
+     * @throws WorldFileException with all problems that the values of this run cause
+     */
+    public RunPlan plan(int run) throws WorldFileException {
+        RunPoint point = space.point(run);
+        var problems = new Problems(worldShown);
+        var folder =
+                new WorldFolder(
+                        worldFile.getParent(),
+                        name -> read.put(name, worldFile.resolveSibling(name)));
+        List<Node> sets = new ArrayList<>();
+        root.get("set").ifPresent(set -> sets.add(evaluated(set, point, problems)));
+        space.caseOf(run).ifPresent(set -> sets.add(evaluated(set, point, problems)));
+        problems.throwIfAny();
+        WorldDescription world =
+                new WorldReader(new Assets(folder), problems)
+                        .read(
+                                Overrides.apply(
+                                        source,
+                                        sets,
+                                        new SourceFiles(folder, worldShown),
+                                        point.seed(),
+                                        problems));
+        var own = problems.of(shown);
+        long frames = frames(world, point, own);
+        own.throwIfAny();
+        List<LawStep> steps =
+                new LawStepReader(world, frames, own)
+                        .readAll(
+                                root.get("schedule")
+                                        .map(node -> evaluatedChanges(node, point, own))
+                                        .orElse(List.of()));
+        List<Measure> measures =
+                new MeasureReader(world, every().isPresent(), own)
+                        .readAll(
+                                root.get("measures").orElseThrow().children(),
+                                expected(point, own));
+        requireRoom(frames, own);
+        requireAgents(world, own);
+        agentNodes().forEach(agent -> evaluated(agent, point, 1, own));
+        own.throwIfAny();
+        return new RunPlan(point, world, frames, steps, measures, programs(point));
+    }
+
+    private long frames(WorldDescription world, RunPoint point, Problems problems) {
+        Node seconds = value("seconds", root.get("seconds").orElseThrow(), point, problems);
+        Optional<Double> time = new Quantities(problems).number(seconds, SECOND);
+        double frames = time.orElse(1.0) * world.timing().framesPerSecond();
+        if (!(frames >= 0.5 && frames <= MAX_FRAMES)) {
+            problems.add(
+                    seconds,
+                    "seconds: are "
+                            + Math.rint(frames)
+                            + " frames, expected 1 to "
+                            + MAX_FRAMES
+                            + " frames in a run");
+            return 1;
+        }
+        return Math.round(frames);
+    }
+
+    private Map<String, Node> expected(RunPoint point, Problems problems) {
+        Map<String, Node> expected = new LinkedHashMap<>();
+        for (Node measure : root.get("measures").orElseThrow().children()) {
+            measure.get("expected")
+                    .ifPresent(
+                            node ->
+                                    expected.put(
+                                            measure.key(),
+                                            value("expected", node, point, problems)));
+        }
+        return expected;
+    }
+
+    private void requireRoom(long frames, Problems problems) {
+        if (every().isEmpty()) {
+            return;
+        }
+        double values = (double) runs() * measures().size() * (frames / every().getAsInt() + 2);
+        if (values > MAX_VALUES) {
+            problems.add(
+                    root.get("every").orElseThrow(),
+                    "every: all runs measure about "
+                            + (long) values
+                            + " values, expected at most "
+                            + MAX_VALUES
+                            + "; measure less often");
+        }
+    }
+
+    private void requireAgents(WorldDescription world, Problems problems) {
+        if (!agentNodes().isEmpty()
+                && world.agents().bodies().isEmpty()
+                && world.agents().template().isEmpty()) {
+            problems.add(
+                    root.get("agents").orElseThrow(),
+                    "agents: the world file grants agents no body, so none can join; see the key"
+                            + " `agents` of world files");
+        }
+    }
+
+    private List<Node> agentNodes() {
+        return root.get("agents").map(node -> List.copyOf(node.children())).orElse(List.of());
+    }
+
+    private List<AgentProgram> programs(RunPoint point) {
+        return agentNodes().stream()
+                .map(
+                        agent ->
+                                new AgentProgram(
+                                        agent.key(),
+                                        port ->
+                                                evaluated(agent, point, port, new Problems(shown))
+                                                        .get("command")
+                                                        .orElseThrow()
+                                                        .children()
+                                                        .stream()
+                                                        .map(Experiment::word)
+                                                        .toList()))
+                .toList();
+    }
+
+    /** Returns an argument of a program; a formula alone gives a number. */
+    private static String word(Node node) {
+        return node.text()
+                .orElseGet(() -> YamlWriter.Numeral.of(node.number().orElse(Double.NaN)).text());
+    }
+
+    /** Evaluates the formulas of the schedule, except those in texts of laws, which have braces. */
+    private List<Node> evaluatedChanges(Node schedule, RunPoint point, Problems problems) {
+        List<Node> changes = new ArrayList<>();
+        for (Node change : schedule.children()) {
+            Node evaluated = evaluated(change.without("text"), point, problems);
+            changes.add(
+                    change.get("text")
+                            .map(
+                                    text ->
+                                            evaluated.over(
+                                                    change.withValue(
+                                                            new LinkedHashMap<>(
+                                                                    Map.of("text", text)))))
+                            .orElse(evaluated));
+        }
+        return changes;
+    }
+
+    /** Returns one value with its formulas evaluated. */
+    private Node value(String key, Node node, RunPoint point, Problems problems) {
+        Node alone = root.withValue(new LinkedHashMap<>(Map.of(key, node)));
+        return evaluated(alone, point, problems).get(key).orElseThrow();
+    }
+
+    private Node evaluated(Node mapping, RunPoint point, Problems problems) {
+        return evaluated(mapping, point, -1, problems);
+    }
+
+    /** Evaluates the formulas of a mapping; {@code port} is a variable unless it is below 0. */
+    private Node evaluated(Node mapping, RunPoint point, int port, Problems problems) {
+        List<String> names = new ArrayList<>(point.values().keySet());
+        List<Double> values = new ArrayList<>(point.values().values());
+        names.addAll(List.of("seed", "run"));
+        values.addAll(List.of((double) point.seed(), (double) point.number()));
+        if (port >= 0) {
+            names.add("port");
+            values.add((double) port);
+        }
+        return new Template(mapping, names, problems, point.seed())
+                .make(values.stream().mapToDouble(Double::doubleValue).toArray(), 0);
+    }
+}

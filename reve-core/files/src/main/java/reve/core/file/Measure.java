@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.file;
+
+import reve.core.rule.Expression;
+
+import java.util.Optional;
+import java.util.OptionalDouble;
+
+/**
+ * A value that an experiment measures in each of its runs.
+ *
+ * @param place position in the file, as {@code file:line:column}, for messages
+ * @param take how the measurements of a run become one value
+ * @param expected the expected value of this run, if the file states one
+ * @param tolerance maximum relative error of the value; empty if any error is accepted
+ */
+public record Measure(
+        String name,
+        String place,
+        Source source,
+        Take take,
+        OptionalDouble expected,
+        OptionalDouble tolerance) {
+
+    /** The origin of a value. */
+    public sealed interface Source {}
+
+    /** The value of an expression for one item. */
+    public record OfItem(String item, Expression expression) implements Source {}
+
+    /**
+     * A value of all items of a kind.
+     *
+     * @param itemClass only items of this class, if present
+     */
+    public record OfKind(Fold fold, String kind, Optional<String> itemClass, Expression expression)
+            implements Source {}
+
+    /**
+     * A value of the ledger.
+     *
+     * @param line name of a law, or client, ground, unloaded or total
+     */
+    public record OfLedger(String line, LedgerValue value) implements Source {}
+
+    /** The energy of the world [J]. */
+    public record Energy(EnergyPart part) implements Source {}
+
+    /** The way in which the values of several items become one. */
+    public enum Fold {
+        /** The sum, added in the order of the items. */
+        SUM,
+        /** The sum divided by the number of items. */
+        MEAN,
+        /** The least value. */
+        MIN,
+        /** The greatest value. */
+        MAX
+    }
+
+    /** A column of the ledger. */
+    public enum LedgerValue {
+        /** Change of momentum [kg*m/s]. */
+        MOMENTUM("momentum"),
+        /** Change of angular momentum about the origin [kg*m^2/s]. */
+        ANGULAR_MOMENTUM("angularMomentum"),
+        /** Change of kinetic energy [J]. */
+        ENERGY("energy"),
+        /** Potential energy [J]. */
+        POTENTIAL_ENERGY("potentialEnergy"),
+        /** Change of potential energy [J]. */
+        POTENTIAL_CHANGE("potentialChange"),
+        /** Sum of the changes of kinetic and potential energy [J]. */
+        ENERGY_BALANCE("energyBalance");
+
+        private final String key;
+
+        LedgerValue(String key) {
+            this.key = key;
+        }
+
+        /** Returns the name in files and messages. */
+        public String key() {
+            return key;
+        }
+    }
+
+    /** A part of the energy. */
+    public enum EnergyPart {
+        /** Of translation and rotation of all bodies. */
+        KINETIC,
+        /** The sum of the laws' potential energies. */
+        POTENTIAL,
+        /** The sum of both. */
+        TOTAL
+    }
+
+    /** The summary of a run's measurements. */
+    public enum Take {
+        /** The value at the end of the run. */
+        END,
+        /** The least value. */
+        MIN,
+        /** The greatest value. */
+        MAX,
+        /** The arithmetic mean. */
+        MEAN,
+        /**
+         * The mean time between two successive passages through 0 from below [s]; each passage is
+         * interpolated linearly between two measurements.
+         */
+        PERIOD
+    }
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.cli;
+
+import reve.core.text.Visible;
+import reve.worlds.experiment.RunProgress;
+import reve.worlds.experiment.RunResult;
+
+import java.io.PrintStream;
+import java.util.Locale;
+import java.util.concurrent.atomic.AtomicLong;
+import java.util.concurrent.atomic.DoubleAdder;
+import java.util.function.LongSupplier;
+
+/**
+ * A progress line on standard error for an experiment, every two seconds, with the time that is
+ * left. Names each failed run when it ends. On a terminal the line is rewritten in place.
+ */
+final class ExperimentProgress implements RunProgress {
+    private static final long EVERY_NANOS = 2_000_000_000L;
+
+    /** Part of all runs from which on the time that is left is estimated. */
+    private static final double LEAST_PART = 0.02;
+
+    private final PrintStream out;
+    private final boolean terminal;
+    private final int runs;
+    private final LongSupplier clock;
+    private final long startNanos;
+    private final AtomicLong nextNanos;
+    private final DoubleAdder done = new DoubleAdder();
+    private int ended;
+    private boolean shown;
+
+    ExperimentProgress(PrintStream out, int runs) {
+        this(
+                out,
+                System.console() != null && System.console().isTerminal(),
+                runs,
+                System::nanoTime);
+    }
+
+    /**
+     * @param clock returns the time [ns]
+     */
+    ExperimentProgress(PrintStream out, boolean terminal, int runs, LongSupplier clock) {
+        this.out = out;
+        this.terminal = terminal;
+        this.runs = runs;
+        this.clock = clock;
+        this.startNanos = clock.getAsLong();
+        this.nextNanos = new AtomicLong(startNanos + EVERY_NANOS);
+    }
+
+    @Override
+    public void advanced(double part) {
+        done.add(part);
+        long now = clock.getAsLong();
+        long next = nextNanos.get();
+        if (now >= next && nextNanos.compareAndSet(next, now + EVERY_NANOS)) {
+            show(now);
+        }
+    }
+
+    private synchronized void show(long now) {
+        double part = Math.min(1, done.sum() / runs);
+        double left = (now - startNanos) * 1e-9 * (1 - part) / part;
+        String line =
+                String.format(
+                        Locale.ROOT,
+                        "%d of %d runs, %.0f %%%s",
+                        ended,
+                        runs,
+                        Math.floor(100 * part),
+                        part < LEAST_PART ? "" : ", about " + duration(left) + " left");
+        out.print(terminal ? "\r" + line + "   " : line + System.lineSeparator());
+        out.flush();
+        shown = terminal;
+    }
+
+    /** Returns a time in words: {@code 8 s}, {@code 3 min 20 s}, {@code 2 h 5 min}. */
+    static String duration(double seconds) {
+        long whole = Math.round(seconds);
+        if (whole < 60) {
+            return whole + " s";
+        }
+        if (whole < 3600) {
+            return whole / 60 + " min " + whole % 60 + " s";
+        }
+        return whole / 3600 + " h " + whole % 3600 / 60 + " min";
+    }
+
+    @Override
+    public synchronized void ended(RunResult result) {
+        ended++;
+        if (result.state() == RunResult.State.FAILED) {
+            endLine();
+            out.println(
+                    "reve: run "
+                            + result.point().number()
+                            + " failed: "
+                            + Visible.line(result.message()));
+            out.flush();
+        }
+    }
+
+    /** Ends the line that was rewritten in place, if there is one. */
+    synchronized void endLine() {
+        if (shown) {
+            out.println();
+            shown = false;
+        }
+    }
+}

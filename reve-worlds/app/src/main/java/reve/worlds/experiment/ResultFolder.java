@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.experiment;
+
+import reve.core.disk.Reason;
+import reve.core.file.Experiment;
+import reve.worlds.Product;
+
+import tools.jackson.core.JacksonException;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+import java.io.BufferedWriter;
+import java.io.IOException;
+import java.io.OutputStream;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
+import java.security.DigestInputStream;
+import java.security.MessageDigest;
+import java.security.NoSuchAlgorithmException;
+import java.util.ArrayList;
+import java.util.HexFormat;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Locale;
+import java.util.Map;
+import java.util.Optional;
+import java.util.TreeMap;
+import java.util.stream.Stream;
+
+/**
+ * A folder with the results of an experiment: {@value #RUNS} (a row for each run), {@value #SERIES}
+ * (all measurements), {@value #RESULT} (hashes and versions) and plots.
+ */
+public final class ResultFolder {
+    /** The table of runs. */
+    public static final String RUNS = "runs.csv";
+
+    /** The table of all measurements. */
+    public static final String SERIES = "series.csv";
+
+    /** Hashes and versions; the file that makes a folder one of results. */
+    public static final String RESULT = "result.json";
+
+    /** Folder for results that differ from earlier ones. */
+    public static final String CHANGED = "changed";
+
+    /** Folder for the output of agents' programs. */
+    public static final String AGENTS = "agents";
+
+    private static final int FORMAT = 1;
+    private static final long MAX_BYTES = 2L << 30;
+    private static final JsonMapper MAPPER = JsonMapper.shared();
+
+    private final Path folder;
+
+    /** Creates an object for a folder, which need not exist. */
+    public ResultFolder(Path folder) {
+        this.folder = folder;
+    }
+
+    /** Returns whether the folder contains results. */
+    public boolean hasResults() {
+        return Files.exists(folder.resolve(RESULT));
+    }
+
+    /**
+     * Refuses a folder with other files than results of this experiment.
+     *
+     * @throws IOException with the reason
+     */
+    public void requireFor(Experiment experiment) throws IOException {
+        if (hasResults()) {
+            String other = meta().path("experiment").asString("");
+            if (!other.equals(experiment.name())) {
+                throw new IOException(
+                        folder
+                                + " contains the results of the experiment "
+                                + other
+                                + ", expected "
+                                + experiment.name()
+                                + "; name another folder with --out");
+            }
+        } else if (Files.isDirectory(folder)) {
+            try (Stream<Path> files = Files.list(folder)) {
+                if (files.anyMatch(file -> !file.endsWith(AGENTS))) {
+                    throw new IOException(
+                            folder
+                                    + " contains files and no results of an experiment; name"
+                                    + " another folder with --out");
+                }
+            }
+        }
+    }
+
+    private JsonNode meta() throws IOException {
+        try {
+            JsonNode meta = MAPPER.readTree(text(RESULT));
+            if (meta.path("format").asInt(0) != FORMAT) {
+                throw new IOException(
+                        folder.resolve(RESULT) + " has another format, expected " + FORMAT);
+            }
+            return meta;
+        } catch (JacksonException damaged) {
+            throw new IOException(folder.resolve(RESULT) + " is not JSON", damaged);
+        }
+    }
+
+    private String text(String name) throws IOException {
+        Path file = folder.resolve(name);
+        try {
+            if (Files.size(file) > MAX_BYTES) {
+                throw new IOException(
+                        file + " has " + Files.size(file) + " bytes, expected results");
+            }
+            return Files.readString(file);
+        } catch (IOException unreadable) {
+            throw Reason.naming(file, unreadable);
+        }
+    }
+
+    /**
+     * A comparison with earlier results.
+     *
+     * @param difference the first difference; empty if the results are identical
+     * @param since changes of versions, files and laws since the earlier results
+     */
+    public record Comparison(Optional<Difference> difference, List<String> since) {}
+
+    /** Compares new results with those in the folder, bit by bit. */
+    public Comparison compare(Experiment experiment, List<RunResult> results) throws IOException {
+        List<List<String>> runs = table(RUNS);
+        List<List<String>> series = table(SERIES);
+        return new Comparison(
+                Difference.first(runs, series, new ResultTable(experiment, results), results),
+                since(meta(), experiment, results));
+    }
+
+    private List<List<String>> table(String name) throws IOException {
+        return ResultTable.parse(text(name))
+                .filter(rows -> !rows.isEmpty())
+                .orElseThrow(
+                        () ->
+                                new IOException(
+                                        folder.resolve(name) + " is damaged: it is no table"));
+    }
+
+    private static List<String> since(JsonNode meta, Experiment experiment, List<RunResult> results)
+            throws IOException {
+        List<String> since = new ArrayList<>();
+        String version = meta.path("version").asString("");
+        if (!version.equals(Product.version())) {
+            since.add("made by version " + version + ", this is version " + Product.version());
+        }
+        String machine = meta.path("machine").asString("");
+        if (!machine.equals(machine())) {
+            since.add("made on " + machine + ", this is " + machine());
+        }
+        changed("file", meta.path("files"), files(experiment), since);
+        changed("law", meta.path("laws"), laws(results), since);
+        return since;
+    }
+
+    private static void changed(
+            String what, JsonNode before, Map<String, String> now, List<String> since) {
+        Map<String, String> all = new TreeMap<>(now);
+        before.propertyNames().forEach(name -> all.putIfAbsent(name, ""));
+        for (String name : all.keySet()) {
+            String old = before.path(name).asString("");
+            if (!old.equals(all.get(name))) {
+                since.add(
+                        "the "
+                                + what
+                                + " "
+                                + name
+                                + (old.isEmpty()
+                                        ? " is new"
+                                        : all.get(name).isEmpty()
+                                                ? " is not used any more"
+                                                : " has changed"));
+            }
+        }
+    }
+
+    /**
+     * Writes results and plots; replaces earlier ones.
+     *
+     * @return the names of the plots
+     */
+    public List<String> write(Experiment experiment, List<RunResult> results) throws IOException {
+        Files.createDirectories(folder);
+        var table = new ResultTable(experiment, results);
+        write(RUNS, table.runs());
+        write(SERIES, table.series());
+        List<String> plots = Plots.write(folder, experiment, results);
+        Path part = folder.resolve(RESULT + ".part");
+        Files.writeString(
+                part,
+                MAPPER.writerWithDefaultPrettyPrinter()
+                                .writeValueAsString(fields(experiment, results))
+                        + "\n");
+        Files.move(part, folder.resolve(RESULT), StandardCopyOption.ATOMIC_MOVE);
+        return plots;
+    }
+
+    private void write(String name, List<List<String>> rows) throws IOException {
+        Path part = folder.resolve(name + ".part");
+        try (BufferedWriter out = Files.newBufferedWriter(part)) {
+            for (List<String> row : rows) {
+                out.write(ResultTable.line(row));
+                out.write('\n');
+            }
+        }
+        Files.move(part, folder.resolve(name), StandardCopyOption.ATOMIC_MOVE);
+    }
+
+    /** Returns the fields of the result file. */
+    public static Map<String, Object> fields(Experiment experiment, List<RunResult> results)
+            throws IOException {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("format", FORMAT);
+        fields.put("experiment", experiment.name());
+        fields.put("version", Product.version());
+        fields.put("machine", machine());
+        fields.put("files", files(experiment));
+        fields.put("laws", laws(results));
+        fields.put("runs", results.stream().map(run -> runFields(experiment, run)).toList());
+        return fields;
+    }
+
+    private static Map<String, Object> runFields(Experiment experiment, RunResult run) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("run", run.point().number());
+        run.point().itsCase().ifPresent(name -> fields.put("case", name));
+        fields.put("seed", run.point().seed());
+        fields.put("frames", run.frames());
+        fields.put("sweep", run.point().values());
+        fields.put("state", run.state().name().toLowerCase(Locale.ROOT));
+        if (!run.message().isEmpty()) {
+            fields.put("message", run.message());
+        }
+        if (!run.notes().isEmpty()) {
+            fields.put("notes", run.notes());
+        }
+        Map<String, Object> values = new LinkedHashMap<>();
+        Map<String, Object> expected = new LinkedHashMap<>();
+        for (int i = 0; i < experiment.measures().size(); i++) {
+            String measure = experiment.measures().get(i);
+            run.values().get(i).ifPresent(value -> values.put(measure, value));
+            run.expected().get(i).ifPresent(value -> expected.put(measure, value));
+        }
+        fields.put("values", values);
+        if (!expected.isEmpty()) {
+            fields.put("expected", expected);
+        }
+        fields.put("stateHash", run.stateHash());
+        return fields;
+    }
+
+    private static String machine() {
+        return System.getProperty("os.name") + " " + System.getProperty("os.arch");
+    }
+
+    private static Map<String, String> laws(List<RunResult> results) {
+        Map<String, String> laws = new TreeMap<>();
+        results.forEach(run -> laws.putAll(run.laws()));
+        return laws;
+    }
+
+    private static Map<String, String> files(Experiment experiment) throws IOException {
+        Map<String, String> hashes = new TreeMap<>();
+        for (Map.Entry<String, Path> file : experiment.inputs().entrySet()) {
+            hashes.put(file.getKey(), sha256(file.getValue()));
+        }
+        return hashes;
+    }
+
+    private static String sha256(Path file) throws IOException {
+        try (var in =
+                new DigestInputStream(
+                        Files.newInputStream(file), MessageDigest.getInstance("SHA-256"))) {
+            in.transferTo(OutputStream.nullOutputStream());
+            return HexFormat.of().formatHex(in.getMessageDigest().digest());
+        } catch (NoSuchAlgorithmException e) {
+            throw new AssertionError("every Java platform has SHA-256", e);
+        }
+    }
+}
