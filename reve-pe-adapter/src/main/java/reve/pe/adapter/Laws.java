@@ -308,7 +308,7 @@ public final class Laws {
         List<String> present = libraries().stream().map(LawLibrary::name).toList();
         for (LawLibrary library : before) {
             if (!present.contains(library.name())) {
-                reportFault(frame, fields(library.name(), library.sha256()), reason);
+                events.fault(frame, LawEvents.fields(library), reason);
             }
         }
     }
