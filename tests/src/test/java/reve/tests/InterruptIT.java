@@ -16,6 +16,7 @@ import java.io.IOException;
 import java.net.InetAddress;
 import java.net.Socket;
 import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
 import java.nio.file.Path;
 
 /** Ctrl-C and SIGTERM end a server after its frame, with its report and exit code 0. */
@@ -65,6 +66,42 @@ class InterruptIT {
         assertThat(run.waitFor()).isEqualTo(130);
         assertThat(errors.lines()).anyMatch(said -> said.startsWith("reve: cut short after "));
         assertThat(out).contains("spring-orbit:").contains("state hash");
+    }
+
+    @Test
+    @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+    void aSignalEndsAnExperimentWhichThenWritesNothing() throws Exception {
+        Files.copy(Path.of(WORLD, "world.yaml"), folder.resolve("world.yaml"));
+        Path file =
+                Files.writeString(
+                        folder.resolve("long.yaml"),
+                        """
+                        experiment: 1
+                        name: long
+                        world: world.yaml
+                        seconds: 1e7
+                        measures: {energy: {energy: kinetic}}
+                        """);
+        Path out = folder.resolve("out");
+        Process run =
+                new ProcessBuilder(
+                                Reve.command(
+                                        "experiment", file.toString(), "--out", out.toString()))
+                        .start();
+        BufferedReader errors = run.errorReader();
+        String line = errors.readLine();
+        while (!line.startsWith("0 of 1 runs")) { // the progress shows that the run is under way
+            line = errors.readLine();
+        }
+        assertThat(new ProcessBuilder("kill", "-INT", Long.toString(run.pid())).start().waitFor())
+                .isZero();
+        assertThat(run.waitFor()).isEqualTo(130);
+        assertThat(errors.lines())
+                .anyMatch(
+                        said ->
+                                said.startsWith(
+                                        "reve: cut short after 0 of 1 runs; nothing was written"));
+        assertThat(out).isEmptyDirectory();
     }
 
     private static void signal(Server server, String name)
