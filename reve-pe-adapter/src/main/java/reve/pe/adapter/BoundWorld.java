@@ -41,6 +41,7 @@ final class BoundWorld {
     private final Set<BoundProperty> onDemand = new LinkedHashSet<>();
 
     private Set<String> used = Set.of();
+    private boolean areMeshesUsed;
 
     /** True until the engine has received what the laws use since the last change. */
     private boolean isLendingMore;
@@ -135,7 +136,7 @@ final class BoundWorld {
      * left the world, the engine loses these properties, as if there had been none.
      */
     private boolean followMeshes(boolean moved) {
-        if (ofMeshes.stream().noneMatch(property -> used.contains(property.name()))) {
+        if (!areMeshesUsed) {
             return false;
         }
         boolean changed = meshes.follow(moved || isLendingMore);
@@ -158,6 +159,7 @@ final class BoundWorld {
      */
     void setUsed(Set<String> names) {
         used = names;
+        areMeshesUsed = ofMeshes.stream().anyMatch(property -> used.contains(property.name()));
         for (BoundProperty property : onDemand) {
             if (!isLent(property)) {
                 property.unbind(provider);

@@ -24,8 +24,9 @@ class PropertyNamesNativeTest {
     @ValueSource(strings = {"si-f64", "si-f32"})
     void everyStandardPropertyOfTheEngineIsOneOfReveInTypeAndUnit(String name) {
         Prototype engine = VesperEngine.standardPrototype(name);
+        WorldPrototype world = WorldPrototype.standard(name).withJoints();
         Prototype reve =
-                PropertyNames.prototype(WorldPrototype.standard(name).withJoints(), engine);
+                PropertyNames.prototype(world.extendedBy(world.propertiesOfContacts()), engine);
         assertThat(reve)
                 .usingRecursiveComparison()
                 .ignoringFieldsMatchingRegexes(".*doc", ".*symbol")

@@ -286,6 +286,13 @@ class WorldFileProblemsTest {
                 "ready",
                 "snapshot",
                 "snapshot-failed",
+                "saved",
+                "rewound",
+                "stalled",
+                "recovered",
+                "late",
+                "away",
+                "back",
                 "end",
                 "detached",
                 "removed"
@@ -302,7 +309,8 @@ class WorldFileProblemsTest {
                                 + event
                                 + " is the server's own; choose a name other than joined, left, "
                                 + "acted, law-loaded, law-unloaded, fault, over-budget, missed, "
-                                + "waiting, ready, snapshot, snapshot-failed, end, detached and "
+                                + "waiting, ready, snapshot, snapshot-failed, saved, rewound, "
+                                + "stalled, recovered, late, away, back, end, detached and "
                                 + "removed");
     }
 

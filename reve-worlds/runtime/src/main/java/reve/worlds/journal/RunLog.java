@@ -173,7 +173,8 @@ public final class RunLog {
         /** Opens a file of a store; never writes through a link, and never waits for a pipe. */
         private static FileChannel emptied(Path file) throws IOException {
             if (Files.exists(file, LinkOption.NOFOLLOW_LINKS)
-                    && !Files.isRegularFile(file, LinkOption.NOFOLLOW_LINKS)) {
+                    && !Files.isRegularFile(file, LinkOption.NOFOLLOW_LINKS)
+                    && !Files.isDirectory(file)) { // the system refuses to write to a folder
                 throw new IOException(
                         file + " is no regular file, expected a file of the store; move it away");
             }
