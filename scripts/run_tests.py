@@ -36,7 +36,18 @@ SLOW_NATIVE = "opencl|OpenCl|OnADevice|NBodyWorld|/threads"
 
 # The classes of these rooms start servers and wait for them. They are divided into this number of
 # batches, which several JVMs run concurrently.
-BATCHED = {"tests": 10}
+BATCHED = {"tests": 12}
+
+# The classes that take longest come first, so that each is in another batch.
+SLOWEST = ["StoreIT", "PageIT", "DiskFaultIT", "EngineProcessIT", "RunningWorldsIT", "ReconnectIT"]
+SLOWEST += [
+    "OutputIT",
+    "ReleasesIT",
+    "LawsInPythonIT",
+    "CommandLineIT",
+    "ApiPagesIT",
+    "WritingALawIT",
+]
 
 # The rooms that take minutes and are not divided.
 LONG = {"laws", "python"}
@@ -210,6 +221,7 @@ class Plan:
                 file=sys.stderr,
             )
             return
+        classes.sort(key=order)
         base = place.replace("/", "-")
         count = min(BATCHED.get(place, 1), len(classes))
         for number in range(count):
@@ -242,6 +254,12 @@ class Plan:
                 command.append("--exclude-tag=slow")
             command += [f"--select-class={c}" for c in classes[number::count]]
             yield self.suite(place, name, command, **(SHORT_LIVES if place in BATCHED else {}))
+
+
+def order(class_name):
+    """Returns the place of a class: those of SLOWEST in their order, then all others."""
+    name = class_name.rpartition(".")[2]
+    return SLOWEST.index(name) if name in SLOWEST else len(SLOWEST)
 
 
 def method_pattern(part):
