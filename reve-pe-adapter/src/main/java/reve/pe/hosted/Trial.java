@@ -27,21 +27,16 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
      *     closed then
      */
     void test(HostedLibrary library) {
-        for (int tries = 1; ; tries++) {
-            try {
-                test(library, tries == MOST_KILLS);
-                return;
-            } catch (Killed again) {
-                // Another process tests it.
-            }
+        int tries = 1;
+        while (!isTested(library, tries == MOST_KILLS)) {
+            tries++;
         }
     }
 
-    private static final class Killed extends Exception {
-        private static final long serialVersionUID = 1;
-    }
-
-    private void test(HostedLibrary library, boolean isLast) throws Killed {
+    /**
+     * @return false if SIGKILL ended the process, and another one is to test the library
+     */
+    private boolean isTested(HostedLibrary library, boolean isLast) {
         String stage = "opening it";
         try (HostProcess host = hosts.start()) {
             Calls calls =
@@ -57,9 +52,10 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
             library.named(calls.call(to -> library.put(to.begin(Request.PREPARE))).getText());
             stage = "creating or destroying its laws";
             tryToLoad(host, library);
+            return true;
         } catch (HostLost lost) {
             if (lost.killed && !isLast) {
-                throw new Killed();
+                return false;
             }
             library.close();
             throw new PhysicsException(

@@ -347,8 +347,8 @@ public final class Publisher {
     }
 
     /**
-     * Returns whether the server raised the event for an absent agent; actions may raise events of
-     * these types with other fields.
+     * Returns whether the server raised the event for an absent agent; listeners in Java may raise
+     * events of these types with other fields.
      */
     private static boolean isAbsence(WorldEvent event) {
         return ABSENCES.contains(event.type())
