@@ -35,7 +35,7 @@ public record AgentLimits(
         int hellos) {
 
     public static final AgentLimits PROTOCOL =
-            new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8, 16, 8, 512);
+            new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8, 16, 8, 256);
 
     /**
      * @throws IllegalArgumentException if a limit is not positive
