@@ -8,6 +8,7 @@
 #include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -76,7 +77,7 @@ void Limit(__rlimit_resource resource, rlim_t value) {
 bool WriteLibrary(const std::string& path, std::span<const std::byte> bytes) {
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0444);
   if (file < 0) return false;
-  bool written = true;
+  bool written = fchmod(file, 0444) == 0;  // whatever the umask is
   for (size_t done = 0; written && done < bytes.size();) {
     const ssize_t size = write(file, bytes.data() + done, bytes.size() - done);
     written = size > 0;

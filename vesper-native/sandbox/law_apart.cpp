@@ -24,6 +24,7 @@ using host::Reader;
 using host::Writer;
 
 constexpr uint64_t kAlignment = 64;
+constexpr int kMostTries = 5;  // of a call whose sandbox is killed from outside
 
 uint64_t SizeOf(const vesper_property& property) {
   return property.row_count * property.components * ScalarSize(property.scalar_type);
@@ -120,6 +121,8 @@ class Library {
   const Declared& law(size_t index) const { return laws_[index]; }
   /// Returns the sandbox; starts another one if the last one has ended.
   Sandbox& Live();
+  /// Returns true if the last sandbox was killed from outside.
+  bool WasKilled() const { return sandbox_->WasKilled(); }
   /// Increases with each sandbox.
   uint64_t generation() const { return generation_; }
   /// Returns true if no law may write the property, so that it changes only when it is bound.
@@ -154,30 +157,49 @@ class Proxy {
         uses_(library.law(index).uses),
         parameters_(parameters, parameters + library.law(index).parameters.size()) {
     for (const vesper_property_use& use : uses_) steady_.push_back(library.IsSteady(use.name));
-    Connect();
+    Repeated([this] { Connect(); });
   }
 
   void Bind(const vesper_property* properties) {
     bound_.assign(properties, properties + uses_.size());
-    BindIn(Connected());
+    Repeated([this] { BindIn(Connected()); });
   }
 
   void Advance(const vesper_step& step) {
-    Sandbox& sandbox = Ready();
-    CopyIn(sandbox, false);
-    sandbox.exchange().step = step;
-    Call(sandbox, Command::kAdvance, true);
-    CopyOut(sandbox);
+    Repeated([&] {
+      Sandbox& sandbox = Ready();
+      CopyIn(sandbox, false);
+      sandbox.exchange().step = step;
+      Call(sandbox, Command::kAdvance, true);
+      CopyOut(sandbox);
+    });
   }
 
   double PotentialEnergy() {
-    Sandbox& sandbox = Ready();
-    CopyIn(sandbox, false);
-    Call(sandbox, Command::kPotentialEnergy, true);
-    return sandbox.exchange().energy;
+    double energy = 0;
+    Repeated([&] {
+      Sandbox& sandbox = Ready();
+      CopyIn(sandbox, false);
+      Call(sandbox, Command::kPotentialEnergy, true);
+      energy = sandbox.exchange().energy;
+    });
+    return energy;
   }
 
  private:
+  /// Makes a call of the law, and repeats it in another sandbox if the sandbox was killed from
+  /// outside, because nothing of such a call has reached the engine's arrays.
+  template <class Function>
+  void Repeated(Function&& function) {
+    for (int tries = 1;; ++tries) {
+      try {
+        return function();
+      } catch (const Failure&) {
+        if (!library_.WasKilled() || tries == kMostTries) throw;
+      }
+    }
+  }
+
   /// Creates the law in the present sandbox.
   Sandbox& Connect() {
     Sandbox& sandbox = library_.Live();

@@ -297,7 +297,10 @@ void Sandbox::Await(uint32_t number, nanoseconds allowed, nanoseconds limit) {
     const nanoseconds wall = Clock::now() - start;
     if (wall < allowed) continue;
     if (wall - (Delayed() - delayed) < allowed && wall < kMostWall * allowed) continue;
-    Kill();
+    // Without a processor, the process may have ended unnoticed.
+    if (const int ended = Kill(); !WIFSIGNALED(ended) || WTERMSIG(ended) != SIGKILL) {
+      ThrowCrashed(ended);
+    }
     throw Failure(VESPER_LAW_TIMED_OUT, "no answer within %" PRId64 " ms",
                   std::chrono::duration_cast<milliseconds>(limit).count());
   }
@@ -323,6 +326,7 @@ void Sandbox::ThrowCrashed(int status) {
     throw Failure(VESPER_LAW_CRASHED, "made the system call %s, which its sandbox does not permit",
                   call.c_str());
   }
+  killed_ = number == SIGKILL;
   if (number != 0) {
     const char* signal = sigabbrev_np(number);
     throw Failure(VESPER_LAW_CRASHED, "ended its process: SIG%s", signal != nullptr ? signal : "?");
@@ -333,19 +337,21 @@ void Sandbox::ThrowCrashed(int status) {
 nanoseconds Sandbox::Delayed() {
   char text[96];
   const ssize_t size = schedule_.get() < 0 ? -1 : pread(schedule_.get(), text, sizeof text - 1, 0);
-  if (size <= 0) return nanoseconds(0);
-  text[size] = '\0';
   unsigned long long ran = 0, delayed = 0;
-  if (std::sscanf(text, "%llu %llu", &ran, &delayed) != 2) return nanoseconds(0);
-  return nanoseconds(delayed);
+  if (size > 0) {
+    text[size] = '\0';
+    if (std::sscanf(text, "%llu %llu", &ran, &delayed) == 2) delayed_ = nanoseconds(delayed);
+  }
+  return delayed_;  // of the last look, if the process has ended
 }
 
-void Sandbox::Kill() {
-  if (pid_ <= 0) return;
-  kill(pid_, SIGKILL);
+int Sandbox::Kill() {
   int status = 0;
+  if (pid_ <= 0) return status;
+  kill(pid_, SIGKILL);
   WaitFor(pid_, status);
   pid_ = -1;
+  return status;
 }
 
 }  // namespace vesper::apart

@@ -69,6 +69,9 @@ class Sandbox {
   void Call(Command command, uint32_t law, bool limited);
   /// Returns false after a call that threw LAW_CRASHED or LAW_TIMED_OUT.
   bool IsAlive() const { return pid_ > 0; }
+  /// Returns true if SIGKILL ended the process. A law cannot send it to its own process, so the
+  /// cause is outside, for example a lack of memory.
+  bool WasKilled() const { return killed_; }
   const Layers& layers() const { return layers_; }
 
   /// Begins a frame of this process's engine: all calls of a sandbox in a frame together may take
@@ -86,7 +89,8 @@ class Sandbox {
   void Await(uint32_t number, Nanoseconds allowed, Nanoseconds limit);
   /// Returns true if the process has ended; then `status` is its wait status.
   bool HasEnded(int& status);
-  void Kill();
+  /// Ends the process, and returns its wait status.
+  int Kill();
   [[noreturn]] void ThrowCrashed(int status);
   /// Returns the time in which the process was ready but had no processor.
   Nanoseconds Delayed();
@@ -101,8 +105,10 @@ class Sandbox {
   Layers layers_;
   uint32_t requests_ = 0;
   bool quick_ = false;
+  bool killed_ = false;
   uint64_t frame_ = 0;
   Nanoseconds spent_{0};  // in this frame
+  Nanoseconds delayed_{0};
 };
 
 }  // namespace vesper::apart

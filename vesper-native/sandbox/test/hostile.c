@@ -37,12 +37,13 @@ static void WriteWildly(vesper_law* law, uint64_t seed) {
   char* near[] = {law->bound[1].data, law->bound[2].data, (char*)&local, heap,
                   (char*)law->host,   law->bound[0].data};
   for (int i = 0; i < 1000; ++i) {
-    const uint64_t choice = Next(&state) % 64;
+    /* Most writes hit the pages of its outputs, so that many are made before one ends the process. */
+    const uint64_t choice = Next(&state) % 4096;
     const uint64_t reach = 1ull << (Next(&state) % 36);
     const int64_t offset = (int64_t)(Next(&state) % (2 * reach)) - (int64_t)reach;
     volatile char* at = choice < 6    ? near[choice] + offset
                         : choice == 6 ? (volatile char*)Next(&state)
-                                      : near[choice % 2] + offset % 4096;
+                                      : near[choice % 2] + Next(&state) % 2048;
     *at = (char)Next(&state);
   }
 }

@@ -2,7 +2,9 @@
 #include "law_apart.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,7 +29,10 @@ apart::Options TestOptions() { return {VESPER_TEST_SANDBOX, uint64_t{256} << 20,
 /// An engine whose libraries run apart.
 class ApartEngine : public TestEngine {
  public:
-  ApartEngine() : TestEngine({.touches = true}) { apart::Sandbox::BeginFrame(milliseconds(2000)); }
+  ApartEngine() : TestEngine({.touches = true}) {
+    umask(077);  // as in vesper-host
+    apart::Sandbox::BeginFrame(milliseconds(2000));
+  }
 
   vesper_error TryLoadApart(const std::string& library, Parameters parameters = {},
                             const apart::Options& options = TestOptions()) {
@@ -289,6 +294,65 @@ pid_t Child() {
     if (pid_t pid; file >> pid) return pid;
   }
   return 0;
+}
+
+TEST(LawApartTest, IsReplacedIfItIsKilledFromOutside) {
+  ApartEngine engine;
+  Bodies bodies(2);
+  engine.AddBodies(bodies);
+  EXPECT_OK(engine.TryLoadApart("hostile"));
+  for (int frame = 0; frame < 3; ++frame) {
+    const pid_t sandbox = Child();
+    ASSERT_GT(sandbox, 0);
+    kill(sandbox, SIGKILL);
+    bodies.acceleration.assign(6, 0);
+    EXPECT_OK(engine.AdvanceWithin(milliseconds(2000)));
+    EXPECT_EQ(bodies.acceleration, std::vector<double>(6, 1.0));
+    EXPECT_NE(Child(), sandbox);
+  }
+}
+
+/// Runs one disabled test in a process of a user namespace that permits no network namespaces;
+/// returns its exit code.
+int RunWithoutNetworkNamespaces(const char* test) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::string user = "0 " + std::to_string(geteuid()) + " 1";
+    if (unshare(CLONE_NEWUSER) != 0) _exit(70);
+    std::ofstream("/proc/self/uid_map") << user;
+    std::ofstream limit("/proc/sys/user/max_net_namespaces");
+    limit << "0" << std::flush;
+    if (!limit) _exit(71);
+    setenv("VESPER_TEST_LAYERS", "1", 1);
+    execl("/proc/self/exe", "law_apart_test", "--gtest_also_run_disabled_tests",
+          (std::string("--gtest_filter=LawApartTest.DISABLED_") + test).c_str(),
+          static_cast<char*>(nullptr));
+    _exit(72);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(LawApartTest, NamesTheLayersThatTheMachineLacks) {
+  EXPECT_EQ(RunWithoutNetworkNamespaces("RefusesAnIncompleteSandbox"), 0);
+}
+
+/// Part of the test above.
+TEST(LawApartTest, DISABLED_RefusesAnIncompleteSandbox) {
+  if (std::getenv("VESPER_TEST_LAYERS") == nullptr) return;
+  ApartEngine engine;
+  Bodies bodies(2);
+  engine.AddBodies(bodies);
+  EXPECT_REFUSED(LIBRARY_LOAD_FAILED,
+                 "hostile.so: this machine lacks network namespace (No space left on device)",
+                 engine.TryLoadApart("hostile"));
+  apart::Options weak = TestOptions();
+  weak.incomplete = true;
+  EXPECT_OK(engine.TryLoadApart("hostile", {}, weak));
+  EXPECT_OK(engine.AdvanceWithin(milliseconds(2000)));
+  ASSERT_EQ(engine.log().size(), 1u);
+  EXPECT_NE(engine.log().front().find("runs apart without network namespace"), std::string::npos);
 }
 
 TEST(LawApartTest, EndsWithTheProcessOfTheEngine) {
