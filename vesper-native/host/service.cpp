@@ -250,8 +250,7 @@ vesper_prepared_library* Service::Open(Reader& request) {
     case Form::kApart:
     case Form::kApartWeakly:
       Check(apart::PrepareApart(prototype_->get(), SandboxOptions(form == Form::kApartWeakly),
-                                std::span(bytes.data(), bytes.size()), source, &prepared,
-                                &error_));
+                                std::span(bytes.data(), bytes.size()), source, &prepared, &error_));
       return prepared;
   }
   throw std::runtime_error("unknown form of a law library");

@@ -42,7 +42,8 @@ enum class Request : uint32_t {
 
 /// The form of the bytes of a law library. reve.pe.hosted.HostedLibrary in Java has the same
 /// numbers.
-/// kApart: native code that runs in a sandbox; kApartWeakly: also if the machine lacks a layer of it.
+/// kApart: native code that runs in a sandbox; kApartWeakly: also if the machine lacks a layer of
+/// it.
 enum class Form : uint32_t { kNative, kText, kPython, kApart, kApartWeakly };
 
 class ReceivedPrototype;

@@ -21,6 +21,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
+#include <utility>
 
 #include "control.hpp"
 #include "failure.hpp"
@@ -210,9 +212,9 @@ void Sandbox::Start(const Options& options, int library_fd, const std::string& f
   AwaitStart(own.get());
   int status = 0;
   WaitFor(starter, status);
-  const std::string path = "/proc/" + std::to_string(pid_) + "/schedstat";
+  const std::string path = "/proc/" + std::to_string(pid_) + "/stat";
   const int opened = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (opened >= 0) schedule_ = Descriptor(opened, "schedstat");
+  if (opened >= 0) state_ = Descriptor(opened, "state of a sandbox");
   if (send(own.get(), "", 1, MSG_NOSIGNAL) != 1) {
     throw Failure(VESPER_INTERNAL, "the sandbox ended while it started");
   }
@@ -285,8 +287,9 @@ void Sandbox::Call(Command command, uint32_t law, bool limited) {
 
 void Sandbox::Await(uint32_t number, nanoseconds allowed, nanoseconds limit) {
   const auto start = Clock::now();
-  const nanoseconds delayed = Delayed();
-  for (;;) {
+  const nanoseconds start_cpu = ProcessorTime();
+  nanoseconds cpu = start_cpu, idle{0};
+  for (auto last = start;;) {
     const uint32_t seen = exchange().reply.load(std::memory_order_acquire);
     if (seen == number) return;
     const timespec look{0, kLook.count()};
@@ -294,10 +297,14 @@ void Sandbox::Await(uint32_t number, nanoseconds allowed, nanoseconds limit) {
     if (exchange().reply.load(std::memory_order_acquire) == number) return;
     int status = 0;
     if (HasEnded(status)) ThrowCrashed(status);
-    const nanoseconds wall = Clock::now() - start;
-    if (wall < allowed) continue;
-    if (wall - (Delayed() - delayed) < allowed && wall < kMostWall * allowed) continue;
-    // Without a processor, the process may have ended unnoticed.
+    const auto now = Clock::now();
+    const nanoseconds before = std::exchange(cpu, std::max(cpu, ProcessorTime()));
+    // A process that waits for a processor is not idle.
+    if (cpu - before < kLook / 10 && Sleeps()) idle += std::min(now - last, 5 * kLook);
+    last = now;
+    const nanoseconds wall = now - start;
+    if (std::min(cpu - start_cpu + idle, wall) < allowed && wall < kMostWall * allowed) continue;
+    // The process may have ended by itself meanwhile.
     if (const int ended = Kill(); !WIFSIGNALED(ended) || WTERMSIG(ended) != SIGKILL) {
       ThrowCrashed(ended);
     }
@@ -334,15 +341,21 @@ void Sandbox::ThrowCrashed(int status) {
   throw Failure(VESPER_LAW_CRASHED, "ended its process: exit code %d", WEXITSTATUS(status));
 }
 
-nanoseconds Sandbox::Delayed() {
-  char text[96];
-  const ssize_t size = schedule_.get() < 0 ? -1 : pread(schedule_.get(), text, sizeof text - 1, 0);
-  unsigned long long ran = 0, delayed = 0;
-  if (size > 0) {
-    text[size] = '\0';
-    if (std::sscanf(text, "%llu %llu", &ran, &delayed) == 2) delayed_ = nanoseconds(delayed);
-  }
-  return delayed_;  // of the last look, if the process has ended
+nanoseconds Sandbox::ProcessorTime() const {
+  constexpr int kScheduler = 2;  // of the clocks of a process
+  const auto clock = static_cast<clockid_t>((~static_cast<unsigned>(pid_) << 3) | kScheduler);
+  timespec time{};
+  if (clock_gettime(clock, &time) != 0) return nanoseconds(0);
+  return std::chrono::seconds(time.tv_sec) + nanoseconds(time.tv_nsec);
+}
+
+bool Sandbox::Sleeps() const {
+  char text[256];
+  const ssize_t size = state_.get() < 0 ? -1 : pread(state_.get(), text, sizeof text - 1, 0);
+  if (size <= 0) return state_.get() < 0;
+  text[size] = '\0';
+  const char* name_end = std::strrchr(text, ')');
+  return name_end != nullptr && name_end[1] == ' ' && std::strchr("STt", name_end[2]) != nullptr;
 }
 
 int Sandbox::Kill() {

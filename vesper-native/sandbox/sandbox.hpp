@@ -92,8 +92,9 @@ class Sandbox {
   /// Ends the process, and returns its wait status.
   int Kill();
   [[noreturn]] void ThrowCrashed(int status);
-  /// Returns the time in which the process was ready but had no processor.
-  Nanoseconds Delayed();
+  Nanoseconds ProcessorTime() const;
+  /// Returns true if the process waits for anything but a processor, or was stopped.
+  bool Sleeps() const;
 
   Segment exchange_;
   Segment read_;
@@ -101,14 +102,13 @@ class Sandbox {
   uint64_t read_end_ = 0;
   uint64_t written_end_ = 0;
   int pid_ = -1;
-  Descriptor schedule_;
+  Descriptor state_;  // /proc/…/stat
   Layers layers_;
   uint32_t requests_ = 0;
   bool quick_ = false;
   bool killed_ = false;
   uint64_t frame_ = 0;
   Nanoseconds spent_{0};  // in this frame
-  Nanoseconds delayed_{0};
 };
 
 }  // namespace vesper::apart

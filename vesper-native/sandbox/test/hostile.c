@@ -37,7 +37,8 @@ static void WriteWildly(vesper_law* law, uint64_t seed) {
   char* near[] = {law->bound[1].data, law->bound[2].data, (char*)&local, heap,
                   (char*)law->host,   law->bound[0].data};
   for (int i = 0; i < 1000; ++i) {
-    /* Most writes hit the pages of its outputs, so that many are made before one ends the process. */
+    /* Most writes hit the pages of its outputs, so that many are made before one ends the process.
+     */
     const uint64_t choice = Next(&state) % 4096;
     const uint64_t reach = 1ull << (Next(&state) % 36);
     const int64_t offset = (int64_t)(Next(&state) % (2 * reach)) - (int64_t)reach;

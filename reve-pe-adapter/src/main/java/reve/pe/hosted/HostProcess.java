@@ -81,7 +81,10 @@ class HostProcess implements AutoCloseable {
      */
     private static final int MOST_WALL = 20;
 
-    /** Further time of a host that waits for a law that runs apart [ns]. */
+    /**
+     * Further wall-clock time, after which a host is ended that waits for a law that runs apart
+     * [ns].
+     */
     private static final long SANDBOX_NANOS = 500_000_000;
 
     private static final Map<Integer, String> SIGNALS =
@@ -193,8 +196,8 @@ class HostProcess implements AutoCloseable {
     }
 
     /**
-     * As above, but while a law that runs apart is running, the host has a little longer than the
-     * limit, because it ends that law itself after the same limit.
+     * As above, but while a law that runs apart is running, the host is not ended at the limit,
+     * because it ends that law itself then.
      *
      * @param isApart whether a word of the host that names the running law names one that runs
      *     apart
@@ -268,8 +271,8 @@ class HostProcess implements AutoCloseable {
                 long now = System.nanoTime();
                 count(Math.min(now - last, MOST_LOOK_NANOS));
                 last = now;
-                long limit = isInSandbox() ? limitNanos + SANDBOX_NANOS : limitNanos;
-                if (spent() >= limit || wall >= MOST_WALL * limit) {
+                boolean late = spent() >= limitNanos || wall >= MOST_WALL * limitNanos;
+                if (late && (!isInSandbox() || wall >= MOST_WALL * limitNanos + SANDBOX_NANOS)) {
                     kill();
                     throw lost(
                             "no answer within " + limitNanos / 1_000_000 + " ms", limitNanos, log);

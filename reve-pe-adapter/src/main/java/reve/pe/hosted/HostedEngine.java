@@ -198,8 +198,7 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     private ApartRule.Isolation isolation(Optional<Path> file, byte[] bytes) {
-        return isolations.computeIfAbsent(
-                LibraryFile.sha256(bytes), _ -> apart.of(file, bytes));
+        return isolations.computeIfAbsent(LibraryFile.sha256(bytes), _ -> apart.of(file, bytes));
     }
 
     private PreparedLibrary preparePython(Optional<Path> file, String source, byte[] bytes) {

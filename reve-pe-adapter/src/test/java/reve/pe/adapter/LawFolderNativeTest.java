@@ -479,7 +479,13 @@ class LawFolderNativeTest {
     }
 
     private void followAnother(Path path) {
-        new LawFolder(LawFolder.ORIGIN, path, world.engine, world.adapter.laws(), world.commands, this::parameters)
+        new LawFolder(
+                        LawFolder.ORIGIN,
+                        path,
+                        world.engine,
+                        world.adapter.laws(),
+                        world.commands,
+                        this::parameters)
                 .close();
     }
 

@@ -51,12 +51,7 @@ class HostedEngineNativeTest extends EngineContract {
         @Override
         public PhysicsEngine engine(VesperConfig config, Prototype prototype) {
             return new HostedEngine(
-                    hosts,
-                    Duration.ofSeconds(10),
-                    config,
-                    prototype,
-                    ApartRule.NEVER,
-                    this::part);
+                    hosts, Duration.ofSeconds(10), config, prototype, ApartRule.NEVER, this::part);
         }
 
         private SharedPart part(MemorySegment segment) {

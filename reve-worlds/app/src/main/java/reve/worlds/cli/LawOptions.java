@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
-
-import org.slf4j.Logger;
-import org.slf4j.LoggerFactory;
 
 import reve.pe.adapter.LawFolder;
 import reve.pe.hosted.Hosts;

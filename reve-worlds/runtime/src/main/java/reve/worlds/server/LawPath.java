@@ -34,8 +34,8 @@ import java.util.stream.Stream;
  * The search path of laws, and the decision which native code may be opened. A name is searched
  * among the shipped laws, then in the operator's folder, then in {@code laws/} beside the world
  * file. Code from {@code laws/} beside the world file, from a store or from a recording came with
- * the world. It is opened only if the operator trusts the world, if its bytes equal a library of the
- * first two places, or in a sandbox. Laws of the operator's folder for untrusted laws, which is
+ * the world. It is opened only if the operator trusts the world, if its bytes equal a library of
+ * the first two places, or in a sandbox. Laws of the operator's folder for untrusted laws, which is
  * searched after the first two places, always run in a sandbox. Any thread.
  *
  * @param shipped folder of the shipped laws
@@ -343,9 +343,7 @@ public record LawPath(
                                                         LibraryFile.sha256(library))));
         return isTrusted
                 ? ApartRule.Isolation.NONE
-                : sandboxed.weakly()
-                        ? ApartRule.Isolation.APART_WEAKLY
-                        : ApartRule.Isolation.APART;
+                : sandboxed.weakly() ? ApartRule.Isolation.APART_WEAKLY : ApartRule.Isolation.APART;
     }
 
     /**
