@@ -28,6 +28,7 @@ import java.util.Optional;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.function.Consumer;
 import java.util.function.Function;
+import java.util.function.LongPredicate;
 
 /**
  * A Vesper engine in a process of its own, the host, which uses the arrays of the provider in
@@ -94,6 +95,9 @@ public final class HostedEngine implements PhysicsEngine {
     private int building = BUILD_ADVANCES;
 
     private volatile boolean closed;
+
+    /** Kept, because an advance must allocate nothing. */
+    private final LongPredicate isApartWord = this::isApartWord;
 
     /**
      * Creates an engine and its first host.
@@ -384,7 +388,7 @@ public final class HostedEngine implements PhysicsEngine {
         try {
             long limit = frameLimit();
             current.begin(Request.ADVANCE).putDouble(dt).putInt(steps).putLong(limit);
-            Mailbox reply = current.call(limit, this::isApartWord, config.log());
+            Mailbox reply = current.call(limit, isApartWord, config.log());
             waitedNanos = current.waitedNanos();
             requireOk(reply);
             boolean kept = state.keep(reply);
