@@ -11,17 +11,18 @@
 #include "columns.hpp"
 #include "control.hpp"
 #include "isolation.hpp"
+#include "law_apart.hpp"
 #include "service.hpp"
 
 namespace {
 
 vesper::host::Service* served = nullptr;
 
-void Serve(int client, uint32_t descriptor) {
+void Serve(int client, uint32_t descriptor, uint64_t memory_limit) {
   const vesper::host::Mapping memory(client, descriptor, vesper::host::kControlSize, true);
   auto& control = *reinterpret_cast<vesper::host::Control*>(memory.data());
   control.magic = vesper::host::kMagic;
-  vesper::host::Service service(client, control);
+  vesper::host::Service service(client, control, memory_limit);
   served = &service;
   vesper::host::ReportFaults([](const void* address) { served->NoteFault(address); });
   vesper::host::Patience patience;
@@ -40,10 +41,12 @@ int main(int argc, char** argv) {
     return 2;
   }
   const int client = std::atoi(argv[1]);
-  vesper::host::Isolate(std::strtoull(argv[3], nullptr, 10));
+  const uint64_t memory_limit = std::strtoull(argv[3], nullptr, 10);
+  vesper::host::Isolate(memory_limit);
   vesper::host::FollowClient(client);
   try {
-    Serve(client, static_cast<uint32_t>(std::strtoul(argv[2], nullptr, 10)));
+    vesper::apart::Prepare();
+    Serve(client, static_cast<uint32_t>(std::strtoul(argv[2], nullptr, 10)), memory_limit);
   } catch (const std::exception& failure) {
     std::fprintf(stderr, "vesper-host: %s\n", failure.what());
     return 1;

@@ -2,10 +2,13 @@
 #include "service.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -18,6 +21,7 @@ namespace {
 
 constexpr uint32_t kNoDescriptor = UINT32_MAX;
 constexpr size_t kMaxLine = 1024;
+constexpr uint64_t kUnlimitedMemory = uint64_t{1} << 42;  // [bytes]
 
 /// Thrown after a function of engine.h has failed; the service contains the error.
 struct Refused {
@@ -41,7 +45,8 @@ void ForEach(const T* first, uint32_t count, Visit&& visit) {
 
 }  // namespace
 
-Service::Service(int client, Control& control) : client_(client), control_(control) {}
+Service::Service(int client, Control& control, uint64_t memory_limit)
+    : client_(client), control_(control), memory_limit_(memory_limit) {}
 
 Service::~Service() = default;
 
@@ -217,6 +222,12 @@ void Service::Touch(Reader& request) {
   }
 }
 
+apart::Options Service::SandboxOptions(bool incomplete) const {
+  const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe");
+  return {own.parent_path() / "vesper-sandbox",
+          memory_limit_ == 0 ? kUnlimitedMemory : memory_limit_, incomplete};
+}
+
 vesper_prepared_library* Service::Open(Reader& request) {
   const std::string source = request.Text();
   const auto form = static_cast<Form>(request.Value<uint32_t>());
@@ -235,6 +246,11 @@ vesper_prepared_library* Service::Open(Reader& request) {
     case Form::kPython:
       Check(
           PreparePython(prototype_->get(), source, bytes.data(), bytes.size(), &prepared, &error_));
+      return prepared;
+    case Form::kApart:
+    case Form::kApartWeakly:
+      Check(apart::PrepareApart(prototype_->get(), SandboxOptions(form == Form::kApartWeakly),
+                                std::span(bytes.data(), bytes.size()), source, &prepared, &error_));
       return prepared;
   }
   throw std::runtime_error("unknown form of a law library");
@@ -336,6 +352,7 @@ void Service::ProtectColumns() {
 void Service::Advance(Reader& request, Writer& reply) {
   const auto dt = request.Value<double>();
   const auto steps = request.Value<uint32_t>();
+  apart::Sandbox::BeginFrame(std::chrono::nanoseconds(request.Value<int64_t>()));
   Check(vesper_engine_advance(engine_.get(), dt, steps, &error_));
   SaveState(reply);
   vesper_law_info info{};

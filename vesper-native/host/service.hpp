@@ -8,6 +8,7 @@
 
 #include "columns.hpp"
 #include "control.hpp"
+#include "law_apart.hpp"
 #include "message.hpp"
 #include "vesper/engine.h"
 
@@ -41,7 +42,9 @@ enum class Request : uint32_t {
 
 /// The form of the bytes of a law library. reve.pe.hosted.HostedLibrary in Java has the same
 /// numbers.
-enum class Form : uint32_t { kNative, kText, kPython };
+/// kApart: native code that runs in a sandbox; kApartWeakly: also if the machine lacks a layer of
+/// it.
+enum class Form : uint32_t { kNative, kText, kPython, kApart, kApartWeakly };
 
 class ReceivedPrototype;
 
@@ -49,7 +52,8 @@ class ReceivedPrototype;
 /// the `vesper_error` follows; after success, the result of the request.
 class Service {
  public:
-  Service(int client, Control& control);
+  /// `memory_limit` also limits the private memory of each sandbox [bytes]; 0: no limit.
+  Service(int client, Control& control, uint64_t memory_limit);
   ~Service();
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
@@ -80,6 +84,7 @@ class Service {
   void LoadState(Reader& request);
   void Ledger(Reader& request, Writer& reply);
 
+  apart::Options SandboxOptions(bool incomplete) const;
   vesper_prepared_library* Open(Reader& request);
   void WriteLaws(vesper_library_id library, Writer& reply);
   void ProtectColumns();
@@ -88,6 +93,7 @@ class Service {
 
   int client_;
   Control& control_;
+  uint64_t memory_limit_;
   std::vector<std::byte> request_;  // a copy, because the reply overwrites the mailbox
   Columns columns_;                 // declared before the engine, which it must outlive
   std::vector<std::string> accumulators_;

@@ -10,14 +10,16 @@
 
 namespace vesper {
 
-/// Returns a LAW_FAILED failure with the status and the message of the library.
+/// Returns a LAW_FAILED failure with the status and the message of the library. The proxy of a law
+/// that runs apart keeps LAW_CRASHED and LAW_TIMED_OUT.
 inline Failure ForeignFailure(const std::string& caller, vesper_status status, vesper_error error) {
   if (error.message[0] == '\0') {
     return Failure(VESPER_LAW_FAILED, "%s: returned status %d (%s)", caller.c_str(), status,
                    StatusName(status));
   }
   Sanitize(error);
-  error.status = VESPER_LAW_FAILED;
+  error.status =
+      status == VESPER_LAW_CRASHED || status == VESPER_LAW_TIMED_OUT ? status : VESPER_LAW_FAILED;
   return Failure(error).Within(caller);
 }
 

@@ -35,6 +35,10 @@ const char* StatusName(vesper_status status) {
       return "FAULTED";
     case VESPER_INTERNAL:
       return "INTERNAL";
+    case VESPER_LAW_CRASHED:
+      return "LAW_CRASHED";
+    case VESPER_LAW_TIMED_OUT:
+      return "LAW_TIMED_OUT";
   }
   return "UNKNOWN";
 }

@@ -18,6 +18,7 @@
 #endif
 
 #include "floating_point.hpp"
+#include "grain.hpp"
 #include "thread_sanitizer.hpp"
 
 namespace vesper {
@@ -25,12 +26,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr uint64_t kMinGrain = 1024;
-constexpr uint64_t kMaxChunks = 256;
 constexpr uint32_t kMaxThreads = 256;  // maximum number of threads of a process; at least that of a
                                        // config
-
-uint64_t ChooseGrain(uint64_t count) { return std::max(kMinGrain, count / kMaxChunks + 1); }
 
 /// Tells the processor that this thread spins, so that it saves power.
 inline void Pause() {

@@ -48,6 +48,9 @@ typedef int32_t vesper_status;
 #define VESPER_LAW_MISBEHAVED 12      /**< A law broke its declaration, or wrote NaN or infinity. */
 #define VESPER_FAULTED 13             /**< A step failed before; see `vesper_engine_clear_fault`. */
 #define VESPER_INTERNAL 14            /**< A bug of the engine. Please report it. */
+/* 15 is not used. */
+#define VESPER_LAW_CRASHED 16   /**< A law that runs apart ended its process. Since 1.2. */
+#define VESPER_LAW_TIMED_OUT 17 /**< A law that runs apart did not return in time. Since 1.2. */
 
 /** Element type of a property. */
 typedef uint32_t vesper_scalar_type;

@@ -106,6 +106,11 @@ public interface PhysicsEngine extends AutoCloseable {
      */
     void setInterval(int libraryId, int interval);
 
+    /** Returns whether the library runs in a sandbox, which can access only its columns. */
+    default boolean isApart(int libraryId) {
+        return false;
+    }
+
     /**
      * Writes the wall-clock time of each law since it was loaded [ns], in the order of {@link
      * #laws}. Allocates nothing; times are for reports and budgets only.

@@ -38,7 +38,7 @@ class ReleasesIT {
             }
             task natives(type: Copy) {
                 from('NATIVE') {
-                    include '*.so*', 'vesper', 'vesper-host', 'vesper-probe', 'vesper-render', 'laws/*.so'
+                    include '*.so*', 'vesper', 'vesper-host', 'vesper-sandbox', 'vesper-probe', 'vesper-render', 'laws/*.so'
                 }
                 into 'build/native'
             }

@@ -39,7 +39,7 @@ class WorldTrustIT {
             "law 'evil' comes with the world, in laws/"
                     + FILE
                     + ": native code, which runs with all of your rights and is opened only with"
-                    + " --trust";
+                    + " --trust, or in a sandbox with --apart";
 
     @TempDir private static Path shared;
     private static Path evil = Path.of("");
@@ -369,6 +369,7 @@ class WorldTrustIT {
                         "libvesper.so.1",
                         "libvesper.so",
                         "vesper-host",
+                        "vesper-sandbox",
                         "vesper-probe",
                         "libsqlitejdbc.so")) {
             Files.copy(Project.NATIVE.resolve(file), upgraded.resolve(file));

@@ -29,6 +29,7 @@ import java.util.stream.Collectors;
  * thread; {@link #track} and {@link #drop} work on any thread.
  */
 final class FolderLaws implements AutoCloseable {
+    private final String origin;
     private final Laws laws;
     private final Map<String, ActiveFile> byName = new HashMap<>();
 
@@ -68,11 +69,7 @@ final class FolderLaws implements AutoCloseable {
     record SpareWanted(String name, byte[] bytes) {}
 
     /** A change in the command queue. */
-    record Entry(long sequence, Change change) implements Command {
-        @Override
-        public String origin() {
-            return LawFolder.ORIGIN;
-        }
+    record Entry(String origin, long sequence, Change change) implements Command {
 
         @Override
         public void execute(World world, FrameEvent event) {
@@ -80,7 +77,8 @@ final class FolderLaws implements AutoCloseable {
         }
     }
 
-    FolderLaws(Laws laws) {
+    FolderLaws(String origin, Laws laws) {
+        this.origin = origin;
         this.laws = laws;
     }
 
@@ -267,7 +265,7 @@ final class FolderLaws implements AutoCloseable {
     /** Reports that a file's library is not active, and why. */
     void refuse(long frame, String name, PhysicsException refusal) {
         Map<String, Object> fields = new LinkedHashMap<>();
-        fields.put("source", LawFolder.ORIGIN);
+        fields.put("source", origin);
         fields.put("file", name);
         laws.reportFault(frame, fields, refusal);
     }

@@ -31,7 +31,7 @@ import java.util.stream.Stream;
  * A watched folder of law libraries. The laws of an added file act from the next frame on; those of
  * a removed file are unloaded; those of a replaced file are exchanged between two frames. A
  * separate thread scans the folder and checks libraries; the world's thread only activates prepared
- * ones, as commands of origin {@value #ORIGIN}. Each refusal becomes one "fault" event.
+ * ones, as commands of the folder's origin. Each refusal becomes one "fault" event.
  *
  * <p>Only files whose name ends in ".so", ".law" or ".py" count, as soon as two scans have found
  * the same size and time of change. A file that cannot be loaded may still be incomplete, so it is
@@ -44,6 +44,9 @@ import java.util.stream.Stream;
 public final class LawFolder implements AutoCloseable {
     /** Origin of this folder's commands; it contains a space, so no agent can have this name. */
     public static final String ORIGIN = "laws folder";
+
+    /** Origin of the commands of a folder whose laws run apart. */
+    public static final String UNTRUSTED_ORIGIN = "untrusted laws folder";
 
     /** Maximum number of active libraries of one folder. */
     public static final int MAX_LIBRARIES = 64;
@@ -59,6 +62,7 @@ public final class LawFolder implements AutoCloseable {
     private static final int LOOKS_UNTIL_STABLE = 2;
     private static final int LOOKS_UNTIL_TOLD = 12;
 
+    private final String origin;
     private final Path folder;
     private final PhysicsEngine engine;
     private final CommandQueue commands;
@@ -111,11 +115,13 @@ public final class LawFolder implements AutoCloseable {
     /**
      * Creates a watcher; it scans only after {@link #start}, or when {@link #look} is called.
      *
+     * @param origin {@link #ORIGIN} or {@link #UNTRUSTED_ORIGIN}
      * @param engine prepares libraries; closed after this object
      * @param parameters reads the files with parameters, on the thread that scans
      * @throws IllegalArgumentException if the path is not a folder, or is world-writable
      */
     public LawFolder(
+            String origin,
             Path folder,
             PhysicsEngine engine,
             Laws laws,
@@ -125,7 +131,8 @@ public final class LawFolder implements AutoCloseable {
         this.folder = require(folder);
         this.engine = engine;
         this.commands = commands;
-        this.active = new FolderLaws(laws);
+        this.origin = origin;
+        this.active = new FolderLaws(origin, laws);
     }
 
     /** Starts a thread that scans every {@link #INTERVAL}. Called once. */
@@ -133,7 +140,7 @@ public final class LawFolder implements AutoCloseable {
         if (thread != null) {
             throw new IllegalStateException(folder + " is followed already");
         }
-        thread = Thread.ofPlatform().daemon().name(ORIGIN).start(this::followUntilInterrupted);
+        thread = Thread.ofPlatform().daemon().name(origin).start(this::followUntilInterrupted);
     }
 
     /** Scans the folder once. For callers that do not use {@link #start}. */
@@ -374,7 +381,7 @@ public final class LawFolder implements AutoCloseable {
     }
 
     private boolean offer(FolderLaws.Change change) {
-        return commands.offer(new FolderLaws.Entry(sequence++, change));
+        return commands.offer(new FolderLaws.Entry(origin, sequence++, change));
     }
 
     private void warnOnce(String message) {

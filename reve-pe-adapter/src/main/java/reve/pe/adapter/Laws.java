@@ -153,6 +153,11 @@ public final class Laws {
         }
     }
 
+    /** Returns whether a loaded library runs in a sandbox. */
+    public boolean isApart(int libraryId) {
+        return engine.isApart(libraryId);
+    }
+
     /**
      * Unloads a library outside PHYSICS.
      *

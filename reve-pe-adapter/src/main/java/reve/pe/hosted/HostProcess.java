@@ -22,6 +22,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 import java.util.concurrent.TimeUnit;
+import java.util.function.LongPredicate;
 
 /**
  * A process {@code vesper-host}, which runs an engine, and the shared memory for requests and
@@ -79,6 +80,12 @@ class HostProcess implements AutoCloseable {
      * processor.
      */
     private static final int MOST_WALL = 20;
+
+    /**
+     * Further wall-clock time, after which a host is ended that waits for a law that runs apart
+     * [ns].
+     */
+    private static final long SANDBOX_NANOS = 500_000_000;
 
     private static final Map<Integer, String> SIGNALS =
             Map.of(
@@ -185,6 +192,17 @@ class HostProcess implements AutoCloseable {
      * @throws HostLost if the host ended; it cannot be used any more
      */
     Mailbox call(long limitNanos, VesperLog log) throws HostLost {
+        return call(limitNanos, word -> false, log);
+    }
+
+    /**
+     * As above, but while a law that runs apart is running, the host is not ended at the limit,
+     * because it ends that law itself then.
+     *
+     * @param isApart whether a word of the host that names the running law names one that runs
+     *     apart
+     */
+    Mailbox call(long limitNanos, LongPredicate isApart, VesperLog log) throws HostLost {
         mailbox.end();
         int number = ++requests;
         long start = System.nanoTime();
@@ -198,7 +216,7 @@ class HostProcess implements AutoCloseable {
         waitedNanos = 0;
         if (reply.get() != number) {
             long from = System.nanoTime();
-            long spent = new Wait(number, limitNanos).untilAnswered(log);
+            long spent = new Wait(number, limitNanos, isApart).untilAnswered(log);
             spentNanos += spent;
             waitedNanos = System.nanoTime() - from - spent;
         }
@@ -230,6 +248,7 @@ class HostProcess implements AutoCloseable {
     private final class Wait {
         private final int number;
         private final long limitNanos;
+        private final LongPredicate isApart;
         private final long start = System.nanoTime();
         private final long startCpu = group.cpuNanos();
         private long cpu = startCpu;
@@ -237,9 +256,10 @@ class HostProcess implements AutoCloseable {
         private long wall;
         private boolean continued;
 
-        Wait(int number, long limitNanos) {
+        Wait(int number, long limitNanos, LongPredicate isApart) {
             this.number = number;
             this.limitNanos = limitNanos;
+            this.isApart = isApart;
         }
 
         /** Waits for the reply, and returns the time that counts for the limit [ns]. */
@@ -251,7 +271,8 @@ class HostProcess implements AutoCloseable {
                 long now = System.nanoTime();
                 count(Math.min(now - last, MOST_LOOK_NANOS));
                 last = now;
-                if (spent() >= limitNanos || wall >= MOST_WALL * limitNanos) {
+                boolean late = spent() >= limitNanos || wall >= MOST_WALL * limitNanos;
+                if (late && (!isInSandbox() || wall >= MOST_WALL * limitNanos + SANDBOX_NANOS)) {
                     kill();
                     throw lost(
                             "no answer within " + limitNanos / 1_000_000 + " ms", limitNanos, log);
@@ -260,6 +281,15 @@ class HostProcess implements AutoCloseable {
             }
             cpu = Math.max(cpu, group.cpuNanos());
             return spent();
+        }
+
+        private boolean isInSandbox() {
+            for (int thread = 0; thread < MAX_THREADS; thread++) {
+                if (isApart.test(running(thread))) {
+                    return true;
+                }
+            }
+            return false;
         }
 
         /**
@@ -292,12 +322,17 @@ class HostProcess implements AutoCloseable {
         }
     }
 
+    /** Returns the law that a thread of the host calls, or 0. */
+    private long running(int thread) {
+        return control.segment().get(JAVA_LONG, RUNNING + (long) thread * Long.BYTES);
+    }
+
     private HostLost lost(String how, long lateNanos, VesperLog log) {
         passLog(log);
         boolean killed = lateNanos == 0 && process.exitValue() == FIRST_SIGNAL + SIGKILL;
         List<Long> running = new ArrayList<>();
         for (int thread = 0; thread < MAX_THREADS; thread++) {
-            long law = control.segment().get(JAVA_LONG, RUNNING + (long) thread * Long.BYTES);
+            long law = running(thread);
             if (law != 0 && !running.contains(law)) {
                 running.add(law);
             }

@@ -25,8 +25,10 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.concurrent.ConcurrentHashMap;
 import java.util.function.Consumer;
 import java.util.function.Function;
+import java.util.function.LongPredicate;
 
 /**
  * A Vesper engine in a process of its own, the host, which uses the arrays of the provider in
@@ -81,6 +83,11 @@ public final class HostedEngine implements PhysicsEngine {
 
     private final Losses losses;
     private final TestedLibraries tested = new TestedLibraries();
+    private final ApartRule apart;
+
+    /** The answers of the rule, by the SHA-256 of the library's bytes. */
+    private final Map<String, ApartRule.Isolation> isolations = new ConcurrentHashMap<>();
+
     private long longestNanos;
     private long waitedNanos;
 
@@ -89,6 +96,9 @@ public final class HostedEngine implements PhysicsEngine {
 
     private volatile boolean closed;
 
+    /** Kept, because an advance must allocate nothing. */
+    private final LongPredicate isApartWord = this::isApartWord;
+
     /**
      * Creates an engine and its first host.
      *
@@ -96,6 +106,8 @@ public final class HostedEngine implements PhysicsEngine {
      * @param frameLimit time that all laws together may take for an advance: processor time, and
      *     time in which they only wait. An advance in which laws may build may take at least three
      *     seconds, and others eight times the longest of the last frames, up to three seconds
+     * @param apart decides which native libraries run in a sandbox; laws in Python for which it
+     *     decides so are refused
      * @param parts returns where hosts find memory that is lent to the engine, and throws
      *     IllegalArgumentException for other memory
      * @throws PhysicsException if the engine refuses the prototype
@@ -106,7 +118,9 @@ public final class HostedEngine implements PhysicsEngine {
             Duration frameLimit,
             VesperConfig config,
             Prototype prototype,
+            ApartRule apart,
             Function<MemorySegment, SharedPart> parts) {
+        this.apart = apart;
         this.hosts = hosts;
         this.frameLimit = frameLimit;
         this.config = config;
@@ -144,9 +158,9 @@ public final class HostedEngine implements PhysicsEngine {
             }
             byte[] bytes = LibraryFile.read(file);
             if (file.getFileName().toString().endsWith(PreparedLibrary.PYTHON_ENDING)) {
-                return preparePython(file.getFileName().toString(), bytes);
+                return preparePython(Optional.of(file), file.getFileName().toString(), bytes);
             }
-            return prepare(file.toString(), bytes, HostedLibrary.Form.NATIVE);
+            return prepareNative(Optional.of(file), file.toString(), bytes);
         } catch (IOException e) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED, file + " cannot be read: " + e.getMessage());
@@ -156,11 +170,11 @@ public final class HostedEngine implements PhysicsEngine {
     @Override
     public PreparedLibrary prepare(byte[] library) {
         if (PreparedLibrary.isPython(library)) {
-            return preparePython(PythonLaw.nameOf(library), library);
+            return preparePython(Optional.empty(), PythonLaw.nameOf(library), library);
         }
         return PreparedLibrary.isText(library)
                 ? prepareText("text", library)
-                : prepare("a law library", library, HostedLibrary.Form.NATIVE);
+                : prepareNative(Optional.empty(), "a law library", library);
     }
 
     @Override
@@ -176,7 +190,29 @@ public final class HostedEngine implements PhysicsEngine {
         return LawText.check(prototype, source, text);
     }
 
-    private PreparedLibrary preparePython(String source, byte[] bytes) {
+    private PreparedLibrary prepareNative(Optional<Path> file, String source, byte[] bytes) {
+        return prepare(
+                source,
+                bytes,
+                switch (isolation(file, bytes)) {
+                    case NONE -> HostedLibrary.Form.NATIVE;
+                    case APART -> HostedLibrary.Form.APART;
+                    case APART_WEAKLY -> HostedLibrary.Form.APART_WEAKLY;
+                });
+    }
+
+    private ApartRule.Isolation isolation(Optional<Path> file, byte[] bytes) {
+        return isolations.computeIfAbsent(LibraryFile.sha256(bytes), _ -> apart.of(file, bytes));
+    }
+
+    private PreparedLibrary preparePython(Optional<Path> file, String source, byte[] bytes) {
+        if (isolation(file, bytes) != ApartRule.Isolation.NONE) {
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    source
+                            + ": a law in Python cannot run apart; write it as text or in C++, or"
+                            + " move it to a folder that you trust (--laws)");
+        }
         PythonLaw.requireLaw(source, bytes);
         return prepare(source, bytes, HostedLibrary.Form.PYTHON);
     }
@@ -301,6 +337,12 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     @Override
+    public boolean isApart(int libraryId) {
+        return libraries.stream()
+                .anyMatch(loaded -> loaded.id == libraryId && loaded.library.isApart());
+    }
+
+    @Override
     public void setInterval(int libraryId, int interval) {
         Loaded library = require(libraryId);
         ask(to -> to.begin(Request.SET_INTERVAL).putInt(library.hostId).putInt(interval));
@@ -344,8 +386,9 @@ public final class HostedEngine implements PhysicsEngine {
 
     private void advance(HostProcess current, double dt, int steps) throws HostLost {
         try {
-            current.begin(Request.ADVANCE).putDouble(dt).putInt(steps);
-            Mailbox reply = current.call(frameLimit(), config.log());
+            long limit = frameLimit();
+            current.begin(Request.ADVANCE).putDouble(dt).putInt(steps).putLong(limit);
+            Mailbox reply = current.call(limit, isApartWord, config.log());
             waitedNanos = current.waitedNanos();
             requireOk(reply);
             boolean kept = state.keep(reply);
@@ -370,6 +413,18 @@ public final class HostedEngine implements PhysicsEngine {
                     "the engine's process could not end the frame, and was replaced: "
                             + failed.getMessage());
         }
+    }
+
+    /** Returns whether a word that names the running law names one that runs apart. */
+    private boolean isApartWord(long word) {
+        int id = (int) (word >>> Integer.SIZE);
+        for (int i = 0; i < libraries.size(); i++) { // an iterator would be allocated
+            Loaded library = libraries.get(i);
+            if (library.hostId == id && library.library.isApart()) {
+                return true;
+            }
+        }
+        return false;
     }
 
     private long frameLimit() {

@@ -24,7 +24,11 @@ final class HostedLibrary implements PreparedLibrary {
     enum Form {
         NATIVE,
         TEXT,
-        PYTHON
+        PYTHON,
+        /** Native code in a sandbox. */
+        APART,
+        /** Native code in a sandbox, even if the machine lacks a layer of it. */
+        APART_WEAKLY
     }
 
     /**
@@ -51,7 +55,16 @@ final class HostedLibrary implements PreparedLibrary {
 
     /** Returns a text that is equal only for equal bytes that declare the same name. */
     String identity() {
-        return form == Form.PYTHON ? sha256 + source : sha256; // a Python file has the file's name
+        return switch (form) {
+            case NATIVE, TEXT -> sha256;
+            case PYTHON -> sha256 + source; // a Python file has the file's name
+            case APART, APART_WEAKLY -> sha256 + form;
+        };
+    }
+
+    /** Returns whether the library runs in a sandbox. */
+    boolean isApart() {
+        return form == Form.APART || form == Form.APART_WEAKLY;
     }
 
     /** Appends the library to a request to open it. */

@@ -82,6 +82,15 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
             int id = loaded.getInt();
             host.begin(Request.UNLOAD).putInt(id);
             host.call(LIMIT_NANOS, QUIET);
+            return;
+        }
+        PhysicsException refused = Wire.Failure.read(loaded).exception(0, "", "");
+        if (library.isApart()
+                && (refused.status() == Status.LAW_CRASHED
+                        || refused.status() == Status.LAW_TIMED_OUT)) {
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    library.source() + ": " + refused.getMessage() + ", while it was created");
         }
     }
 }

@@ -129,7 +129,7 @@ final class Wire {
 
         PhysicsException exception(int libraryId, String library, String law) {
             return new PhysicsException(
-                    status >= 1 && status <= Status.INTERNAL.ordinal() + 1
+                    status >= 1 && status <= Status.LAW_TIMED_OUT.ordinal() + 1
                             ? Status.values()[status - 1]
                             : Status.UNKNOWN,
                     libraryId,

@@ -4,6 +4,7 @@ package reve.pe.adapter;
 import reve.core.world.ItemDefinition;
 import reve.core.world.WorldPrototype;
 import reve.pe.NativeFiles;
+import reve.pe.hosted.ApartRule;
 import reve.pe.hosted.HostedEngine;
 import reve.pe.hosted.Hosts;
 import reve.pe.vesper.VesperConfig;
@@ -36,6 +37,10 @@ final class HostedFixture implements AutoCloseable {
     }
 
     HostedFixture(int threads, Path program) {
+        this(threads, program, ApartRule.NEVER);
+    }
+
+    HostedFixture(int threads, Path program, ApartRule apart) {
         hosts = new Hosts(program, MEMORY_BYTES);
         SharedArena arena = new SharedArena();
         world =
@@ -57,6 +62,7 @@ final class HostedFixture implements AutoCloseable {
                                     PropertyNames.prototype(
                                             WorldPrototype.standard("si-f64"),
                                             VesperEngine.standardPrototype("si-f64")),
+                                    apart,
                                     arena::part);
                         });
     }

@@ -53,6 +53,7 @@ class LawFolderNativeTest {
         world.load("newton_motion");
         laws =
                 new LawFolder(
+                        LawFolder.ORIGIN,
                         folder,
                         world.engine,
                         world.adapter.laws(),
@@ -478,7 +479,13 @@ class LawFolderNativeTest {
     }
 
     private void followAnother(Path path) {
-        new LawFolder(path, world.engine, world.adapter.laws(), world.commands, this::parameters)
+        new LawFolder(
+                        LawFolder.ORIGIN,
+                        path,
+                        world.engine,
+                        world.adapter.laws(),
+                        world.commands,
+                        this::parameters)
                 .close();
     }
 

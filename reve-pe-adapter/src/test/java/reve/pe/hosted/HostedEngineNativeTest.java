@@ -50,7 +50,8 @@ class HostedEngineNativeTest extends EngineContract {
 
         @Override
         public PhysicsEngine engine(VesperConfig config, Prototype prototype) {
-            return new HostedEngine(hosts, Duration.ofSeconds(10), config, prototype, this::part);
+            return new HostedEngine(
+                    hosts, Duration.ofSeconds(10), config, prototype, ApartRule.NEVER, this::part);
         }
 
         private SharedPart part(MemorySegment segment) {

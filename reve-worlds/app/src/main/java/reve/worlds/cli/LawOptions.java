@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
@@ -10,10 +13,12 @@ import reve.pe.hosted.Hosts;
 import reve.worlds.Product;
 import reve.worlds.server.EnginePlace;
 import reve.worlds.server.LawPath;
+import reve.worlds.server.Sandboxed;
 
 import java.lang.management.ManagementFactory;
 import java.nio.file.Path;
 import java.time.Duration;
+import java.util.List;
 import java.util.Locale;
 import java.util.Optional;
 import java.util.Queue;
@@ -24,6 +29,8 @@ import java.util.concurrent.ConcurrentLinkedQueue;
 final class LawOptions {
     /** The hosts of the commands that run in this JVM. */
     private static final Queue<Hosts> STARTED = new ConcurrentLinkedQueue<>();
+
+    private static final Logger LOG = LoggerFactory.getLogger("laws");
 
     /** Deadline of a frame in commands without clients that wait for frames. */
     private static final Duration PATIENT = Duration.ofSeconds(10);
@@ -45,6 +52,29 @@ final class LawOptions {
                     "Open native code that comes with the world, the store or the "
                             + "recording. The code runs with all of your rights.")
     private boolean trust;
+
+    @Option(
+            names = "--untrusted",
+            paramLabel = "DIR",
+            description =
+                    "Folder of laws that you do not trust: each native library of it runs apart, in a"
+                            + " sandbox without files, network and other processes. It is searched"
+                            + " after --laws, and serve watches it in the same way.")
+    private Optional<Path> untrusted = Optional.empty();
+
+    @Option(
+            names = "--apart",
+            description =
+                    "Run native laws that come with the world, the store or the recording in a"
+                            + " sandbox each, instead of refusing them.")
+    private boolean apart;
+
+    @Option(
+            names = "--weak-sandbox",
+            description =
+                    "Permit --untrusted and --apart although this machine lacks a layer of the"
+                            + " sandbox (./reve doctor lists the layers).")
+    private boolean weakly;
 
     @Option(
             names = "--engine",
@@ -97,7 +127,8 @@ final class LawOptions {
     /**
      * Returns the folders in which a command looks for laws, without those that come with a world.
      *
-     * @throws ParameterException if {@code --laws} names no folder, or a world-writable one
+     * @throws ParameterException if {@code --laws} or {@code --untrusted} names no folder, or a
+     *     world-writable one, or if the machine lacks a layer of the sandbox
      */
     LawPath path(CommandSpec spec) {
         return path(spec, PATIENT);
@@ -109,7 +140,8 @@ final class LawOptions {
      * @param usual deadline of a frame, if {@code --law-deadline} gives none
      */
     LawPath path(CommandSpec spec, Duration usual) {
-        require(spec, folder);
+        require(spec, "--laws", folder);
+        require(spec, "--untrusted", untrusted);
         return new LawPath(
                 Product.nativeFolder().resolve("laws"),
                 folder,
@@ -117,7 +149,35 @@ final class LawOptions {
                 trust,
                 enginePlace(spec, usual),
                 false,
-                Set.of());
+                Set.of(),
+                sandboxed(spec));
+    }
+
+    private Sandboxed sandboxed(CommandSpec spec) {
+        Sandboxed sandboxed =
+                new Sandboxed(untrusted.map(Path::toAbsolutePath), apart && !trust, weakly);
+        if (!sandboxed.isUsed()) {
+            return sandboxed;
+        }
+        if (place == Place.IN_PROCESS) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--untrusted and --apart need a separate process for the engine: remove"
+                            + " --engine in-process");
+        }
+        List<String> missing = SandboxLayers.missing();
+        String text = "this machine lacks layers of the sandbox: " + String.join(", ", missing);
+        if (!missing.isEmpty() && !weakly) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    text
+                            + "; laws of others could do harm. Provide the layers, or accept the"
+                            + " weaker protection with --weak-sandbox");
+        }
+        if (!missing.isEmpty()) {
+            LOG.warn("--weak-sandbox: {}", text);
+        }
+        return sandboxed;
     }
 
     /**
@@ -125,15 +185,15 @@ final class LawOptions {
      * opens none.
      */
     static LawPath named(CommandSpec spec, Optional<Path> folder) {
-        require(spec, folder);
+        require(spec, "--laws", folder);
         return new LawPath(Product.nativeFolder().resolve("laws"), folder, Optional.empty(), false);
     }
 
-    private static void require(CommandSpec spec, Optional<Path> folder) {
+    private static void require(CommandSpec spec, String option, Optional<Path> folder) {
         try {
             folder.ifPresent(LawFolder::require);
         } catch (IllegalArgumentException unfit) {
-            throw new ParameterException(spec.commandLine(), "--laws: " + unfit.getMessage());
+            throw new ParameterException(spec.commandLine(), option + ": " + unfit.getMessage());
         }
     }
 

@@ -4,6 +4,7 @@ package reve.worlds.server;
 import reve.pe.PhysicsEngine;
 import reve.pe.Prototype;
 import reve.pe.adapter.SharedArena;
+import reve.pe.hosted.ApartRule;
 import reve.pe.hosted.HostedEngine;
 import reve.pe.hosted.Hosts;
 import reve.pe.vesper.VesperConfig;
@@ -14,21 +15,24 @@ import java.time.Duration;
 /** The process in which a world's engine and laws run. */
 public interface EnginePlace {
     /** The server's own process: a law that crashes ends the server. */
-    EnginePlace IN_PROCESS = (config, prototype, arena) -> new VesperEngine(config, prototype);
+    EnginePlace IN_PROCESS =
+            (config, prototype, apart, arena) -> new VesperEngine(config, prototype);
 
     /**
      * Creates an engine.
      *
+     * @param apart decides which libraries run in a sandbox; the server's own process has none
      * @param arena memory of the columns that the engine will use
      */
-    PhysicsEngine engine(VesperConfig config, Prototype prototype, SharedArena arena);
+    PhysicsEngine engine(
+            VesperConfig config, Prototype prototype, ApartRule apart, SharedArena arena);
 
     /**
      * Returns a place that starts a process for each engine: after the crash of a law, only one
      * frame is repeated.
      */
     static EnginePlace hosted(Hosts hosts, Duration frameLimit) {
-        return (config, prototype, arena) ->
-                new HostedEngine(hosts, frameLimit, config, prototype, arena::part);
+        return (config, prototype, apart, arena) ->
+                new HostedEngine(hosts, frameLimit, config, prototype, apart, arena::part);
     }
 }

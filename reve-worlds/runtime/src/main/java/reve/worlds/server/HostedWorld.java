@@ -21,6 +21,7 @@ import reve.worlds.render.Renderer;
 import java.io.IOException;
 import java.net.InetSocketAddress;
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Locale;
@@ -28,7 +29,7 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * One world of a server, with its journals and its watched folder of laws. The calling thread owns
+ * One world of a server, with its journals and its watched folders of laws. The calling thread owns
  * the world during a call; {@link #stop} may be called on any thread.
  */
 final class HostedWorld implements AutoCloseable {
@@ -42,7 +43,7 @@ final class HostedWorld implements AutoCloseable {
     private final Simulation simulation;
     private final ServerControl control;
     private final BodyCameras cameras;
-    private final @Nullable LawFolder laws;
+    private final List<LawFolder> laws = new ArrayList<>();
     private @Nullable Journal storeJournal;
     private @Nullable Journal recordingJournal;
     private Optional<String> unkept = Optional.empty();
@@ -73,18 +74,11 @@ final class HostedWorld implements AutoCloseable {
             simulation.unloadExcluded();
             simulation.physics().enforceBudgets(true);
             closing.add(plan.pictures());
-            laws =
-                    lawsFolder
-                            .map(
-                                    folder ->
-                                            closing.add(
-                                                    new LawFolder(
-                                                            folder,
-                                                            simulation.engine(),
-                                                            simulation.physics().laws(),
-                                                            simulation.commands(),
-                                                            LawParameters::inFile)))
-                            .orElse(null);
+            lawsFolder.ifPresent(folder -> laws.add(watch(LawFolder.ORIGIN, folder)));
+            plan.laws()
+                    .sandboxed()
+                    .folder()
+                    .ifPresent(folder -> laws.add(watch(LawFolder.UNTRUSTED_ORIGIN, folder)));
             control =
                     closing.add(
                             new ServerControl(
@@ -105,6 +99,17 @@ final class HostedWorld implements AutoCloseable {
             closing.closeAfter(refused);
             throw refused;
         }
+    }
+
+    private LawFolder watch(String origin, Path folder) {
+        return closing.add(
+                new LawFolder(
+                        origin,
+                        folder,
+                        simulation.engine(),
+                        simulation.physics().laws(),
+                        simulation.commands(),
+                        LawParameters::inFile));
     }
 
     private Optional<StoredWorld> openStore(Pacing pacing) throws IOException {
@@ -199,11 +204,9 @@ final class HostedWorld implements AutoCloseable {
         return new Watchdog.Subject(name(), simulation.loop(), events);
     }
 
-    /** Starts to watch the laws folder, and reports that the world is ready. */
+    /** Starts to watch the folders of laws, and reports that the world is ready. */
     void start(InetSocketAddress agents, Optional<String> page) {
-        if (laws != null) {
-            laws.start();
-        }
+        laws.forEach(LawFolder::start);
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("world", name());
         fields.put("agents", agents.getHostString() + ":" + agents.getPort());
@@ -214,6 +217,8 @@ final class HostedWorld implements AutoCloseable {
             fields.put("note", "the world file grants agents no body, so none can join");
         }
         lawsFolder.ifPresent(folder -> fields.put("laws", folder.toString()));
+        Optional<Path> untrusted = plan.laws().sandboxed().folder();
+        untrusted.ifPresent(folder -> fields.put("untrusted", folder.toString()));
         stored.ifPresent(
                 world -> {
                     fields.put("store", plan.persistence().store().orElseThrow().toString());

@@ -38,6 +38,7 @@ final class LawFiles {
     LawFiles(LawPath laws, Consumer<String> found) {
         folders = new ArrayList<>(List.of(laws.shipped()));
         laws.folder().ifPresent(folders::add);
+        laws.sandboxed().folder().ifPresent(folders::add);
         this.found = found;
     }
 

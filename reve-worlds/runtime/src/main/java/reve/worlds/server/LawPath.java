@@ -10,6 +10,8 @@ import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
 import reve.pe.Status;
 import reve.pe.adapter.LawLibrary;
+import reve.pe.hosted.ApartRule;
+import reve.pe.vesper.LibraryFile;
 import reve.worlds.Product;
 
 import java.io.IOException;
@@ -32,8 +34,9 @@ import java.util.stream.Stream;
  * The search path of laws, and the decision which native code may be opened. A name is searched
  * among the shipped laws, then in the operator's folder, then in {@code laws/} beside the world
  * file. Code from {@code laws/} beside the world file, from a store or from a recording came with
- * the world. It is opened only if the operator trusts the world, or if its bytes equal a library of
- * the first two places. Any thread.
+ * the world. It is opened only if the operator trusts the world, if its bytes equal a library of
+ * the first two places, or in a sandbox. Laws of the operator's folder for untrusted laws, which is
+ * searched after the first two places, always run in a sandbox. Any thread.
  *
  * @param shipped folder of the shipped laws
  * @param folder the operator's folder
@@ -43,6 +46,7 @@ import java.util.stream.Stream;
  * @param validated whether laws run on guarded copies of the columns, so that accesses against
  *     their declarations are detected (slower)
  * @param excluded names of libraries that must not act, wherever they come from
+ * @param sandboxed the laws that run in a sandbox; needs a place in another process
  */
 public record LawPath(
         Path shipped,
@@ -51,7 +55,8 @@ public record LawPath(
         boolean trusted,
         EnginePlace place,
         boolean validated,
-        Set<String> excluded) {
+        Set<String> excluded,
+        Sandboxed sandboxed) {
     private static final Pattern NAME = Pattern.compile("[A-Za-z0-9_-]{1,47}");
     private static final String PREFIX = "libvesper_law_";
     private static final String SUFFIX = ".so";
@@ -63,12 +68,23 @@ public record LawPath(
 
     /** Creates a search path of laws that run in this process, without validation. */
     public LawPath(Path shipped, Optional<Path> folder, Optional<Path> world, boolean trusted) {
-        this(shipped, folder, world, trusted, EnginePlace.IN_PROCESS, false, Set.of());
+        this(
+                shipped,
+                folder,
+                world,
+                trusted,
+                EnginePlace.IN_PROCESS,
+                false,
+                Set.of(),
+                Sandboxed.NONE);
     }
 
     /** Copies the excluded names. */
     public LawPath {
         excluded = Set.copyOf(excluded);
+        if (sandboxed.isUsed() && place == EnginePlace.IN_PROCESS) {
+            throw new IllegalArgumentException("laws run apart only beside a hosted engine");
+        }
     }
 
     /** Where a library comes from. */
@@ -77,6 +93,8 @@ public record LawPath(
         SHIPPED,
         /** From the operator's {@code --laws} folder. */
         FOLDER,
+        /** From the operator's {@code --untrusted} folder. */
+        UNTRUSTED,
         /** Came with the world. */
         WORLD
     }
@@ -91,12 +109,12 @@ public record LawPath(
 
     /** Returns this path with validation on or off. */
     public LawPath withValidation(boolean on) {
-        return new LawPath(shipped, folder, world, trusted, place, on, excluded);
+        return new LawPath(shipped, folder, world, trusted, place, on, excluded, sandboxed);
     }
 
     /** Returns this path without the libraries of these names. */
     public LawPath without(Set<String> names) {
-        return new LawPath(shipped, folder, world, trusted, place, validated, names);
+        return new LawPath(shipped, folder, world, trusted, place, validated, names, sandboxed);
     }
 
     /** Returns whether the law of a world file, or the library, is excluded by its name. */
@@ -120,7 +138,14 @@ public record LawPath(
     /** Returns this path for a world whose file is in this folder. */
     public LawPath forWorld(Path worldFolder) {
         return new LawPath(
-                shipped, folder, Optional.of(worldFolder), trusted, place, validated, excluded);
+                shipped,
+                folder,
+                Optional.of(worldFolder),
+                trusted,
+                place,
+                validated,
+                excluded,
+                sandboxed);
     }
 
     /**
@@ -167,10 +192,18 @@ public record LawPath(
     public boolean needsTrust(String name) {
         try {
             Found found = find(name);
-            return !trusted && found.origin() == Origin.WORLD && !found.isText();
+            return needsTrust(found);
         } catch (PhysicsException refused) {
             return false;
         }
+    }
+
+    private boolean needsTrust(Found found) {
+        boolean isPython = found.file().toString().endsWith(PreparedLibrary.PYTHON_ENDING);
+        return found.origin() == Origin.WORLD
+                && !trusted
+                && !found.isText()
+                && (isPython || !sandboxed.worlds());
     }
 
     /** Returns the message that a law of the world's own folder is not opened, with the reason. */
@@ -183,9 +216,11 @@ public record LawPath(
                 + "/"
                 + file
                 + ": "
-                + (file.endsWith(PreparedLibrary.PYTHON_ENDING) ? "a program" : "native code")
-                + ", which runs with all of your rights and is opened only with "
-                + "--trust";
+                + (file.endsWith(PreparedLibrary.PYTHON_ENDING)
+                        ? "a program, which runs with all of your rights and is opened only with"
+                                + " --trust"
+                        : "native code, which runs with all of your rights and is opened only with"
+                                + " --trust, or in a sandbox with --apart");
     }
 
     /**
@@ -201,9 +236,11 @@ public record LawPath(
                     : Optional.of(
                             own.get()
                                     + " is not used: the law of that name "
-                                    + (found.origin() == Origin.SHIPPED
-                                            ? "that ships"
-                                            : "in --laws")
+                                    + switch (found.origin()) {
+                                        case SHIPPED -> "that ships";
+                                        case FOLDER, WORLD -> "in --laws";
+                                        case UNTRUSTED -> "in --untrusted";
+                                    }
                                     + " comes first; give it a name of its own");
         } catch (IOException | PhysicsException unreadable) {
             return Optional.of(
@@ -218,7 +255,7 @@ public record LawPath(
      *     the operator does not trust the world
      */
     PreparedLibrary prepare(PhysicsEngine engine, String name, Found found) {
-        if (found.origin() == Origin.WORLD && !trusted && !found.isText()) {
+        if (needsTrust(found)) {
             throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, untrusted(name));
         }
         return engine.prepare(found.file());
@@ -263,7 +300,9 @@ public record LawPath(
      * @throws PhysicsException naming it
      */
     void requireKnown(LawLibrary library) {
+        boolean runsApart = sandboxed.worlds() && !PreparedLibrary.isPython(library.bytes());
         if (!trusted
+                && !runsApart
                 && !library.isText()
                 && !isOperators(library)
                 && !KnownLaws.contains(library.sha256())) {
@@ -276,8 +315,35 @@ public record LawPath(
                             + ") in it is native code, which runs with all of your rights, and"
                             + " equals none of the laws that ship"
                             + folder.map(own -> " or lie in " + shown(own)).orElse("")
-                            + ": it is opened only with --trust, or with --laws DIR that has it");
+                            + ": it is opened only with --trust, in a sandbox with --apart, or with"
+                            + " --laws DIR that has it");
         }
+    }
+
+    /**
+     * Decides how a library is isolated from the engine and other laws; see {@link ApartRule#of}.
+     * Libraries that this path cannot judge, for example those of an image, run apart, too.
+     */
+    ApartRule.Isolation isolation(Optional<Path> file, byte[] library) {
+        Optional<Path> own = sandboxed.folder();
+        if (!sandboxed.isUsed()) {
+            return ApartRule.Isolation.NONE;
+        }
+        boolean isFromFolder =
+                own.isPresent()
+                        && file.map(path -> path.toAbsolutePath().startsWith(own.get()))
+                                .orElse(false);
+        boolean isTrusted =
+                !isFromFolder
+                        && (holds(shipped, library)
+                                || folder.map(laws -> holds(laws, library)).orElse(false)
+                                || !own.map(laws -> holds(laws, library)).orElse(false)
+                                        && (trusted
+                                                || KnownLaws.contains(
+                                                        LibraryFile.sha256(library))));
+        return isTrusted
+                ? ApartRule.Isolation.NONE
+                : sandboxed.weakly() ? ApartRule.Isolation.APART_WEAKLY : ApartRule.Isolation.APART;
     }
 
     /**
@@ -302,12 +368,14 @@ public record LawPath(
         Map<Path, Origin> places = new LinkedHashMap<>();
         places.put(shipped, Origin.SHIPPED);
         folder.ifPresent(own -> places.putIfAbsent(own, Origin.FOLDER));
+        sandboxed.folder().ifPresent(own -> places.putIfAbsent(own, Origin.UNTRUSTED));
         return places;
     }
 
     private String places() {
         return "the laws that ship"
                 + folder.map(own -> ", in " + shown(own)).orElse("")
+                + sandboxed.folder().map(own -> ", in " + shown(own)).orElse("")
                 + world.map(_ -> ", or in the world's own folder " + WORLDS_OWN + "/").orElse("");
     }
 

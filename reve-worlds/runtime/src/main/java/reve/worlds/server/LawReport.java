@@ -46,6 +46,7 @@ final class LawReport {
                                 libraries.add(
                                         library(
                                                 library,
+                                                laws.isApart(id),
                                                 IntStream.range(0, loaded.size())
                                                         .filter(
                                                                 i ->
@@ -80,7 +81,10 @@ final class LawReport {
     }
 
     private static Map<String, Object> library(
-            LawLibrary library, List<Map<String, Object>> laws, LawEquations equations) {
+            LawLibrary library,
+            boolean apart,
+            List<Map<String, Object>> laws,
+            LawEquations equations) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("library", library.name());
         fields.put("sha256", library.sha256());
@@ -91,6 +95,9 @@ final class LawReport {
         library.budget().ifPresent(budget -> fields.put("budget", budget.fields()));
         if (library.interval() != 1) {
             fields.put("interval", library.interval());
+        }
+        if (apart) {
+            fields.put("apart", true);
         }
         fields.put("laws", laws);
         return fields;

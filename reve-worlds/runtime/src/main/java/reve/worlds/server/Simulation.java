@@ -132,6 +132,7 @@ public final class Simulation implements AutoCloseable {
                                                     world.prototype(),
                                                     VesperEngine.standardPrototype(
                                                             world.prototype().name())),
+                                            lawPath::isolation,
                                             arena));
             physics = closing.add(new PhysicsAdapter(world, engine, arena));
             physics.laws().guardNames(lawPath::requireOwnName);
@@ -209,7 +210,8 @@ public final class Simulation implements AutoCloseable {
             lawPath.hidden(law.name(), found).ifPresent(LOG::warn);
             try (PreparedLibrary prepared = lawPath.prepare(engine, law.name(), found)) {
                 int id = physics.laws().load(0, prepared, law.parameters(), found.file());
-                if (found.origin() == LawPath.Origin.FOLDER) {
+                if (found.origin() == LawPath.Origin.FOLDER
+                        || found.origin() == LawPath.Origin.UNTRUSTED) {
                     physics.laws().leaveToFolder(id);
                 }
                 problems =

@@ -144,9 +144,11 @@ class EngineFailureNativeTest {
                         Optional.empty(),
                         Optional.empty(),
                         false,
-                        (config, prototype, arena) -> failing(new VesperEngine(config, prototype)),
+                        (config, prototype, apart, arena) ->
+                                failing(new VesperEngine(config, prototype)),
                         false,
-                        Set.of());
+                        Set.of(),
+                        Sandboxed.NONE);
         try (Simulation simulation = new Simulation(description, Pacing.FAST, laws);
                 Journal _ =
                         simulation.journal(

@@ -109,7 +109,8 @@ class LawPythonNativeTest {
                         trusted,
                         EnginePlace.hosted(hosts, Duration.ofSeconds(10)),
                         false,
-                        Set.of())
+                        Set.of(),
+                        Sandboxed.NONE)
                 .forWorld(folder);
     }
 

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.hosted;
+
+import java.nio.file.Path;
+import java.util.Optional;
+
+/**
+ * Decides which native law libraries run apart: in a sandbox, a process that can access only the
+ * columns that the library declares. Any thread.
+ */
+@FunctionalInterface
+public interface ApartRule {
+    /** No library runs apart. */
+    ApartRule NEVER = (file, library) -> Isolation.NONE;
+
+    /** How a library is isolated from the engine and the other laws. */
+    enum Isolation {
+        /** It runs in the engine's process. */
+        NONE,
+        /** It runs in a sandbox, and is refused if the machine lacks a layer of the sandbox. */
+        APART,
+        /** It runs in a sandbox with the layers that the machine has. */
+        APART_WEAKLY
+    }
+
+    /**
+     * Returns how a library is isolated. An engine asks once for each content of a library, and
+     * then keeps the answer.
+     *
+     * @param file the library's file, if it was opened from one
+     * @param library bytes of the library; the caller must not change them
+     */
+    Isolation of(Optional<Path> file, byte[] library);
+}

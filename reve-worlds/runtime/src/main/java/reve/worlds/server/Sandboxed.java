@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.server;
+
+import java.nio.file.Path;
+import java.util.Optional;
+
+/**
+ * The native laws that run apart, each library in a sandbox: a process that can access only the
+ * columns that its laws declare.
+ *
+ * @param folder the folder of laws that the operator does not trust
+ * @param worlds whether untrusted native code that comes with a world, a store or a recording runs
+ *     apart; otherwise it is refused
+ * @param weakly whether laws run apart even if the machine lacks a layer of the sandbox; otherwise
+ *     they are refused
+ */
+public record Sandboxed(Optional<Path> folder, boolean worlds, boolean weakly) {
+    /** No law runs apart. */
+    public static final Sandboxed NONE = new Sandboxed(Optional.empty(), false, false);
+
+    /** Returns whether laws may run apart. */
+    public boolean isUsed() {
+        return folder.isPresent() || worlds;
+    }
+}

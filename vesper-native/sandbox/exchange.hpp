@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the engine's process and a sandbox share: the exchange, a segment for columns that the law
+// reads, and a segment for columns that it writes.
+//
+// The engine writes a command, raises `request` and wakes the sandbox. The sandbox sets `reply` to
+// the same number when the command is done. The law can overwrite everything here except the first
+// segment, so the engine copies each value before it checks it, and trusts none.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "vesper/law.h"
+
+namespace vesper::apart {
+
+inline constexpr size_t kExchangeSize = size_t{1} << 20;
+inline constexpr size_t kMailboxOffset = size_t{64} << 10;
+inline constexpr size_t kMailboxSize = kExchangeSize - kMailboxOffset;
+inline constexpr size_t kLogSize = size_t{32} << 10;
+inline constexpr size_t kMaxLine = 1024;
+/// Addresses reserved for each of the two segments [bytes].
+inline constexpr uint64_t kSegmentWindow = uint64_t{64} << 30;
+
+/// Descriptors with which a sandbox starts. It closes all of them before it serves.
+enum StartDescriptor : int {
+  kLibraryFd = 3,
+  kExchangeFd,
+  kReadFd,
+  kWrittenFd,
+  kReportFd,
+  kEndOfDescriptors,
+};
+
+/// The arguments and results of a command are in the mailbox, unless the exchange has a field.
+enum class Command : uint32_t {
+  kDescribe = 1,     ///< writes the table of the library
+  kCreate,           ///< creates the law `law` from its parameters
+  kBind,             ///< passes the law the positions of its arrays in the segments
+  kAdvance,          ///< calls the law for `step`
+  kPotentialEnergy,  ///< sets `energy`
+};
+
+struct Exchange {
+  alignas(64) std::atomic<uint32_t> request;  // number of the newest request
+  alignas(64) std::atomic<uint32_t> reply;    // number of the newest answered request
+  alignas(64) Command command;
+  uint32_t law;  // index in the table
+  vesper_step step;
+  alignas(64) vesper_status status;  // result of the command
+  uint32_t refused_call;             // 1 + the system call that ended the sandbox, or 0
+  double energy;                     // [J]
+  vesper_error error;                // after a failure
+  uint32_t log_used;                 // bytes of `log` that this request has filled
+  uint32_t log_dropped;              // number of log lines that did not fit
+  char log[kLogSize];  // for each line, its level and length (uint32_t each) and its text
+};
+static_assert(sizeof(Exchange) <= kMailboxOffset);
+
+inline std::byte* Mailbox(Exchange& exchange) {
+  return reinterpret_cast<std::byte*>(&exchange) + kMailboxOffset;
+}
+
+}  // namespace vesper::apart

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// The engine's side of a sandbox: its process, the memory shared with it, and calls with a
+// deadline.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "confinement.hpp"
+#include "descriptor.hpp"
+#include "exchange.hpp"
+
+namespace vesper::apart {
+
+/// How sandboxes are started.
+struct Options {
+  std::string program;  ///< path of vesper-sandbox
+  uint64_t memory;      ///< limit of the private memory of each [bytes]
+  bool incomplete;      ///< true: start it even if the system lacks a layer of protection
+};
+
+/// Memory that this process can write, and another one only as `seals` permit.
+class Segment {
+ public:
+  /// Creates a segment with `size` bytes in a window of reserved addresses.
+  Segment(const char* name, uint64_t size, uint64_t window, int seals);
+  ~Segment();
+  Segment(const Segment&) = delete;
+  Segment& operator=(const Segment&) = delete;
+
+  int fd() const { return memory_.get(); }
+  std::byte* data() const { return data_; }
+  /// Makes the first `size` bytes usable; never shrinks. Throws Failure if the window is too small.
+  void Grow(uint64_t size);
+
+ private:
+  Descriptor memory_;
+  std::byte* data_ = nullptr;
+  uint64_t size_;
+  uint64_t window_;
+};
+
+/// Memory of a law in a segment; moved to the end of the segment when it must grow.
+struct Region {
+  uint64_t offset = 0;
+  uint64_t capacity = 0;  // [bytes]
+};
+
+/// A running vesper-sandbox. Calls are made by one thread at a time.
+class Sandbox {
+ public:
+  /// Starts the process with the bytes of a library. `library` names the library in messages.
+  /// Throws Failure if the process cannot be started or lacks a layer of protection.
+  Sandbox(const Options& options, std::span<const std::byte> bytes, const std::string& library);
+  ~Sandbox();
+  Sandbox(const Sandbox&) = delete;
+  Sandbox& operator=(const Sandbox&) = delete;
+
+  Exchange& exchange() { return *reinterpret_cast<Exchange*>(exchange_.data()); }
+  std::byte* read() { return read_.data(); }
+  std::byte* written() { return written_.data(); }
+  /// Makes `region` of the read or the written segment at least `size` bytes long.
+  void Reserve(bool written, Region& region, uint64_t size);
+  /// Carries out the command that the exchange contains. Throws LAW_CRASHED or LAW_TIMED_OUT if the
+  /// process ended or was ended, and the Failure that the command returned otherwise. `limited`:
+  /// the time counts for the frame.
+  void Call(Command command, uint32_t law, bool limited);
+  /// Returns false after a call that threw LAW_CRASHED or LAW_TIMED_OUT.
+  bool IsAlive() const { return pid_ > 0; }
+  /// Returns true if SIGKILL ended the process. A law cannot send it to its own process, so the
+  /// cause is outside, for example a lack of memory.
+  bool WasKilled() const { return killed_; }
+  const Layers& layers() const { return layers_; }
+
+  /// Begins a frame of this process's engine: all calls of a sandbox in a frame together may take
+  /// this time, processor time and idle time.
+  static void BeginFrame(std::chrono::nanoseconds limit);
+
+ private:
+  using Nanoseconds = std::chrono::nanoseconds;
+
+  void Start(const Options& options, int library_fd, const std::string& file,
+             const std::string& library);
+  void AwaitStart(int report);
+  Nanoseconds Allowed(bool limited);
+  /// Waits for the reply. `limit` is the time in the message of LAW_TIMED_OUT.
+  void Await(uint32_t number, Nanoseconds allowed, Nanoseconds limit);
+  /// Returns true if the process has ended; then `status` is its wait status.
+  bool HasEnded(int& status);
+  /// Ends the process, and returns its wait status.
+  int Kill();
+  [[noreturn]] void ThrowCrashed(int status);
+  Nanoseconds ProcessorTime() const;
+  /// Returns true if the process waits for anything but a processor, or was stopped.
+  bool Sleeps() const;
+
+  Segment exchange_;
+  Segment read_;
+  Segment written_;
+  uint64_t read_end_ = 0;
+  uint64_t written_end_ = 0;
+  int pid_ = -1;
+  Descriptor state_;  // /proc/…/stat
+  Layers layers_;
+  uint32_t requests_ = 0;
+  bool quick_ = false;
+  bool killed_ = false;
+  uint64_t frame_ = 0;
+  Nanoseconds spent_{0};  // in this frame
+};
+
+}  // namespace vesper::apart

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a starting sandbox tells the engine's process, before it opens the library.
+#pragma once
+
+#include <cstdint>
+
+#include "confinement.hpp"
+
+namespace vesper::apart {
+
+struct StartReport {
+  int32_t process;  ///< from the process that starts the sandbox: its process id; else 0
+  Layers layers;    ///< from the sandbox itself, as soon as it is confined
+};
+
+}  // namespace vesper::apart

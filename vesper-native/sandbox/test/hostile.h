@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Values of the parameter `act` of the law `hostile`. */
+#ifndef HOSTILE_H_
+#define HOSTILE_H_
+
+enum HostileAct {
+  BEHAVE,
+  OPEN_FILE,
+  OPEN_PARENT_MEMORY,
+  CREATE_SOCKET,
+  FORK,
+  START_THREAD,
+  EXECUTE,
+  TRACE_PARENT,
+  KILL_PARENT,
+  KILL_ALL,
+  STOP_ITSELF,
+  SET_HANDLER,
+  SET_LIMIT,
+  MAP_CODE,
+  WRITE_NULL,
+  WRITE_READ_COLUMN_APART,
+  ABORT_APART,
+  EXIT_APART,
+  OVERFLOW_STACK,
+  LOOP_FOR_EVER,
+  SLEEP_FOR_EVER,
+  FILL_MEMORY,
+  SHARE_MEMORY,
+  GROW_COLUMNS,
+  WRITE_WILDLY,
+  WRITE_NAN_APART,
+  LOG_LINES,
+  FLUSH_DENORMALS,
+};
+
+#endif /* HOSTILE_H_ */
