@@ -220,6 +220,25 @@ vesper_status vesper_text_check(const vesper_prototype* prototype, const char* s
   });
 }
 
+vesper_status vesper_text_to_cpp(const vesper_prototype* prototype, const char* source,
+                                 const char* text, uint64_t size, char* cpp, uint64_t capacity,
+                                 uint64_t* length, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(text, "text");
+    char* out = &Required(cpp, "cpp");
+    uint64_t& written = Required(length, "length");
+    const std::string found = vesper::text::ToCpp(
+        source == nullptr ? "text" : source, std::string_view(text, static_cast<size_t>(size)),
+        vesper::Prototype(Required(prototype, "prototype")));
+    written = found.size();
+    if (found.size() >= capacity) {
+      throw Failure(VESPER_INVALID_ARGUMENT, "capacity is %llu, expected %zu or more",
+                    static_cast<unsigned long long>(capacity), found.size() + 1);
+    }
+    std::memcpy(out, found.c_str(), found.size() + 1);
+  });
+}
+
 vesper_status vesper_engine_load_prepared(vesper_engine* engine, vesper_prepared_library* prepared,
                                           const vesper_parameter* parameters, uint32_t count,
                                           vesper_library_id* out, vesper_error* error) noexcept {

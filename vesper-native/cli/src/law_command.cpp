@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "law_command.hpp"
 
-#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -26,6 +28,25 @@ std::string ReportOn(const LawOptions& options, const std::string& text) {
   return report.data();
 }
 
+std::string CppOf(const LawOptions& options, const std::string& text) {
+  const vesper_prototype& prototype = StandardPrototype(options.prototype);
+  std::string cpp(size_t{1} << 16, '\0');
+  uint64_t length = 0;
+  vesper_error error{};
+  const auto write = [&] {
+    return vesper_text_to_cpp(&prototype, options.file.c_str(), text.data(), text.size(),
+                              cpp.data(), cpp.size(), &length, &error);
+  };
+  vesper_status status = write();
+  if (status == VESPER_INVALID_ARGUMENT && length >= cpp.size()) {
+    cpp.resize(length + 1);
+    status = write();
+  }
+  if (status != VESPER_OK) throw std::runtime_error(error.message);
+  cpp.resize(length);
+  return cpp;
+}
+
 }  // namespace
 
 int CheckLaw(const LawOptions& options) {
@@ -40,6 +61,24 @@ int CheckLaw(const LawOptions& options) {
     std::cerr << report;
   }
   return report.empty() ? kDone : kFailed;
+}
+
+int LawToCpp(const LawOptions& options) {
+  const std::string text = ReadFile(options.file);
+  if (const std::string report = ReportOn(options, text); !report.empty()) {
+    std::cerr << report;
+    return kFailed;
+  }
+  const std::string cpp = CppOf(options, text);
+  if (options.output.empty()) {
+    std::cout << cpp;
+    return kDone;
+  }
+  std::ofstream file(options.output, std::ios::binary);
+  file << cpp;
+  file.close();
+  if (file) return kDone;
+  return Fail(kFailed, options.output + ": cannot be written: " + std::strerror(errno));
 }
 
 }  // namespace vesper::cli

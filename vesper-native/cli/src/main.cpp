@@ -88,17 +88,29 @@ void AddTest(CLI::App& app, int& code) {
   command->callback([options, &code] { code = TestLaws(*options); });
 }
 
-void AddLaw(CLI::App& app, int& code) {
-  auto* command = app.add_subcommand("law", "Works on laws as text.");
-  command->require_subcommand(1);
-  auto* check = command->add_subcommand("check", "Checks a law as text: names, units, grammar.");
-  auto options = std::make_shared<LawOptions>();
-  check->add_option("FILE", options->file, "The law's file, such as wind.law")
+/// Adds a command on the file of a law as text.
+CLI::App* AddLawCommand(CLI::App& law, const char* name, const char* purpose,
+                        const std::shared_ptr<LawOptions>& options) {
+  auto* command = law.add_subcommand(name, purpose);
+  command->add_option("FILE", options->file, "The law's file, such as wind.law")
       ->required()
       ->check(CLI::ExistingFile);
-  check->add_option("--prototype", options->prototype, "Properties to check it against")
+  command->add_option("--prototype", options->prototype, "Properties to check it against")
       ->check(CLI::IsMember({"si-f64", "si-f32"}))
       ->capture_default_str();
+  return command;
+}
+
+void AddLaw(CLI::App& app, int& code) {
+  auto* law = app.add_subcommand("law", "Works on laws as text.");
+  law->require_subcommand(1);
+  auto options = std::make_shared<LawOptions>();
+  auto* to_cpp = AddLawCommand(
+      *law, "to-cpp", "Writes a law as text as a C++ law that gives the same results.", options);
+  to_cpp->add_option("--output", options->output, "File for the source; default: standard output");
+  to_cpp->callback([options, &code] { code = LawToCpp(*options); });
+  auto* check =
+      AddLawCommand(*law, "check", "Checks a law as text: names, units, grammar.", options);
   check->add_flag("--json", options->json, "Print the result as one JSON document");
   check->callback([options, &code] { code = CheckLaw(*options); });
 }

@@ -302,6 +302,15 @@ VESPER_API vesper_status vesper_library_table(vesper_prepared_library* prepared,
 VESPER_API vesper_status vesper_text_check(const vesper_prototype* prototype, const char* source,
                                            const char* text, uint64_t size, char* report,
                                            uint64_t capacity, vesper_error* error) VESPER_NOEXCEPT;
+/** Writes a text as the C++ source of a law library that gives the same results, NUL-terminated, to
+ *  `cpp` (capacity bytes), and its length without the NUL to `length`. `prototype` and `source` as
+ *  for vesper_text_check. Fails with LIBRARY_LOAD_FAILED and the first problem of a wrong text;
+ * with INVALID_ARGUMENT if the source needs more than `capacity` bytes, after `length` is written.
+ *  Since 1.2. */
+VESPER_API vesper_status vesper_text_to_cpp(const vesper_prototype* prototype, const char* source,
+                                            const char* text, uint64_t size, char* cpp,
+                                            uint64_t capacity, uint64_t* length,
+                                            vesper_error* error) VESPER_NOEXCEPT;
 /** Closes a prepared library that was not loaded into an engine. Accepts null. */
 VESPER_API void vesper_library_discard(vesper_prepared_library* prepared) VESPER_NOEXCEPT;
 /** Returns the name in the library's own table. The string lives as long as `prepared` or the

@@ -147,16 +147,23 @@ void Checker::OpenSeparation(const Block& block) {
   const NodeId inverse = graph_.Select(graph_.Binary(Operation::kEqual, distance_, zero), zero,
                                        graph_.Divide(graph_.Constant(1), distance_));
   for (uint32_t i = 0; i < 3; ++i) direction_[i] = graph_.Multiply(inverse, separation_[i]);
+  const Value distance = Number(distance_, kLength, block.span);
+  Value separation, direction;
+  separation.components = direction.components = 3;
+  for (uint32_t i = 0; i < 3; ++i) {
+    separation.node[i] = separation_[i];
+    direction.node[i] = direction_[i];
+  }
+  NoteName("separation", separation);
+  NoteName(block.distance ? block.distance->word : "distance", distance);
+  NoteName(block.direction ? block.direction->word : "direction", direction);
   if (block.distance) {
     RequireNewName(*block.distance);
-    lets_.emplace_back(block.distance->word, Number(distance_, kLength, block.distance->span));
+    lets_.emplace_back(block.distance->word, distance);
   }
   if (block.direction) {
     RequireNewName(*block.direction);
-    Value direction;
-    direction.components = 3;
     direction.span = block.direction->span;
-    for (uint32_t i = 0; i < 3; ++i) direction.node[i] = direction_[i];
     lets_.emplace_back(block.direction->word, direction);
   }
 }
@@ -209,6 +216,11 @@ void Checker::CheckLet(const Statement& statement) {
   Value value = Evaluate(*statement.value);
   value.span = statement.value->span;
   lets_.emplace_back(statement.name.word, value);
+  NoteName(statement.name.word, value);
+}
+
+void Checker::NoteName(const std::string& name, const Value& value) {
+  if (pass_ != nullptr) pass_->names.push_back({name, value.components, value.node});
 }
 
 void Checker::CheckIf(const Statement& statement, Effects& effects) {

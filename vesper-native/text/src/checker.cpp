@@ -60,7 +60,14 @@ LawCode Checker::Run() {
       if (pass.energy != kNoNode) roots.push_back(&pass.energy);
       if (pass.within != kNoNode) roots.push_back(&pass.within);
     }
-    graph_.ShareDivisions(roots);
+    const std::vector<NodeId> copies = graph_.ShareDivisions(roots);
+    for (PassCode& pass : code_.passes) {
+      for (NamedValue& named : pass.names) {
+        for (NodeId& node : named.node) {
+          if (node != kNoNode) node = copies[node];
+        }
+      }
+    }
   } catch (const Abandon&) {
   } catch (const TooLarge&) {
     problems_.Add(tree_.name.span, "the law is too large: its formulas have more than 10000 parts");

@@ -62,6 +62,8 @@ class Checker {
   void CheckStatement(const Statement& statement, Effects& effects);
   void CheckIf(const Statement& statement, Effects& effects);
   void CheckLet(const Statement& statement);
+  /// Notes the name of a value of the block for generated code.
+  void NoteName(const std::string& name, const Value& value);
   void Assign(const Statement& statement, Effects& effects);
   void AssignEnergy(const Statement& statement, Effects& effects);
   void AssignPull(const Statement& statement, Effects& effects);

@@ -14,9 +14,9 @@
 #include "kernels.hpp"
 #include "law_code.hpp"
 #include "machine_code.hpp"
-#include "neighbours.hpp"
 #include "program.hpp"
 #include "vesper/law.h"
+#include "vesper/law_neighbours.hpp"
 
 namespace vesper::text {
 

@@ -232,7 +232,7 @@ NodeId Graph::Substitute(NodeId root, const std::map<NodeId, NodeId>& replacemen
   return copies[root];
 }
 
-void Graph::ShareDivisions(const std::vector<NodeId*>& roots) {
+std::vector<NodeId> Graph::ShareDivisions(const std::vector<NodeId*>& roots) {
   const auto size = static_cast<NodeId>(nodes_.size());
   std::vector<bool> needed(size);
   std::vector<uint32_t> divisions(size);
@@ -264,6 +264,7 @@ void Graph::ShareDivisions(const std::vector<NodeId*>& roots) {
     }
   }
   for (NodeId* root : roots) *root = copies[*root];
+  return copies;
 }
 
 std::map<Load, NodeId> Graph::Gradient(NodeId root, const std::vector<Load>& wanted) {

@@ -125,8 +125,9 @@ class Graph {
   NodeId Substitute(NodeId root, const std::map<NodeId, NodeId>& replacements);
 
   /// Replaces divisions by multiplications with the inverse of the divisor, if several divisions
-  /// have the same divisor, or if it is the same for all rows.
-  void ShareDivisions(const std::vector<NodeId*>& roots);
+  /// have the same divisor, or if it is the same for all rows. Returns the new id of each node;
+  /// kNoNode if no root depends on it.
+  std::vector<NodeId> ShareDivisions(const std::vector<NodeId*>& roots);
 
   /// Adds nodes for the derivatives of `root` with respect to the loads in `wanted`, and returns
   /// them.

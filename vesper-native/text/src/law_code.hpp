@@ -2,6 +2,7 @@
 // A checked law: its formulas as a graph, and the properties, parameters and rows that it uses.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -52,6 +53,13 @@ struct Output {
   Span span;
 };
 
+/// A value that a text has given a name, by `let` or in a heading.
+struct NamedValue {
+  std::string name;
+  uint32_t components = 1;
+  std::array<NodeId, 4> node{kNoNode, kNoNode, kNoNode, kNoNode};  // kNoNode: no result needs it
+};
+
 /// One pass of a law over rows, pairs of rows, or rows together with the rows that they refer to.
 struct PassCode {
   BlockKind kind;
@@ -65,6 +73,7 @@ struct PassCode {
   std::optional<uint32_t> stage;
   std::vector<Output> outputs;
   NodeId energy = kNoNode;
+  std::vector<NamedValue> names;  // for readers of generated code
 };
 
 struct LawCode {

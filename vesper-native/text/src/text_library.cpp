@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "cpp_writer.hpp"
 #include "evaluator.hpp"
 #include "failure.hpp"
 #include "law_code.hpp"
@@ -262,6 +263,15 @@ std::string Report(std::string_view source, std::string_view text, const Prototy
   const std::vector<LawTree> laws = ParseChecked(text, problems);
   if (problems.empty()) CheckAll(text, laws, prototype, problems);
   return problems.Report(source, text.substr(0, kMaxText));
+}
+
+std::string ToCpp(std::string_view source, std::string_view text, const Prototype& prototype) {
+  Problems problems;
+  const std::vector<LawTree> laws = ParseChecked(text, problems);
+  std::vector<LawCode> codes;
+  if (problems.empty()) codes = CheckAll(text, laws, prototype, problems);
+  if (!problems.empty()) Refuse(problems, source, text);
+  return WriteCpp(source, text, codes);
 }
 
 }  // namespace vesper::text

@@ -44,4 +44,8 @@ class TextLibrary {
 /// Returns all problems of a text for a prototype, each with its line; empty if there are none.
 std::string Report(std::string_view source, std::string_view text, const Prototype& prototype);
 
+/// Returns a text as the source of a compiled law library. Throws LIBRARY_LOAD_FAILED with the
+/// first problem.
+std::string ToCpp(std::string_view source, std::string_view text, const Prototype& prototype);
+
 }  // namespace vesper::text

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pairs of rows within a distance: those of a comparison of all rows, after few comparisons.
-#include "neighbours.hpp"
+#include "vesper/law_neighbours.hpp"
 
 #include <gtest/gtest.h>
 

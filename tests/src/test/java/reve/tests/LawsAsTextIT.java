@@ -51,6 +51,25 @@ class LawsAsTextIT {
     }
 
     @Test
+    void aTextIsCheckedAndWrittenAsCpp() throws Exception {
+        write(page.titled("wind.law").text());
+        shell.run(page.titled("to-cpp.sh").text());
+        assertThat(folder.resolve("wind.cpp"))
+                .content()
+                .contains("force[i] += Real(c) * (w - velocity[i]);")
+                .endsWith("VESPER_LAW_LIBRARY(\"wind\", Wind)\n");
+        String file = folder.resolve("wind.law").toString();
+        Reve.Outcome right = Reve.runAsProcess("law", "check", file);
+        assertThat(right.code()).as(right.err()).isZero();
+        write("law wind\n  each body:\n    force += velocty\n");
+        Reve.Outcome wrong = Reve.runAsProcess("law", "check", file);
+        assertThat(wrong.code()).isEqualTo(1);
+        assertThat(wrong.err()).contains("wind.law:3:14: nothing here is called 'velocty'");
+        assertThat(Reve.runAsProcess("help", "law").out()).contains("check", "to-cpp");
+        assertThat(Reve.runAsProcess("law").code()).isEqualTo(2);
+    }
+
+    @Test
     void aSavedWorldKeepsTheTextOfAShippedLaw(@TempDir Path folder) throws Exception {
         Path world = folder.resolve("fall.yaml");
         Path saved = folder.resolve("saved.yaml");

@@ -65,6 +65,11 @@ public final class Main {
                     PackCommand.class,
                     CommandLine.HelpCommand.class);
 
+    private static final String LAW = "  law        Checks laws as text, and writes them as C++.";
+
+    private static final String DOCTOR =
+            "  doctor     Says which shared libraries of the system are missing.";
+
     /** The commands that the launcher script of a checkout runs without Java. */
     private static final List<String> LAUNCHER =
             List.of(
@@ -76,14 +81,12 @@ public final class Main {
                     "  docs       Writes the pages of the Java, C and C++ API.",
                     "  install    Makes a folder that runs without this checkout.",
                     "  clean      Removes everything that was built.",
-                    "  doctor     Says which shared libraries of the system are missing.");
+                    LAW,
+                    DOCTOR);
 
     /** The commands that the launcher script of an installed release runs without Java. */
     private static final List<String> INSTALLED =
-            List.of(
-                    "",
-                    "Commands of the launcher script:",
-                    "  doctor     Says which shared libraries of the system are missing.");
+            List.of("", "Commands of the launcher script:", LAW, DOCTOR);
 
     /** The command that prints the description of another one. */
     private static final String HELP = "help";

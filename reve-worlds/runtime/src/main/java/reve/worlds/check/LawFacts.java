@@ -99,6 +99,11 @@ final class LawFacts {
         return first(use -> isBody(use, POSITION) && use.access().contains(Access.WRITE));
     }
 
+    /** Returns whether a law moves bodies by their velocities, and not to places of its own. */
+    boolean integrates(PhysicsLaw mover) {
+        return uses(mover, WorldPrototype.BODY, VELOCITY);
+    }
+
     /** Returns the first law that turns bodies. */
     Optional<PhysicsLaw> turner() {
         return first(use -> isBody(use, ORIENTATION) && use.access().contains(Access.WRITE));

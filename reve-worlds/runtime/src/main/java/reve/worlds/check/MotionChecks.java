@@ -77,6 +77,7 @@ final class MotionChecks {
                     "moves nothing, because no body of the world has a mass above 0; set `mass` or"
                             + " `density` under `physics`");
         } else if (complete
+                && laws.integrates(mover)
                 && laws.pusher().isEmpty()
                 && laws.turner().isEmpty()
                 && !items.isPushed()

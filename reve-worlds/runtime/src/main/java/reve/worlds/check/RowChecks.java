@@ -189,7 +189,9 @@ final class RowChecks {
                 }
             }
         }
-        if (!items.isSetByActions("springConstant")) {
+        boolean pulls =
+                laws.isRead("spring", "springConstant") || laws.isRead("spring", "dampingConstant");
+        if (pulls && !items.isSetByActions("springConstant")) {
             findings.items(
                     weak,
                     "physics.springConstant",

@@ -1,11 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
-#pragma once
+// Pairs of rows within a distance, for laws whose forces are zero beyond it. A law that includes
+// this header also includes vesper/law.hpp.
+#ifndef VESPER_LAW_NEIGHBOURS_HPP_
+#define VESPER_LAW_NEIGHBOURS_HPP_
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
 
-namespace vesper::text {
+namespace vesper {
+
+/** Finds pairs of near rows by a grid of cells whose side is the distance. The order of the pairs
+ *  depends on the positions and rows only. An object serves one thread at a time; it may be a
+ *  member of a law, because it keeps nothing but memory between two searches. */
+template <class Real>
+class Neighbours {
+ public:
+  /** Reserves memory for a number of rows, so that later searches allocate none. */
+  void Reserve(uint64_t rows);
+
+  /** Passes all pairs (a, b) with a < b whose distance is at most `within` > 0 [m] to
+   *  `take(count)`, in groups: the pairs are in the first `count` elements of `a` and `b`, arrays
+   *  of at least `most` elements. `positions`: (rows x 3) [m]. A row whose position is NaN has no
+   *  pairs. */
+  template <class Take>
+  void ForEach(const Real* positions, uint64_t rows, double within, uint32_t* a, uint32_t* b,
+               size_t most, Take&& take);
+
+  /** Calls `body(a, b)` for all pairs of rows a < b whose distance is at most `within` [m], one
+   *  after the other. `positions`: (rows) vectors with members x, y, z [m]. There are no pairs if
+   *  `within` is not above 0. */
+  template <class Vector, class Body>
+  void ForEachPair(const Vector* positions, uint64_t rows, double within, Body&& body) {
+    if (rows == 0 || !(within > 0)) return;
+    std::array<uint32_t, kGroup> a, b;
+    ForEach(&positions->x, rows, within, a.data(), b.data(), kGroup, [&](size_t count) {
+      for (size_t i = 0; i < count; ++i) body(a[i], b[i]);
+    });
+  }
+
+ private:
+  struct Row {
+    uint64_t cell;
+    uint32_t row;
+    bool operator<(const Row& other) const {
+      return cell != other.cell ? cell < other.cell : row < other.row;
+    }
+  };
+  static constexpr size_t kGroup = 64;
+  static constexpr int kBits = 21;         // bits of each coordinate in the number of a cell
+  static constexpr double kHalf = 524288;  // number of cells on each side of the middle
+  static constexpr uint64_t kSample = 1024;
+
+  // Returns the side of the cells: `within`, or more if the rows are so far apart that there would
+  // be too many cells. `middle` becomes the median of a sample of the rows. Rows that are too far
+  // from it for a cell of their own share the outermost cells, so one distant row does not change
+  // the cells of the others.
+  double Cells(const Real* positions, uint64_t rows, double within, std::array<double, 3>& middle);
+
+  void Sort(const Real* positions, uint64_t rows, double within);
+
+  std::vector<Row> sorted_;
+  std::vector<Real> x_, y_, z_;  // positions in the order of sorted_
+  std::vector<double> sample_;
+};
 
 template <class Real>
 void Neighbours<Real>::Reserve(uint64_t rows) {
@@ -112,4 +173,6 @@ void Neighbours<Real>::ForEach(const Real* positions, uint64_t rows, double with
   if (found > 0) take(found);
 }
 
-}  // namespace vesper::text
+}  // namespace vesper
+
+#endif  // VESPER_LAW_NEIGHBOURS_HPP_

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes one pass of a law as C++.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cpp_names.hpp"
+#include "cpp_terms.hpp"
+
+namespace vesper::text {
+
+/// The names of a law's members in generated code, by their indices in the law.
+struct CppMembers {
+  std::vector<std::string> properties;
+  std::vector<std::string> parameters;
+  std::string neighbours;  // the search for pairs within a distance; empty if there is none
+  // Members with values of the last step, which an energy may depend on.
+  std::string last_time, last_dt, last_stage;
+};
+
+/// Features that generated code needs outside of a pass.
+struct CppNeeds {
+  bool grain = false;
+  bool constants_of_world = false;  // the function First
+  bool optional_columns = false;    // the function ValueOrZero
+  bool algorithms = false;          // std::min, std::max
+  bool limits = false;
+  bool step = false;       // the argument `step` is used
+  bool last_step = false;  // an energy depends on time, dt or the stage
+};
+
+/// Writes the statements of one pass: its results, or its energy.
+class PassWriter {
+ public:
+  /// `names`: the names of the law's members, to which local names are added.
+  PassWriter(const LawCode& law, const PassCode& pass, const CppMembers& members, CppNames names,
+             bool energy, CppNeeds& needs);
+
+  /// Returns the lines of the pass, indented by `indent` blanks.
+  std::string Write(int indent);
+
+ private:
+  /// A result: a number or a vector that is stored in a property or added to it.
+  struct Root {
+    const Output* output;
+    bool vector;
+    TermId term;
+    std::string local;  // name of the variable with the new value, if there is one
+  };
+
+  void MakeRoots();
+  void Analyse();
+  void AnalyseTerm(TermId id);
+  bool IsUniformLocal(TermId id) const;
+  void NameLocals();
+  void NameRows();
+  std::string RowsOfPass();
+
+  void Line(const std::string& line);
+  void Open(const std::string& line);
+  void Close(const std::string& line = "}");
+  void WriteUniforms();
+  void WriteLocals();
+  void WriteResults();
+  void WriteResult(const Root& root);
+  void WriteBody();
+  void WriteLoop();
+  void WriteLoopOverRows();
+
+  /// Returns a term as an expression for one row; in brackets if it binds less than `least`.
+  std::string Row(TermId id, int least);
+  /// Returns a term for a place where a plain whole number would have the wrong type.
+  std::string Typed(TermId id, int least = 0);
+  std::string RowVector(const Term& term, int least);
+  /// Returns a term that is the same for all rows, in double precision.
+  std::string Uniform(TermId id, int least);
+  std::string OperationText(const Term& term, int least, bool uniform);
+  std::string Literal(double value);
+  bool IsZeroVector(const Term& term) const;
+  std::string LoadOf(const Load& load, bool whole);
+  std::string Target(const Root& root);
+  std::string TypeOf(const Term& term) const;
+  std::string OfStep(TermKind kind);
+  bool Reads(const Load& load) const;
+
+  const LawCode& law_;
+  const PassCode& pass_;
+  const CppMembers& members_;
+  CppNames names_;
+  const bool energy_;
+  CppNeeds& needs_;
+  Terms terms_;
+  std::vector<Root> roots_;
+  std::vector<uint32_t> uses_;      // by term: how many terms and results use it; 0: not needed
+  std::vector<bool> used_in_rows_;  // by term: a row's term or result uses it
+  std::vector<uint32_t> sizes_;
+  std::vector<std::string> locals_;  // by term: its variable, if it has one
+  std::string row_;                  // the variable of the block's row
+  std::vector<std::string> participants_;
+  std::string lines_;
+  int indent_ = 0;
+};
+
+}  // namespace vesper::text

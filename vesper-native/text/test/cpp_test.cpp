@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// Laws that `vesper law to-cpp` has written, compiled, give the declarations and numbers of their
+// texts. Formulas without elementary functions give the same bits; sums over many rows differ by
+// rounding, because compiled laws add in another order.
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <random>
+#include <sstream>
+
+#include "text_engine.hpp"
+#include "vesper/law.h"
+
+namespace vesper::test {
+namespace {
+
+void CallOnce(void*, uint64_t count, uint64_t, void (*body)(void*, uint64_t, uint64_t),
+              void* user) {
+  body(user, 0, count);
+}
+
+std::string FileText(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// A text, and the library that was written from it.
+struct TwoForms {
+  const vesper_law_library* text = nullptr;
+  const vesper_law_library* compiled = nullptr;
+
+  explicit TwoForms(const std::string& name) {
+    const std::string folder = VESPER_GENERATED_LAWS "/";
+    const std::string source = FileText(folder + name + ".law");
+    EXPECT_OK(Try([&](vesper_error* e) {
+      return vesper_library_prepare_text(name.c_str(), source.data(), source.size(), &prepared_, e);
+    }));
+    EXPECT_OK(Try([&](vesper_error* e) {
+      return vesper_library_table(prepared_, vesper_prototype_standard("si-f64"), &text, e);
+    }));
+    library_ = dlopen((folder + "libvesper_law_written_" + name + ".so").c_str(), RTLD_NOW);
+    const void* entry = library_ == nullptr ? nullptr : dlsym(library_, "vesper_law_library_entry");
+    if (entry == nullptr) {
+      ADD_FAILURE() << dlerror();
+      return;
+    }
+    compiled = reinterpret_cast<decltype(&vesper_law_library_entry)>(entry)();
+  }
+  ~TwoForms() {
+    vesper_library_discard(prepared_);
+    if (library_ != nullptr) dlclose(library_);
+  }
+  TwoForms(const TwoForms&) = delete;
+  TwoForms& operator=(const TwoForms&) = delete;
+
+ private:
+  vesper_prepared_library* prepared_ = nullptr;
+  void* library_ = nullptr;
+};
+
+const vesper_law_desc& LawOf(const vesper_law_library& table, const std::string& name,
+                             vesper_scalar_type real) {
+  for (uint32_t i = 0; i < table.law_count; ++i) {
+    if (table.laws[i].name == name && table.laws[i].real_type == real) return table.laws[i];
+  }
+  ADD_FAILURE() << "no law " << name;
+  return table.laws[0];
+}
+
+std::string UseText(const vesper_property_use& use) {
+  std::ostringstream text;
+  text << use.kind << "." << use.name << " type " << use.scalar_type << " x " << use.components
+       << " access " << use.access << " flags " << use.flags << " unit";
+  for (const int8_t exponent : use.unit.exponent) text << " " << int{exponent};
+  return text.str();
+}
+
+std::string Declaration(const vesper_law_desc& law) {
+  std::ostringstream text;
+  text.precision(17);
+  text << law.name << " " << law.version << " " << law.doc << " phase " << law.phase << " stages "
+       << law.stages << " from " << law.first_stage << " claims " << law.claims << " energy "
+       << (law.potential_energy != nullptr) << "\n";
+  for (uint32_t i = 0; i < law.use_count; ++i) text << UseText(law.uses[i]) << "\n";
+  for (uint32_t i = 0; i < law.parameter_count; ++i) {
+    const vesper_parameter_desc& parameter = law.parameters[i];
+    text << parameter.name << " " << parameter.doc << " " << parameter.default_value << " "
+         << parameter.minimum << " " << parameter.maximum << " unit";
+    for (const int8_t exponent : parameter.unit.exponent) text << " " << int{exponent};
+    text << "\n";
+  }
+  for (uint32_t i = 0; law.force_weights != nullptr && i <= law.stages; ++i) {
+    text << law.force_weights[i] << " ";
+  }
+  return text.str();
+}
+
+/// What a law makes of columns with random numbers, in four calls.
+template <class Real>
+struct Run {
+  std::vector<std::string> names;
+  std::vector<std::vector<Real>> columns;
+  std::vector<double> energies;
+
+  Run(const vesper_law_library& table, const vesper_law_desc& law, uint64_t rows) {
+    std::mt19937 random(7);
+    std::vector<std::vector<uint32_t>> references(law.use_count);
+    columns.resize(law.use_count);
+    std::vector<vesper_property> bound(law.use_count);
+    for (uint32_t u = 0; u < law.use_count; ++u) {
+      const vesper_property_use& use = law.uses[u];
+      names.emplace_back(use.name);
+      const uint64_t count = std::string(use.kind) == "world" ? 1 : rows;
+      vesper_property& property = bound[u];
+      property.struct_size = sizeof property;
+      property.row_count = count;
+      if (use.scalar_type == VESPER_U32) {
+        // A chain: at most two springs end at each body.
+        for (uint32_t i = 0; i < count; ++i) {
+          references[u].push_back(i);
+          references[u].push_back(static_cast<uint32_t>((i + 1) % rows));
+        }
+        property.data = references[u].data();
+        continue;
+      }
+      for (uint64_t i = 0; i < count * use.components; ++i) {
+        const double value = 4 * static_cast<double>(random()) / 4294967296.0 - 1.5;
+        const bool immovable = names[u] == "mass" && random() % 4 == 0;
+        const bool zero = use.access == VESPER_ACCUMULATE || use.access == VESPER_SCRATCH;
+        columns[u].push_back(static_cast<Real>(zero || immovable ? 0 : value));
+      }
+      property.data = columns[u].data();
+    }
+    Call(table, law, bound);
+  }
+
+  void Call(const vesper_law_library& table, const vesper_law_desc& law,
+            const std::vector<vesper_property>& bound) {
+    vesper_host host{};
+    host.struct_size = sizeof host;
+    host.user = table.user;
+    host.parallel_for = CallOnce;
+    host.log = [](void*, uint32_t, const char*) {};
+    std::vector<double> parameters;
+    for (uint32_t i = 0; i < law.parameter_count; ++i) {
+      parameters.push_back(law.parameters[i].default_value * 1.25);
+    }
+    vesper_law* instance = nullptr;
+    const auto ok = [&](auto&& call) { EXPECT_OK(Try(call)); };
+    ok([&](vesper_error* e) {
+      return law.create(&host, nullptr, parameters.data(), &instance, e);
+    });
+    if (instance == nullptr) return;
+    if (law.bind != nullptr) {
+      ok([&](vesper_error* e) { return law.bind(instance, bound.data(), e); });
+    }
+    for (uint32_t call = 0; call < 4; ++call) {
+      vesper_step step{};
+      step.struct_size = sizeof step;
+      step.stage = law.stages == 0 ? 1 : call % (law.stages + 1);
+      step.stage_count = std::max(law.stages, 1u);
+      step.dt = 0.01;
+      step.time = 0.01 * call;
+      for (uint32_t u = 0; u < law.use_count; ++u) {
+        if (law.uses[u].access == VESPER_ACCUMULATE) std::ranges::fill(columns[u], Real(0));
+      }
+      ok([&](vesper_error* e) { return law.advance(instance, &step, e); });
+      if (law.potential_energy == nullptr) continue;
+      energies.push_back(0);
+      ok([&](vesper_error* e) { return law.potential_energy(instance, &energies.back(), e); });
+    }
+    law.destroy(instance);
+  }
+};
+
+/// Largest difference of two columns, relative to their largest number.
+template <class Real>
+double Difference(const std::vector<Real>& a, const std::vector<Real>& b) {
+  double most = 0, size = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (std::memcmp(&a[i], &b[i], sizeof(Real)) == 0) continue;
+    if (!std::isfinite(a[i]) && !std::isfinite(b[i])) continue;
+    most = std::max(most, std::abs(double{a[i]} - double{b[i]}));
+  }
+  for (const Real value : b)
+    size = std::max(size, std::isfinite(value) ? std::abs(double{value}) : 0);
+  return most == 0 ? 0 : most / size;
+}
+
+/// Compares both forms of a law; `tolerance` in units of the precision's last digit.
+template <class Real>
+void Compare(const TwoForms& forms, const std::string& name, uint64_t rows, double tolerance) {
+  const vesper_scalar_type real = sizeof(Real) == 4 ? VESPER_F32 : VESPER_F64;
+  const vesper_law_desc& text = LawOf(*forms.text, name, real);
+  const vesper_law_desc& compiled = LawOf(*forms.compiled, name, real);
+  ASSERT_EQ(Declaration(compiled), Declaration(text));
+  const Run<Real> expected(*forms.text, text, rows);
+  const Run<Real> found(*forms.compiled, compiled, rows);
+  const double allowed = tolerance * double{std::numeric_limits<Real>::epsilon()};
+  bool changes = false;
+  for (size_t u = 0; u < expected.columns.size(); ++u) {
+    EXPECT_LE(Difference(found.columns[u], expected.columns[u]), allowed)
+        << name << "." << expected.names[u] << ", f" << 8 * sizeof(Real) << ", " << rows << " rows";
+    const bool written = text.uses[u].access != VESPER_READ;
+    changes = changes || (written && std::ranges::any_of(expected.columns[u],
+                                                         [](Real value) { return value != 0; }));
+  }
+  EXPECT_TRUE(changes || rows < 300) << name;
+  EXPECT_LE(Difference(found.energies, expected.energies), allowed) << name << ", energy";
+}
+
+void CompareAll(const TwoForms& forms, double tolerance_of_functions) {
+  ASSERT_NE(forms.text, nullptr);
+  ASSERT_NE(forms.compiled, nullptr);
+  ASSERT_EQ(forms.compiled->law_count, forms.text->law_count);
+  EXPECT_STREQ(forms.compiled->name, forms.text->name);
+  for (uint32_t i = 0; i < forms.text->law_count; i += 2) {
+    const std::string name = forms.text->laws[i].name;
+    const bool functions = name == "functions" || name == "turn";
+    // With three rows, each row has at most two pairs and two springs, whose order is no matter.
+    for (const uint64_t rows : {1, 3, 300}) {
+      const double tolerance = functions ? tolerance_of_functions : rows == 300 ? 300 : 0;
+      Compare<double>(forms, name, rows, tolerance);
+      Compare<float>(forms, name, rows, tolerance);
+    }
+  }
+}
+
+TEST(CppTest, ShippedTextsGiveTheirNumbersAsCpp) {
+  const TwoForms forms("shipped");
+  EXPECT_GE(forms.text->law_count, 2 * 9u);
+  CompareAll(forms, 0);
+}
+
+TEST(CppTest, FormulasGiveTheirNumbersAsCpp) { CompareAll(TwoForms("formulas"), 16); }
+
+}  // namespace
+}  // namespace vesper::test
