@@ -56,6 +56,8 @@ class EngineProcessIT {
                         List.of(
                                 "serve",
                                 folder.resolve("stones.yaml").toString(),
+                                "--port",
+                                "0",
                                 "--json",
                                 "--laws",
                                 laws.toString()));

@@ -112,6 +112,29 @@ class LawsApartIT {
         }
     }
 
+    /** The recording contains the decision that the clock made. */
+    @Test
+    void aMissedDeadlineOfALawApartIsReplayed() throws Exception {
+        drop("hostile_loop", untrusted);
+        String log = folder.resolve("r.log").toString();
+        String own = untrusted.toString();
+        Outcome run =
+                reve(
+                        List.of("run", world("[newton_motion, hostile_loop]"), "--untrusted", own),
+                        "--seconds",
+                        "1",
+                        "--law-deadline",
+                        "100",
+                        "--record",
+                        log,
+                        "--json");
+        assertThat(run.code()).isEqualTo(1);
+        assertThat(run.out()).contains("law hostile: no answer within 100 ms");
+        String hash = new JsonMapper().readTree(run.out()).get("stateHash").asString();
+        assertThat(reve(List.of("replay", log), "--untrusted", own).out())
+                .contains("identical: 60 frames", hash);
+    }
+
     @Test
     void aMachineWithoutALayerOfTheSandboxIsRefused() throws Exception {
         Path natives = Files.createDirectory(folder.resolve("native"));

@@ -10,22 +10,18 @@ import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
-import reve.pe.PythonLaw;
 import reve.pe.Status;
 import reve.pe.posix.SharedPart;
 import reve.pe.vesper.LawText;
 import reve.pe.vesper.LibraryFile;
 import reve.pe.vesper.VesperConfig;
 
-import java.io.IOException;
 import java.lang.foreign.MemorySegment;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
-import java.util.Optional;
-import java.util.concurrent.ConcurrentHashMap;
 import java.util.function.Consumer;
 import java.util.function.Function;
 import java.util.function.LongPredicate;
@@ -82,12 +78,7 @@ public final class HostedEngine implements PhysicsEngine {
     private boolean ledger;
 
     private final Losses losses;
-    private final TestedLibraries tested = new TestedLibraries();
-    private final ApartRule apart;
-
-    /** The answers of the rule, by the SHA-256 of the library's bytes. */
-    private final Map<String, ApartRule.Isolation> isolations = new ConcurrentHashMap<>();
-
+    private final LibraryOpener opener;
     private long longestNanos;
     private long waitedNanos;
 
@@ -120,7 +111,7 @@ public final class HostedEngine implements PhysicsEngine {
             Prototype prototype,
             ApartRule apart,
             Function<MemorySegment, SharedPart> parts) {
-        this.apart = apart;
+        this.opener = new LibraryOpener(hosts, config, prototype, apart);
         this.hosts = hosts;
         this.frameLimit = frameLimit;
         this.config = config;
@@ -152,81 +143,26 @@ public final class HostedEngine implements PhysicsEngine {
 
     @Override
     public PreparedLibrary prepare(Path file) {
-        try {
-            if (file.getFileName().toString().endsWith(PreparedLibrary.TEXT_ENDING)) {
-                return prepareText(file.getFileName().toString(), LawText.read(file));
-            }
-            byte[] bytes = LibraryFile.read(file);
-            if (file.getFileName().toString().endsWith(PreparedLibrary.PYTHON_ENDING)) {
-                return preparePython(Optional.of(file), file.getFileName().toString(), bytes);
-            }
-            return prepareNative(Optional.of(file), file.toString(), bytes);
-        } catch (IOException e) {
-            throw new PhysicsException(
-                    Status.LIBRARY_LOAD_FAILED, file + " cannot be read: " + e.getMessage());
-        }
+        checkOpen();
+        return opener.open(file);
     }
 
     @Override
     public PreparedLibrary prepare(byte[] library) {
-        if (PreparedLibrary.isPython(library)) {
-            return preparePython(Optional.empty(), PythonLaw.nameOf(library), library);
-        }
-        return PreparedLibrary.isText(library)
-                ? prepareText("text", library)
-                : prepareNative(Optional.empty(), "a law library", library);
+        checkOpen();
+        return opener.open(library);
     }
 
     @Override
     public PreparedLibrary prepareText(String source, byte[] text) {
         checkOpen();
-        String name = LawText.name(prototype, source, text);
-        return new HostedLibrary(source, text, HostedLibrary.Form.TEXT).named(name);
+        return opener.openText(source, text);
     }
 
     @Override
     public String checkText(String source, byte[] text) {
         checkOpen();
         return LawText.check(prototype, source, text);
-    }
-
-    private PreparedLibrary prepareNative(Optional<Path> file, String source, byte[] bytes) {
-        return prepare(
-                source,
-                bytes,
-                switch (isolation(file, bytes)) {
-                    case NONE -> HostedLibrary.Form.NATIVE;
-                    case APART -> HostedLibrary.Form.APART;
-                    case APART_WEAKLY -> HostedLibrary.Form.APART_WEAKLY;
-                });
-    }
-
-    private ApartRule.Isolation isolation(Optional<Path> file, byte[] bytes) {
-        return isolations.computeIfAbsent(LibraryFile.sha256(bytes), _ -> apart.of(file, bytes));
-    }
-
-    private PreparedLibrary preparePython(Optional<Path> file, String source, byte[] bytes) {
-        if (isolation(file, bytes) != ApartRule.Isolation.NONE) {
-            throw new PhysicsException(
-                    Status.LIBRARY_LOAD_FAILED,
-                    source
-                            + ": a law in Python cannot run apart; write it as text or in C++, or"
-                            + " move it to a folder that you trust (--laws)");
-        }
-        PythonLaw.requireLaw(source, bytes);
-        return prepare(source, bytes, HostedLibrary.Form.PYTHON);
-    }
-
-    private PreparedLibrary prepare(String source, byte[] bytes, HostedLibrary.Form form) {
-        checkOpen();
-        HostedLibrary library = new HostedLibrary(source, bytes, form);
-        Optional<String> name = tested.name(library);
-        if (name.isPresent()) {
-            return library.named(name.get());
-        }
-        new Trial(hosts, config, prototype).test(library);
-        tested.add(library);
-        return library;
     }
 
     @Override
