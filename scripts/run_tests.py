@@ -8,7 +8,8 @@ tests of a room: in Java, a project of the room, a part of a class name, CLASS#M
 PROJECT/CLASS; in the native rooms, a part of a test's name or the folder of a law; in Python, a
 file, or FILE::CLASS::TEST. --quick skips slow tests (`slow` below); --failed repeats the tests that
 failed in the last run. JUnit reports are in build/reports/tests, one folder for each room or
-project, with the output of each program beside them.
+project, with the output of each program beside them. times.csv in this folder says what
+each suite cost.
 """
 
 import argparse
@@ -80,6 +81,8 @@ class Suite:
     environment: dict = field(default_factory=dict)
     ended: int = 0
     failed: int = 0
+    seconds: float = 0  # from start to end
+    processor_seconds: float = 0  # of its process and of all processes that it waited for
 
 
 class Plan:
@@ -297,6 +300,7 @@ class Runner:
                 return
             with self.lock:
                 self.running.append(suite.name)
+            started = time.monotonic()
             with suite.log.open("w") as log:
                 process = subprocess.Popen(
                     suite.command,
@@ -315,7 +319,10 @@ class Runner:
                         if ended[ended.lastgroup] not in GOOD:
                             suite.failed += 1
                             print(f"reve: FAILED {suite.name}: {line.strip()}", file=sys.stderr)
-                process.wait()
+                _, status, usage = os.wait4(process.pid, 0)
+                process.returncode = os.waitstatus_to_exitcode(status)
+            suite.seconds = time.monotonic() - started
+            suite.processor_seconds = usage.ru_utime + usage.ru_stime
             with self.lock:
                 self.running.remove(suite.name)
 
@@ -330,6 +337,15 @@ class Runner:
             + (f"; running {rooms}" if rooms else ""),
             file=sys.stderr,
         )
+
+
+def write_times(suites, file):
+    """Writes a table of the suites, the one with the most processor time first."""
+    costly = sorted(suites, key=lambda suite: -suite.processor_seconds)
+    with file.open("w") as table:
+        print("suite, wall time [s], processor time [s]", file=table)
+        for suite in costly:
+            print(f"{suite.name}, {suite.seconds:.1f}, {suite.processor_seconds:.1f}", file=table)
 
 
 def failed_parts(reports):
@@ -374,6 +390,7 @@ def main():
     ordered = sorted(places, key=lambda one: (one[0] not in LONG, one[0] in BATCHED))
     suites = [suite for place, narrow in ordered for suite in plan.suites(place, narrow)]
     Runner(suites).run()
+    write_times(suites, reports / "times.csv")
     return test_summary.report(reports, [place for place, _ in places])
 
 

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <span>
+#include <string_view>
 
 #include "vesper/kit/check.hpp"
 #include "vesper/kit/law_file.hpp"
@@ -34,11 +35,13 @@ struct Case {
 };
 void PrintTo(const Case& one, std::ostream* out) { *out << one.subject.file; }
 
-/// Every check on every library, in both precisions where that matters.
+/// Every check on every library, in both precisions where that matters. The check `time` measures,
+/// and no law can fail it.
 std::vector<Case> Cases() {
   std::vector<Case> cases;
   for (const std::string& file : LawFiles()) {
     for (const Check& check : Checks()) {
+      if (check.name == std::string_view("time")) continue;
       if (!check.per_precision) {
         cases.push_back({&check, {file, 0}});
         continue;

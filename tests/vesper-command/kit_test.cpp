@@ -39,9 +39,12 @@ class KitFaultTest : public ::testing::TestWithParam<Fault> {};
 
 TEST_P(KitFaultTest, LawThatBreaksAPromiseFailsItsCheck) {
   const auto& [name, check, note] = GetParam();
-  const Outcome outcome = RunVesper({"test", BrokenLaw(name), "--json"});
+  const std::string check_name(check, std::string_view(check).find(' '));
+  const Outcome outcome = RunVesper({"test", BrokenLaw(name), "--only", check_name, "--json"});
   EXPECT_EQ(outcome.exit_code, 1) << outcome.errors;
-  const auto failed = Verdicts(nlohmann::json::parse(outcome.output), "FAIL");
+  const auto report = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(report.at(0).at("checks").size(), 2);  // in both precisions
+  const auto failed = Verdicts(report, "FAIL");
   ASSERT_TRUE(failed.contains(check)) << outcome.output;
   EXPECT_NE(failed.at(check).find(note), std::string::npos) << failed.at(check);
 }
@@ -63,7 +66,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Fault{"motion", "convergence f64", "expected at least order 1"}));
 
 TEST(KitTest, LawThatWritesWhatItMayOnlyReadIsCaughtByItsPage) {
-  const Outcome outcome = RunVesper({"test", BrokenLaw("writes_read"), "--json"});
+  const Outcome outcome =
+      RunVesper({"test", BrokenLaw("writes_read"), "--only", "guard-pages,rows", "--json"});
   EXPECT_EQ(outcome.exit_code, 1);
   const auto failed = Verdicts(nlohmann::json::parse(outcome.output), "FAIL");
   ASSERT_TRUE(failed.contains("guard-pages f64"));
@@ -115,11 +119,18 @@ TEST(KitTest, FieldThatTheLibraryBringsIsTheOneThatItsLawsRead) {
 }
 
 TEST(KitTest, LibraryThatExportsMoreIsTold) {
-  const Outcome outcome = RunVesper({"test", BrokenLaw("exports"), "--json"});
+  const Outcome outcome = RunVesper({"test", BrokenLaw("exports"), "--only", "exports", "--json"});
   EXPECT_EQ(outcome.exit_code, 1);
   const auto failed = Verdicts(nlohmann::json::parse(outcome.output), "FAIL");
   ASSERT_TRUE(failed.contains("exports"));
   EXPECT_NE(failed.at("exports").find("also exports 'also_exported'"), std::string::npos);
+}
+
+TEST(KitTest, UnknownCheckIsRefusedWithTheNamesOfAll) {
+  const Outcome outcome = RunVesper({"test", BrokenLaw("crash"), "--only", "rows,memory"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.errors.find("memory not in {exports,imports,"), std::string::npos)
+      << outcome.errors;
 }
 
 TEST(KitTest, BrokenFileEndsWith4) {

@@ -81,6 +81,10 @@ void AddTest(CLI::App& app, int& code) {
   command->add_option("LIBRARY", options->libraries, "Files of law libraries")
       ->required()
       ->check(CLI::ExistingFile);
+  command->add_option("--only", options->only, "Run only these checks, such as threads,rows")
+      ->type_name("CHECK,...")
+      ->delimiter(',')
+      ->check(CLI::IsMember(CheckNames()));
   command->add_flag("--json", options->json, "Print the report as one JSON document");
   command->callback([options, &code] { code = TestLaws(*options); });
 }

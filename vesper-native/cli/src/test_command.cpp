@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "test_command.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -31,9 +32,10 @@ struct Result {
   CheckOutcome outcome;
 };
 
-std::vector<Result> TestLibrary(const std::string& file) {
+std::vector<Result> TestLibrary(const std::string& file, const std::vector<std::string>& only) {
   std::vector<Result> results;
   for (const Check& check : Checks()) {
+    if (!only.empty() && std::ranges::find(only, check.name) == only.end()) continue;
     const std::vector<vesper_scalar_type> precisions =
         check.per_precision ? std::vector<vesper_scalar_type>{VESPER_F64, VESPER_F32}
                             : std::vector<vesper_scalar_type>{0};
@@ -71,6 +73,12 @@ void RequireLoadable(const std::string& file) { PreparedLibrary(EngineConfig{}, 
 
 }  // namespace
 
+std::vector<std::string> CheckNames() {
+  std::vector<std::string> names;
+  for (const Check& check : Checks()) names.emplace_back(check.name);
+  return names;
+}
+
 int TestLaws(const TestOptions& options) {
   Json report = Json::array();
   int passed = 0, failed = 0, skipped = 0;
@@ -82,7 +90,7 @@ int TestLaws(const TestOptions& options) {
       std::cerr << "vesper: " << error.what() << "\n";
       return kNotLoaded;
     }
-    const std::vector<Result> results = TestLibrary(file);
+    const std::vector<Result> results = TestLibrary(file, options.only);
     for (const Result& result : results) {
       const Verdict verdict = result.outcome.verdict;
       ++(verdict == Verdict::kPass ? passed : verdict == Verdict::kFail ? failed : skipped);

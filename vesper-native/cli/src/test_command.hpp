@@ -9,8 +9,12 @@ namespace vesper::cli {
 
 struct TestOptions {
   std::vector<std::string> libraries;  // files
+  std::vector<std::string> only;       // names of checks; empty: all checks
   bool json = false;
 };
+
+/// Returns the names of all checks in execution order.
+std::vector<std::string> CheckNames();
 
 /// Returns the exit code: 1 if a check failed.
 int TestLaws(const TestOptions& options);

@@ -14,7 +14,7 @@ constexpr Check kChecks[] = {
     {"precisions", "declares the same in both precisions", false, CheckPrecisions},
     {"guard-pages", "accesses its rows only, and writes only where it may", true, CheckGuardPages},
     {"rows", "runs on 0, 1, 7 and 1021 rows as declared", true, CheckRows},
-    {"reload", "loads and unloads 100 times without leaks", true, CheckReload},
+    {"reload", "loads and unloads 25 times without leaks", true, CheckReload},
     {"threads", "same bits on 1, 2 and 8 threads", true, CheckThreads},
     {"parameters", "accepts the limits of every parameter", true, CheckParameters},
     {"not-a-number", "NaN in an input is reported or has no influence", true, CheckNotANumber},

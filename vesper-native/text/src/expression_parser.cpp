@@ -11,7 +11,7 @@
 namespace vesper::text {
 namespace {
 
-constexpr int kMaxDepth = 64;
+constexpr int kMaxExpressionDepth = 64;
 constexpr int kMaxParts = 600;
 constexpr int kMaxUnitDepth = 16;  // maximum nesting of brackets in a unit, as in unit_parser.cpp
 
@@ -152,7 +152,7 @@ class ExpressionParser {
   /// Counts nested calls of the parser, to limit the recursion.
   struct Depth {
     explicit Depth(ExpressionParser& parser) : parser_(parser) {
-      if (++parser_.depth_ > kMaxDepth) {
+      if (++parser_.depth_ > kMaxExpressionDepth) {
         parser_.reader_.problems().Fail(parser_.reader_.Peek().span,
                                         "the expression is nested more than 64 deep",
                                         "name parts of it with let");

@@ -11,7 +11,7 @@
 namespace vesper::text {
 namespace {
 
-constexpr int kMaxDepth = 16;
+constexpr int kMaxBlockDepth = 16;
 constexpr size_t kMaxStatements = 1000;
 
 constexpr std::string_view kFunctions[] = {
@@ -438,7 +438,7 @@ class Parser {
   }
 
   Statement If() {
-    if (++depth_ > kMaxDepth) {
+    if (++depth_ > kMaxBlockDepth) {
       reader_.problems().Fail(reader_.Peek().span, "conditions are nested more than 16 deep");
     }
     const Span begin = reader_.Take().span;

@@ -373,7 +373,8 @@ class AgentAbuseTest {
                         all.outboxBytes(),
                         l.maxErrors(),
                         l.kept(),
-                        l.resumes());
+                        l.resumes(),
+                        l.hellos());
         return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 

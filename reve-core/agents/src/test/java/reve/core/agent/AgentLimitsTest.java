@@ -381,6 +381,47 @@ class AgentLimitsTest {
     }
 
     @Test
+    void clientsThatJoinInQuickSuccessionWaitForTheirTurn() throws IOException {
+        AgentLimits l = AgentRoom.CONFIG.limits();
+        var config =
+                new AgentServerConfig(
+                        AgentRoom.CONFIG.address(),
+                        new AgentLimits(
+                                l.maxConnections(),
+                                l.helloBytes(),
+                                l.lineBytes(),
+                                l.messagesPerSecond(),
+                                l.actsInFlight(),
+                                l.outboxMessages(),
+                                l.outboxBytes(),
+                                l.maxErrors(),
+                                l.kept(),
+                                l.resumes(),
+                                4),
+                        AgentRoom.CONFIG.timeouts(),
+                        AgentRoom.CONFIG.audit(),
+                        AgentRoom.CONFIG.security());
+        List<TestClient> clients = new ArrayList<>();
+        try (AgentRoom room = new AgentRoom(config)) {
+            long start = System.nanoTime();
+            for (int i = 0; i < 20; i++) {
+                clients.add(room.connect().say(HELLO.formatted("agent" + i)));
+            }
+            room.stepUntil("all are welcome", () -> clients.stream().allMatch(TestClient::hasNews));
+            long waited = System.nanoTime() - start;
+            for (TestClient client : clients) {
+                client.expect("welcome");
+            }
+            // 16 of them after the burst, 100 a second
+            assertThat(Duration.ofNanos(waited)).isGreaterThan(Duration.ofMillis(150));
+        } finally {
+            for (TestClient client : clients) {
+                client.close();
+            }
+        }
+    }
+
+    @Test
     void whoComesAndBreaksOffAgainAndAgainTakesNoMoreThanItsShare() throws IOException {
         try (AgentRoom room = new AgentRoom(with(AgentRoom.CONFIG, 5))) {
             for (int i = 0; i < 5; i++) {
@@ -411,7 +452,8 @@ class AgentLimitsTest {
                         l.outboxBytes(),
                         l.maxErrors(),
                         l.kept(),
-                        l.resumes());
+                        l.resumes(),
+                        l.hellos());
         return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 }

@@ -145,7 +145,7 @@ public final class AgentRoom implements AutoCloseable {
     /** Limits of milliseconds, for tests that wait until a limit is reached. */
     public static AgentServerConfig config(
             Duration hello, Duration line, Duration idle, Duration write) {
-        var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8, 16, 8);
+        var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8, 16, 8, 512);
         var timeouts =
                 new AgentTimeouts(
                         hello,
@@ -175,7 +175,8 @@ public final class AgentRoom implements AutoCloseable {
                         l.outboxBytes(),
                         l.maxErrors(),
                         l.kept(),
-                        Integer.MAX_VALUE);
+                        Integer.MAX_VALUE,
+                        l.hellos());
         return new AgentServerConfig(
                 CONFIG.address(), limits, CONFIG.timeouts(), Optional.empty(), CONFIG.security());
     }

@@ -38,10 +38,16 @@ final class ConnectionReader {
     private final MessageFramer messages;
     private final ReadShares.Share share;
 
-    /** A message that waits until the connection has a share of the event loop's time again. */
+    /**
+     * A message that waits until the connection has a share of the event loop's time again, or may
+     * join.
+     */
     private @Nullable ByteBuffer waiting;
 
     private int errors;
+
+    /** Time from which the hello may be answered [ns]; 0 if it has not arrived. */
+    private long greetedFromNanos;
 
     /** True while reading is suspended. */
     private boolean held;
@@ -138,7 +144,9 @@ final class ConnectionReader {
                 floodingSinceNanos = messages.hasTakenAll() ? 0 : floodingSinceNanos;
                 return;
             }
-            if (!connections.shares().take(share, next.remaining(), System.nanoTime())) {
+            long now = System.nanoTime();
+            if (client == null && !mayGreet(now)
+                    || !connections.shares().take(share, next.remaining(), now)) {
                 waiting = waiting != null ? next : copy(next);
                 pause();
                 connections.readLater(connection);
@@ -151,6 +159,14 @@ final class ConnectionReader {
             }
             take(next);
         }
+    }
+
+    /** Returns whether the hello need not wait; called for the first message, which is a hello. */
+    private boolean mayGreet(long nowNanos) {
+        if (greetedFromNanos == 0) {
+            greetedFromNanos = connections.hellos().arrive(nowNanos);
+        }
+        return nowNanos - greetedFromNanos >= 0;
     }
 
     private static ByteBuffer copy(ByteBuffer message) {

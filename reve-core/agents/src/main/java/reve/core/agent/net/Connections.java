@@ -75,8 +75,12 @@ public final class Connections {
     private final SlowReaders<Connection> slowReaders = new SlowReaders<>();
 
     private final ReadShares shares = new ReadShares();
+    private final Hellos hellos;
 
-    /** Connections that have used up their quota, or wait for their share of the loop's time. */
+    /**
+     * Connections that have used up their quota, wait for their share of the loop's time, or wait
+     * to join.
+     */
     private List<Connection> throttled = new ArrayList<>();
 
     private long readThrottledNanos = System.nanoTime();
@@ -111,6 +115,7 @@ public final class Connections {
         this.descriptors = descriptors;
         this.listening = listening;
         this.most = (int) Math.min(limits.maxConnections(), descriptors.room());
+        this.hellos = new Hellos(limits.hellos(), System.nanoTime());
         this.pending = new PendingConnections<>(most - most / 4);
         if (most < limits.maxConnections()) {
             log.warn(
@@ -234,6 +239,11 @@ public final class Connections {
     /** Returns the connections' shares of the event loop's time for decoding messages. */
     ReadShares shares() {
         return shares;
+    }
+
+    /** Returns the limit on how often clients join. */
+    Hellos hellos() {
+        return hellos;
     }
 
     /** Returns the connections whose clients read too slowly. */

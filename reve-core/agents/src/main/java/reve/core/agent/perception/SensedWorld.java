@@ -311,6 +311,9 @@ public final class SensedWorld {
     }
 
     private boolean sees(Sensor sensor, int body, int row) {
+        if (Double.isNaN(low[3 * row])) {
+            return false; // created in this frame: its box is computed at the end of the frame
+        }
         lookAhead(sensor, body);
         for (int axis = 0; axis < 3; axis++) {
             point[axis] =

@@ -19,6 +19,7 @@ import reve.core.agent.session.Resumes;
  * @param kept maximum number of sessions without a token that wait for a new connection
  * @param resumes maximum burst of resumes of one session; then {@value Resumes#PER_SECOND} per
  *     second
+ * @param hellos maximum burst of clients that join; then 100 per second, and further ones wait
  */
 public record AgentLimits(
         int maxConnections,
@@ -30,10 +31,11 @@ public record AgentLimits(
         int outboxBytes,
         int maxErrors,
         int kept,
-        int resumes) {
+        int resumes,
+        int hellos) {
 
     public static final AgentLimits PROTOCOL =
-            new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8, 16, 8);
+            new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8, 16, 8, 256);
 
     /**
      * @throws IllegalArgumentException if a limit is not positive
@@ -49,6 +51,7 @@ public record AgentLimits(
         requirePositive("maxErrors", maxErrors);
         requirePositive("kept", kept);
         requirePositive("resumes", resumes);
+        requirePositive("hellos", hellos);
     }
 
     private static void requirePositive(String name, int value) {

@@ -57,6 +57,24 @@ class SensedWorldTest {
         assertThat(hidden).isGreaterThan(200);
     }
 
+    @Test
+    void anItemThatWasCreatedInThisFrameIsNotSeenYet() {
+        try (var arena = new OffHeapArena()) {
+            World world = new World("test", WorldPrototype.standard("si-f64"), arena);
+            world.add(ItemDefinition.named("eye").build());
+            new BoundingBoxes().update(world);
+            world.add(ItemDefinition.named("crumb").at(1, 0, 0).build());
+            Table bodies = world.table(WorldPrototype.BODY);
+            var sensed = new SensedWorld();
+            sensed.load(bodies);
+            assertThat(sensed.senses(sensor, 0, 1)).isFalse();
+            assertThat(sensed.senses(Sensor.touch("skin"), 0, 1)).isFalse();
+            new BoundingBoxes().update(world);
+            sensed.load(bodies);
+            assertThat(sensed.senses(sensor, 0, 1)).isTrue();
+        }
+    }
+
     /** At times on a grid, so that lines run along faces and through corners. */
     private static ItemDefinition item(Random random, String name) {
         ItemDefinition.Builder item = ItemDefinition.named(name);

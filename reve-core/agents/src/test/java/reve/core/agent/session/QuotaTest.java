@@ -87,7 +87,8 @@ class QuotaTest {
                         l.outboxBytes(),
                         l.maxErrors(),
                         l.kept(),
-                        l.resumes());
+                        l.resumes(),
+                        l.hellos());
         AgentTimeouts t = c.timeouts();
         var timeouts =
                 new AgentTimeouts(

@@ -165,7 +165,8 @@ class ResumesTest {
                         10_000_000,
                         l.maxErrors(),
                         l.kept(),
-                        l.resumes());
+                        l.resumes(),
+                        l.hellos());
         return new AgentRoom(
                 new AgentServerConfig(
                         AgentRoom.CONFIG.address(),
