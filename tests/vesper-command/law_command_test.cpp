@@ -2,6 +2,7 @@
 // `vesper law` on right and wrong texts.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
@@ -43,6 +44,57 @@ TEST(LawCommandTest, ToCppWritesALawToTheOutputOrAFile) {
   EXPECT_EQ(lost.exit_code, 1);
   EXPECT_NE(lost.errors.find("no/drag.cpp: cannot be written: No such file"), std::string::npos)
       << lost.errors;
+}
+
+// The bodies of the scene have 1 kg, so work and energies have the numbers of the formulas.
+TEST(LawCommandTest, RunPrintsConservedQuantities) {
+  const Outcome outcome = RunVesper({"law", "run", VESPER_TEXTS "/hooke_spring/hooke_spring.law",
+                                     "--seconds", "2", "--bodies", "8", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const auto rows = nlohmann::json::parse(outcome.output).at("rows");
+  ASSERT_EQ(rows.size(), 6u);
+  const auto energy = [](const nlohmann::json& row) {
+    return row.at("kinetic").get<double>() + row.at("potential").get<double>();
+  };
+  EXPECT_DOUBLE_EQ(rows[5].at("time"), 2);
+  EXPECT_GT(std::abs(rows[5].at("kinetic").get<double>() - rows[0].at("kinetic").get<double>()), 1);
+  EXPECT_NEAR(energy(rows[5]), energy(rows[0]), 1e-5 * energy(rows[0]));
+  for (size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(rows[5].at("momentum")[k], rows[0].at("momentum")[k].get<double>(), 1e-12);
+  }
+  const Outcome table = RunVesper({"law", "run", kDragText, "--seconds", "0.1"});
+  EXPECT_EQ(table.exit_code, 0) << table.errors;
+  EXPECT_NE(table.output.find("time [s]"), std::string::npos) << table.output;
+  EXPECT_NE(table.output.find("reports no potential energy"), std::string::npos) << table.output;
+}
+
+TEST(LawCommandTest, PlotPrintsForceAndEnergy) {
+  const auto plot = [](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"law", "plot"});
+    arguments.push_back("--json");
+    const Outcome outcome = RunVesper(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return nlohmann::json::parse(outcome.output);
+  };
+  const auto atoms = plot({VESPER_WORLDS "/gallery/laws/condensation.law", "--from", "0.9", "--to",
+                           "2.2", "--points", "14", "--parameter", "epsilon=2"});
+  EXPECT_EQ(atoms.at("over"), "distance");
+  ASSERT_EQ(atoms.at("points").size(), 14u);
+  for (const auto& point : atoms.at("points")) {
+    const double r = point[0];
+    const double force = 8 * (12 * std::pow(r, -13) - 6 * std::pow(r, -7));
+    EXPECT_NEAR(point[1], force, 1e-12 * std::abs(force) + 1e-12) << r;
+    EXPECT_NEAR(point[2], 8 * (std::pow(r, -12) - std::pow(r, -6)), 1e-11) << r;
+  }
+  const auto drag = plot({kDragText, "--to", "4", "--points", "3"});
+  EXPECT_EQ(drag.at("over"), "speed");
+  EXPECT_NEAR(drag.at("points")[2][1], -(0.1 * 4 + 0.1 * 16), 1e-12);
+  const Outcome heat = RunVesper({"law", "plot", VESPER_WORLDS "/gallery/laws/heat.law"});
+  EXPECT_EQ(heat.exit_code, 1);
+  EXPECT_NE(heat.errors.find("heat adds no forces"), std::string::npos) << heat.errors;
+  const Outcome wrong = RunVesper({"law", "plot", kDragText, "--parameter", "c"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.errors.find("--parameter c: expected a name and a number"), std::string::npos);
 }
 
 TEST(LawCommandTest, ToCppRefusesWhatCheckRefuses) {

@@ -10,6 +10,7 @@
 #include "exit_code.hpp"
 #include "folders.hpp"
 #include "law_command.hpp"
+#include "law_runs.hpp"
 #include "laws_command.hpp"
 #include "new_law_command.hpp"
 #include "run_command.hpp"
@@ -101,10 +102,54 @@ CLI::App* AddLawCommand(CLI::App& law, const char* name, const char* purpose,
   return command;
 }
 
+void AddLawRun(CLI::App& law, int& code) {
+  auto* command = law.add_subcommand(
+      "run", "Runs a small scene with a law, and prints how energy and momentum change.");
+  auto options = std::make_shared<LawRunOptions>();
+  command->add_option("FILE", options->file, "The law's file, such as wind.law")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("--parameter", options->parameters, "NAME=VALUE in SI units; may be repeated")
+      ->type_name("NAME=VALUE");
+  command->add_option("--seconds", options->seconds, "Time to run [s]")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->capture_default_str();
+  command->add_option("--dt", options->dt, "Length of a step [s]")
+      ->check(CLI::Range(1e-9, 10.0))
+      ->capture_default_str();
+  command->add_option("--bodies", options->bodies, "Bodies of the scene")
+      ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print the result as one JSON document");
+  command->callback([options, &code] { code = RunLaw(*options); });
+}
+
+void AddLawPlot(CLI::App& law, int& code) {
+  auto* command = law.add_subcommand(
+      "plot", "Prints force and energy of a law over the distance, the speed or the place.");
+  auto options = std::make_shared<LawPlotOptions>();
+  command->add_option("FILE", options->file, "The law's file, such as wind.law")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("--parameter", options->parameters, "NAME=VALUE in SI units; may be repeated")
+      ->type_name("NAME=VALUE");
+  command->add_option("--over", options->over, "Default: what the force depends on")
+      ->check(CLI::IsMember({"distance", "speed", "place"}));
+  command->add_option("--from", options->from, "First value [m or m/s]");
+  command->add_option("--to", options->to, "Last value [m or m/s]");
+  command->add_option("--points", options->points, "Number of values")
+      ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print all values as one JSON document");
+  command->callback([options, &code] { code = PlotLaw(*options); });
+}
+
 void AddLaw(CLI::App& app, int& code) {
   auto* law = app.add_subcommand("law", "Works on laws as text.");
   law->require_subcommand(1);
   auto options = std::make_shared<LawOptions>();
+  AddLawRun(*law, code);
+  AddLawPlot(*law, code);
   auto* to_cpp = AddLawCommand(
       *law, "to-cpp", "Writes a law as text as a C++ law that gives the same results.", options);
   to_cpp->add_option("--output", options->output, "File for the source; default: standard output");

@@ -104,7 +104,12 @@ void Checker::CheckUnitSymbols(const Expression& tree) {
     const bool known = IsKnown(symbol);
     if (!known) continue;
     std::string number = Source(tree.span);
-    number = number.substr(0, number.find(' '));
+    if (tree.kind == ExpressionKind::kTuple) {
+      number = number.substr(0, number.rfind(')') + 1);
+    } else {
+      number.erase(0, number.find_first_not_of('('));
+      number = number.substr(0, number.find(' '));
+    }
     problems_.Fail(tree.span, "'" + symbol + "' is a unit here, but also a name of this law",
                    "write " + number + " * " + symbol + " for the name, or call it otherwise");
   }

@@ -8,9 +8,17 @@ import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+import java.awt.image.BufferedImage;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.HashSet;
+import java.util.Set;
+
+import javax.imageio.ImageIO;
 
 /** Does what docs/laws-as-text.md says, block by block, in a folder outside the checkout. */
 @Tag("slow")
@@ -65,8 +73,37 @@ class LawsAsTextIT {
         Reve.Outcome wrong = Reve.runAsProcess("law", "check", file);
         assertThat(wrong.code()).isEqualTo(1);
         assertThat(wrong.err()).contains("wind.law:3:14: nothing here is called 'velocty'");
-        assertThat(Reve.runAsProcess("help", "law").out()).contains("check", "to-cpp");
-        assertThat(Reve.runAsProcess("law").code()).isEqualTo(2);
+        assertThat(Reve.run("help", "law").out()).contains("check", "plot", "to-cpp");
+        assertThat(Reve.run("law").code()).isEqualTo(2);
+    }
+
+    @Test
+    void theForceOfALawIsPlotted() throws Exception {
+        write(page.titled("lennard_jones.law").text());
+        Path picture = folder.resolve("force.png");
+        String file = folder.resolve("wind.law").toString();
+        Reve.Outcome plot =
+                Reve.run("law", "plot", file, "--out", picture.toString(), "--from", "0.9");
+        assertThat(plot.code()).as(plot.err()).isZero();
+        assertThat(plot.out()).isEqualTo(picture + "\n");
+        BufferedImage image = ImageIO.read(picture.toFile());
+        assertThat(image.getWidth()).isEqualTo(1600);
+        Set<Integer> colours = new HashSet<>();
+        for (int x = 0; x < image.getWidth(); x++) {
+            for (int y = 0; y < image.getHeight(); y++) {
+                colours.add(image.getRGB(x, y));
+            }
+        }
+        assertThat(colours).hasSizeGreaterThan(10); // axes, texts and two lines
+        Reve.Outcome json = Reve.run("law", "plot", file, "--out", picture.toString(), "--json");
+        JsonNode curve = new JsonMapper().readTree(json.out());
+        assertThat(curve.get("picture").asString()).isEqualTo(picture.toString());
+        assertThat(curve.get("over").asString()).isEqualTo("distance");
+        assertThat(curve.get("points").size()).isEqualTo(201);
+        write("law wind\n  each body:\n    force += velocty\n");
+        Reve.Outcome wrong = Reve.run("law", "plot", file, "--out", picture.toString());
+        assertThat(wrong.code()).isNotZero();
+        assertThat(wrong.err()).contains("wind.law:3:14: nothing here is called 'velocty'");
     }
 
     @Test

@@ -57,6 +57,7 @@ public final class Main {
                     ReplayCommand.class,
                     SnapshotCommand.class,
                     CheckCommand.class,
+                    LawCommand.class,
                     DemoCommand.class,
                     ControlCommand.class,
                     TokenCommand.class,
@@ -64,8 +65,6 @@ public final class Main {
                     NewCommand.class,
                     PackCommand.class,
                     CommandLine.HelpCommand.class);
-
-    private static final String LAW = "  law        Checks laws as text, and writes them as C++.";
 
     private static final String DOCTOR =
             "  doctor     Says which shared libraries of the system are missing.";
@@ -81,12 +80,11 @@ public final class Main {
                     "  docs       Writes the pages of the Java, C and C++ API.",
                     "  install    Makes a folder that runs without this checkout.",
                     "  clean      Removes everything that was built.",
-                    LAW,
                     DOCTOR);
 
     /** The commands that the launcher script of an installed release runs without Java. */
     private static final List<String> INSTALLED =
-            List.of("", "Commands of the launcher script:", LAW, DOCTOR);
+            List.of("", "Commands of the launcher script:", DOCTOR);
 
     /** The command that prints the description of another one. */
     private static final String HELP = "help";

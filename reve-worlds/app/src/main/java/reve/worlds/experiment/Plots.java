@@ -2,21 +2,17 @@
 package reve.worlds.experiment;
 
 import org.knowm.xchart.XYChart;
-import org.knowm.xchart.XYChartBuilder;
 import org.knowm.xchart.XYSeries;
-import org.knowm.xchart.style.Styler;
 import org.knowm.xchart.style.lines.SeriesLines;
 import org.knowm.xchart.style.markers.SeriesMarkers;
-import org.knowm.xchart.style.theme.MatlabTheme;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
 import reve.core.file.Experiment;
 import reve.core.file.RunPoint;
+import reve.worlds.plot.Charts;
 
 import java.awt.Color;
-import java.awt.Graphics2D;
-import java.awt.image.BufferedImage;
 import java.io.IOException;
 import java.nio.file.Path;
 import java.util.ArrayList;
@@ -26,16 +22,9 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.TreeMap;
 
-import javax.imageio.ImageIO;
-
 /** Plots of results, as PNG files. Needs no display. */
 final class Plots {
     private static final Logger LOG = LoggerFactory.getLogger("reve.experiment");
-    private static final int WIDTH = 800;
-    private static final int HEIGHT = 500;
-
-    /** Pixels for each unit of the sizes above. */
-    private static final int SCALE = 2;
 
     /** Maximum number of lines in a plot. */
     private static final int MAX_LINES = 12;
@@ -223,32 +212,14 @@ final class Plots {
     }
 
     private XYChart chart(String title, String x, String y) {
-        XYChart chart =
-                new XYChartBuilder()
-                        .width(WIDTH)
-                        .height(HEIGHT)
-                        .title(experiment.name() + ": " + title)
-                        .xAxisTitle(x)
-                        .yAxisTitle(y)
-                        .build();
-        chart.getStyler().setTheme(new MatlabTheme());
-        chart.getStyler().setLegendPosition(Styler.LegendPosition.OutsideE);
-        return chart;
+        return Charts.create(experiment.name() + ": " + title, x, y);
     }
 
     private void save(XYChart chart, String file, int lines) throws IOException {
         if (lines == 0) {
             return;
         }
-        var image = new BufferedImage(WIDTH * SCALE, HEIGHT * SCALE, BufferedImage.TYPE_INT_RGB);
-        Graphics2D graphics = image.createGraphics();
-        try {
-            graphics.scale(SCALE, SCALE);
-            chart.paint(graphics, WIDTH, HEIGHT);
-        } finally {
-            graphics.dispose();
-        }
-        ImageIO.write(image, "png", folder.resolve(file).toFile());
+        Charts.write(chart, folder.resolve(file));
         written.add(file);
     }
 }

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.cli;
+
+import org.knowm.xchart.XYChart;
+import org.knowm.xchart.XYSeries;
+import org.knowm.xchart.style.Styler;
+import org.knowm.xchart.style.markers.SeriesMarkers;
+
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.Parameters;
+import picocli.CommandLine.Spec;
+
+import reve.worlds.Product;
+import reve.worlds.plot.Charts;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+import java.io.IOException;
+import java.math.BigDecimal;
+import java.math.MathContext;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.Callable;
+
+/**
+ * The command {@code law plot}: draws force and energy of a law over the distance of two bodies,
+ * their speed or their place. The program {@code vesper} computes the values.
+ */
+@Command(
+        name = "plot",
+        description = "Draws force and energy of a law over distance, speed or place.")
+public final class LawPlotCommand implements Callable<Integer> {
+    /** Part of the values that decides the range of an axis; larger values may leave the chart. */
+    private static final double USUAL = 0.7;
+
+    /** Range of an axis, in multiples of the usual values. */
+    private static final double RANGE = 4;
+
+    /** Precision of the numbers at the horizontal axis. */
+    private static final MathContext DIGITS = new MathContext(4);
+
+    @Spec private CommandSpec spec = CommandSpec.create();
+
+    @Parameters(paramLabel = "FILE", description = "The law's file, such as wind.law.")
+    private Path file = Path.of("");
+
+    @Option(
+            names = "--out",
+            paramLabel = "FILE",
+            description = "PNG file to write (default: the law's name and .png).")
+    private Optional<Path> out = Optional.empty();
+
+    @Option(
+            names = "--parameter",
+            paramLabel = "NAME=VALUE",
+            description = "Value of a parameter in SI units; may be repeated.")
+    private List<String> parameters = List.of();
+
+    @Option(
+            names = "--over",
+            paramLabel = "X",
+            description = "distance, speed or place (default: what the force depends on).")
+    private Optional<String> over = Optional.empty();
+
+    @Option(names = "--from", paramLabel = "X", description = "First value [m or m/s].")
+    private Optional<Double> from = Optional.empty();
+
+    @Option(names = "--to", paramLabel = "X", description = "Last value [m or m/s].")
+    private Optional<Double> to = Optional.empty();
+
+    @Option(names = "--json", description = "Print the result as one JSON document.")
+    private boolean json;
+
+    @Override
+    public Integer call() throws IOException, InterruptedException {
+        Path usual = Path.of(file.getFileName().toString().replaceFirst("\\.law$", "") + ".png");
+        Path picture =
+                WritableFile.require(spec, "--out", out.orElse(usual), "PNG\r\n", "a PNG picture");
+        var process = new ProcessBuilder(command()).redirectErrorStream(false).start();
+        process.getOutputStream().close();
+        String values = new String(process.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
+        String errors = new String(process.getErrorStream().readAllBytes(), StandardCharsets.UTF_8);
+        int code = process.waitFor();
+        spec.commandLine().getErr().print(errors);
+        spec.commandLine().getErr().flush();
+        if (code != ExitCode.OK) {
+            return code;
+        }
+        JsonNode curve = new JsonMapper().readTree(values);
+        System.setProperty("java.awt.headless", "true");
+        Charts.write(chart(curve), picture);
+        if (json) {
+            Map<String, Object> fields = new LinkedHashMap<>();
+            fields.put("picture", picture.toString());
+            curve.properties().forEach(field -> fields.put(field.getKey(), field.getValue()));
+            Json.print(spec, fields);
+        } else {
+            spec.commandLine().getOut().println(picture);
+            spec.commandLine().getOut().flush();
+        }
+        return ExitCode.OK;
+    }
+
+    private List<String> command() {
+        List<String> command =
+                new ArrayList<>(
+                        List.of(
+                                Product.nativeFolder().resolve("vesper").toString(),
+                                "law",
+                                "plot",
+                                file.toString(),
+                                "--json"));
+        over.ifPresent(value -> command.addAll(List.of("--over", value)));
+        from.ifPresent(value -> command.addAll(List.of("--from", value.toString())));
+        to.ifPresent(value -> command.addAll(List.of("--to", value.toString())));
+        parameters.forEach(value -> command.addAll(List.of("--parameter", value)));
+        return command;
+    }
+
+    private static XYChart chart(JsonNode curve) {
+        JsonNode points = curve.get("points");
+        String name = curve.get("over").asString();
+        String component = curve.get("component").asString();
+        String along =
+                name.equals("distance") && component.equals("x")
+                        ? "force [N] (above 0: repulsion)"
+                        : "force along " + component + " [N]";
+        String title = curve.get("law").asString() + ": force over " + name;
+        XYChart chart =
+                Charts.create(title, name + " [" + curve.get("unit").asString() + "]", along);
+        chart.getStyler().setLegendPosition(Styler.LegendPosition.InsideNE);
+        chart.setCustomXAxisTickLabelsFormatter(LawPlotCommand::label);
+        double[] x = column(points, 0);
+        add(chart, "force", x, column(points, 1), 0);
+        if (points.get(0).size() > 2) {
+            add(chart, "energy", x, column(points, 2), 1);
+            chart.setYAxisGroupTitle(1, "energy [J]");
+            chart.getStyler().setYAxisGroupPosition(1, Styler.YAxisPosition.Right);
+        }
+        return chart;
+    }
+
+    private static String label(double value) {
+        return new BigDecimal(value).round(DIGITS).stripTrailingZeros().toPlainString();
+    }
+
+    private static double[] column(JsonNode points, int index) {
+        double[] values = new double[points.size()];
+        for (int i = 0; i < values.length; i++) {
+            values[i] = points.get(i).get(index).asDouble();
+        }
+        return values;
+    }
+
+    /** Adds a line. A few very large values, as at small distances, do not determine the axis. */
+    private static void add(XYChart chart, String name, double[] x, double[] y, int axis) {
+        double[] sizes = Arrays.stream(y).map(Math::abs).sorted().toArray();
+        double usual = sizes[(int) (USUAL * (sizes.length - 1))];
+        double limit = RANGE * usual;
+        double low = Math.max(Arrays.stream(y).min().orElse(0), -limit);
+        double high = Math.min(Arrays.stream(y).max().orElse(0), limit);
+        XYSeries series = chart.addSeries(name, x, y);
+        series.setMarker(SeriesMarkers.NONE);
+        series.setYAxisGroup(axis);
+        if (low < high) {
+            double margin = 0.05 * (high - low);
+            chart.getStyler().setYAxisMin(axis, low - margin);
+            chart.getStyler().setYAxisMax(axis, high + margin);
+        }
+    }
+}

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.plot;
+
+import org.knowm.xchart.XYChart;
+import org.knowm.xchart.XYChartBuilder;
+import org.knowm.xchart.style.Styler;
+import org.knowm.xchart.style.theme.MatlabTheme;
+
+import java.awt.Graphics2D;
+import java.awt.image.BufferedImage;
+import java.io.IOException;
+import java.nio.file.Path;
+
+import javax.imageio.ImageIO;
+
+/** Charts of one style, as PNG files. Needs no display, but fonts. */
+public final class Charts {
+    private static final int WIDTH = 800;
+    private static final int HEIGHT = 500;
+
+    /** Pixels for each unit of the sizes above. */
+    private static final int SCALE = 2;
+
+    private Charts() {}
+
+    /** Returns an empty chart with a title and the titles of its axes. */
+    public static XYChart create(String title, String x, String y) {
+        XYChart chart =
+                new XYChartBuilder()
+                        .width(WIDTH)
+                        .height(HEIGHT)
+                        .title(title)
+                        .xAxisTitle(x)
+                        .yAxisTitle(y)
+                        .build();
+        chart.getStyler().setTheme(new MatlabTheme());
+        chart.getStyler().setLegendPosition(Styler.LegendPosition.OutsideE);
+        return chart;
+    }
+
+    /** Draws a chart into a PNG file. */
+    public static void write(XYChart chart, Path file) throws IOException {
+        var image = new BufferedImage(WIDTH * SCALE, HEIGHT * SCALE, BufferedImage.TYPE_INT_RGB);
+        Graphics2D graphics = image.createGraphics();
+        try {
+            graphics.scale(SCALE, SCALE);
+            chart.paint(graphics, WIDTH, HEIGHT);
+        } finally {
+            graphics.dispose();
+        }
+        ImageIO.write(image, "png", file.toFile());
+    }
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene of bodies and springs in which one law acts, for `vesper law run` and `vesper law plot`.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vesper/kit/law_file.hpp"
+#include "vesper/vesper.hpp"
+
+namespace vesper::cli {
+
+/// A law file and the properties that a scene gives it, in SI units and double precision.
+class LawScene {
+ public:
+  /// Prepares `bodies` bodies of 1 kg and ±1 µC in a cubic grid, and a spring between each body and
+  /// the next one if the law uses springs or is an integrator. Nothing is loaded yet.
+  LawScene(const std::string& file, uint64_t bodies);
+
+  const vesper_law_desc& law() const { return *law_; }
+  bool Uses(const std::string& property) const;
+  /// Returns the smallest length among the law's parameters, or 1 m: the distance of neighbours.
+  double length() const { return length_; }
+  uint64_t bodies() const { return bodies_; }
+  /// Returns the column of a property: (rows x components).
+  std::vector<double>& Column(const std::string& property) { return columns_.at(property); }
+
+  /// Creates the engine and loads the law; throws the engine's error.
+  void Load(const std::vector<ParameterValue>& parameters);
+  /// Loads another law by its name.
+  void LoadMore(const std::string& name);
+  void Advance(double dt, uint32_t steps) { engine_.Advance(dt, steps); }
+  /// Returns the potential energy of all loaded laws [J]; nothing if none reports one.
+  std::optional<double> PotentialEnergy();
+
+ private:
+  void AddColumns();
+  void Arrange();
+
+  std::string path_;
+  LawFile file_;
+  const vesper_law_desc* law_;
+  uint64_t bodies_;
+  double length_ = 1;
+  std::map<std::string, std::vector<double>> columns_;
+  std::vector<uint32_t> endpoints_;
+  PhysicsEngine engine_;
+  std::vector<vesper_library_id> libraries_;
+};
+
+}  // namespace vesper::cli
