@@ -8,6 +8,7 @@ import reve.pe.Prototype;
 import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.PropertyNames;
 import reve.pe.adapter.SharedArena;
+import reve.pe.hosted.ApartRule;
 import reve.pe.hosted.HostedEngine;
 import reve.pe.hosted.Hosts;
 import reve.pe.vesper.VesperConfig;
@@ -143,7 +144,8 @@ class FrameCost {
                                     Duration.ofSeconds(10),
                                     config,
                                     prototype,
-                                    arena::descriptor);
+                                    ApartRule.NEVER,
+                                    arena::part);
             adapter = new PhysicsAdapter(world, engine, arena);
             LAWS.forEach(law -> adapter.laws().load(0, law, Map.of()));
         }

@@ -67,9 +67,39 @@ public final class WorldWriter {
         if (!world.rules().isEmpty()) {
             tree.put("rules", rules());
         }
-        putIfAny(tree, "items", world.items().stream().map(items::tree).toList());
+        putIfAny(tree, "items", items());
         putIfAny(tree, "forces", forces());
         return tree;
+    }
+
+    /**
+     * Returns the trees of the items. A world has a property of contacts if one of its items sets
+     * it, so the first body sets those that are 0 at all items.
+     */
+    private List<Map<String, Object>> items() {
+        List<Map<String, Object>> trees = world.items().stream().map(items::tree).toList();
+        List<Map<Object, Object>> aspects = new ArrayList<>();
+        for (int i = 0; i < trees.size(); i++) {
+            if (world.items().get(i).kind().equals(WorldPrototype.BODY)
+                    && trees.get(i).get("physics") instanceof Map<?, ?> physics) {
+                @SuppressWarnings("unchecked") // keys are names of properties
+                var aspect = (Map<Object, Object>) physics;
+                aspects.add(aspect);
+            }
+        }
+        for (PropertyDescriptor property : world.prototype().propertiesOfContacts()) {
+            if (world.prototype().properties().contains(property)
+                    && aspects.stream().noneMatch(one -> one.containsKey(property.name()))) {
+                aspects.stream()
+                        .findFirst()
+                        .ifPresent(first -> first.put(property.name(), zero(property)));
+            }
+        }
+        return trees;
+    }
+
+    private static Object zero(PropertyDescriptor property) {
+        return ItemWriter.quantity(property.type(), new double[property.components()]);
     }
 
     private List<Object> forces() {

@@ -83,6 +83,24 @@ class ContactKeysTest {
     }
 
     @Test
+    void aSavedWorldHasThePropertiesOfContactsThatAreZeroAtAllItems() throws WorldFileException {
+        WorldDescription world =
+                parse(
+                        """
+                        rules: {pressed: physics.touchCount > 0}
+                        items:
+                          - {name: lamp, physical: {location: [0, 1, 0]}}
+                          - {name: plate, physics: {mass: 2, touchLayer: 0, touchCount: 0}}
+                          - {name: ball, physics: {mass: 1, rollingFriction: 0.5}}
+                        """);
+        assertThat(world.prototype().propertiesOfContacts().stream())
+                .filteredOn(world.prototype().properties()::contains)
+                .hasSize(3);
+        WorldDescription again = WorldFileTest.parse(WorldWriter.write(world));
+        assertThat(again.prototype().properties()).isEqualTo(world.prototype().properties());
+    }
+
+    @Test
     void aPropertyThatTheWorldDeclaresIsItsOwn() throws WorldFileException {
         WorldDescription world =
                 parse(
