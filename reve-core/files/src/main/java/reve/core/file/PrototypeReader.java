@@ -38,7 +38,7 @@ final class PrototypeReader {
     /**
      * Returns the standard prototype that the file names, with the declared properties.
      *
-     * @param parts the parts of the files that may contain items of the kind {@code joint}
+     * @param parts the parts of the files that may contain the kind {@code joint}: items and rules
      */
     WorldPrototype read(Node root, List<Node> properties, List<Node> parts)
             throws WorldFileException {
@@ -90,7 +90,7 @@ final class PrototypeReader {
         return node.get("kind").flatMap(Node::text).equals(Optional.of(WorldPrototype.JOINT));
     }
 
-    /** Returns whether a node or a nested node is an item of the kind {@code joint}. */
+    /** Returns whether a node or a nested node is an item or a rule of the kind {@code joint}. */
     private static boolean hasJoints(Node node) {
         if (isOfJoints(node)) {
             return true;

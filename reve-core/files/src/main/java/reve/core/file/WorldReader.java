@@ -55,9 +55,11 @@ final class WorldReader {
                         prototypeReader.read(
                                 root,
                                 source.all("properties"),
-                                Stream.concat(
-                                                source.each("items").stream(),
-                                                source.each("prefabs").stream())
+                                Stream.of(
+                                                source.each("items"),
+                                                source.each("prefabs"),
+                                                source.named("rules"))
+                                        .flatMap(List::stream)
                                         .toList()));
         var expansion = new Expansion(source, problems);
         long age = wholeNumber(root.get("frame"), "age", 0);

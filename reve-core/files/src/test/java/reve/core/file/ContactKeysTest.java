@@ -8,6 +8,7 @@ import org.junit.jupiter.api.Test;
 
 import reve.core.world.ItemDefinition;
 import reve.core.world.Mesh;
+import reve.core.world.WorldPrototype;
 
 import java.nio.charset.StandardCharsets;
 
@@ -98,6 +99,19 @@ class ContactKeysTest {
                 .hasSize(3);
         WorldDescription again = WorldFileTest.parse(WorldWriter.write(world));
         assertThat(again.prototype().properties()).isEqualTo(world.prototype().properties());
+    }
+
+    @Test
+    void aWorldWhoseLastJointIsGoneKeepsItsRulesOfJoints() throws WorldFileException {
+        WorldDescription world =
+                parse(
+                        """
+                        rules: {strained: {is: "physics.jointForce[0] > 1.0", kind: joint}}
+                        items: [{name: a, physics: {mass: 1}}]
+                        """);
+        WorldDescription again = WorldFileTest.parse(WorldWriter.write(world));
+        assertThat(again.rules()).hasSize(1);
+        assertThat(again.prototype().kinds()).contains(WorldPrototype.JOINT);
     }
 
     @Test
