@@ -100,8 +100,7 @@ class Form {
   static constexpr size_t kRanges = 10;
   using Ranges = std::array<int32_t, kRanges>;
 
-  /** Builds the hull. Ranges that do not fit the columns give a form without a hull, or without a
-   *  surface. */
+  /** Builds the hull. If a range does not fit its column, the form has no hull, or no surface. */
   Form(const Ranges& ranges, std::span<const Vec3<double>> points,
        std::span<const int32_t> indices);
 

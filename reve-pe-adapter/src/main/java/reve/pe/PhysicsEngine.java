@@ -34,7 +34,7 @@ public interface PhysicsEngine extends AutoCloseable {
     /**
      * Opens a law library from a text, see docs/laws-as-text.md. Checks only the syntax; {@link
      * #loadPhysicsLaw} checks names and units. The message of a refusal has one line for each
-     * problem, with its line number in the text. Any thread.
+     * problem, with its line number in the text. For any thread.
      *
      * @param source name of the text for messages, such as "wind.law"
      * @param text in UTF-8
@@ -43,7 +43,7 @@ public interface PhysicsEngine extends AutoCloseable {
 
     /**
      * Checks a text against the prototype of this engine, without loading it, and returns all
-     * problems with their line numbers; empty if there are none. Any thread.
+     * problems with their line numbers; empty if there are none. For any thread.
      */
     String checkText(String source, byte[] text);
 

@@ -32,7 +32,7 @@ public record FolderParameters(Map<String, Double> values, Check check) {
         void check(List<PhysicsLaw> laws);
     }
 
-    /** Reads files with parameters. Any thread. */
+    /** Reads files with parameters. For any thread. */
     public interface Reader {
         /**
          * Reads the parameters of a library.

@@ -15,7 +15,7 @@ import java.util.Map;
 import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 
-/** The events that report what happens to the laws of a world. World's thread. */
+/** The events that report what happens to the laws of a world. For the world's thread only. */
 final class LawEvents {
     private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf|[0-9.]+e\\+)");
 

@@ -13,7 +13,7 @@ import java.util.function.LongSupplier;
 
 /**
  * The times of the loaded laws in the last frames. The engine measures them; recording a frame
- * allocates nothing. World's thread.
+ * allocates nothing. For the world's thread only.
  */
 final class LawTimes {
     /** Maximum number of frames that a report covers. */

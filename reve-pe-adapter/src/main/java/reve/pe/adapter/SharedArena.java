@@ -12,8 +12,8 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * Column memory that another process can map: each column has its own file descriptor. The world's
- * thread rule applies.
+ * Column memory that another process can map: each column has its own file descriptor. For the
+ * world's thread only.
  */
 public final class SharedArena implements ColumnArena {
     private final TreeMap<Long, SharedMemory> byAddress = new TreeMap<>();

@@ -6,7 +6,7 @@ import java.util.Optional;
 
 /**
  * Decides which native law libraries run apart: in a sandbox, a process that can access only the
- * columns that the library declares. Any thread.
+ * columns that the library declares. For any thread.
  */
 @FunctionalInterface
 public interface ApartRule {

@@ -70,8 +70,8 @@ class HostProcess implements AutoCloseable {
             Runtime.getRuntime().availableProcessors() > 1 ? 50_000 : 0;
 
     /**
-     * Pause between two calls below which a world counts as running without a clock [ns]; with a
-     * clock, pauses are longer.
+     * If the pause between two calls is shorter than this [ns], the world runs as fast as it can;
+     * at the rate of a clock, pauses are longer.
      */
     private static final long QUICK_NANOS = 5_000_000;
 

@@ -18,7 +18,7 @@ import java.util.concurrent.ConcurrentHashMap;
 
 /**
  * Opens the law libraries of an engine: reads their bytes, decides which ones run apart, and tests
- * them. Any thread.
+ * them. For any thread.
  */
 final class LibraryOpener {
     private final Hosts hosts;

@@ -8,7 +8,7 @@ import java.util.Optional;
 /**
  * The libraries that have passed a {@link Trial}, so that equal bytes are not tested again: a
  * change of a parameter or a rewind loads a library again, and must not depend on another process.
- * Any thread.
+ * For any thread.
  */
 final class TestedLibraries {
 

@@ -11,7 +11,7 @@ import java.time.Duration;
 
 /**
  * Tests a library: opens it, and creates and destroys its laws, in a host (engine process) for this
- * use only. So a library that crashes or hangs there never reaches a world. Any thread.
+ * use only. So a library that crashes or hangs there never reaches a world. For any thread.
  */
 record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     private static final long LIMIT_NANOS = Duration.ofSeconds(10).toNanos();

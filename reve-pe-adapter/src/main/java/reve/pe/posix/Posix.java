@@ -15,7 +15,7 @@ import java.lang.invoke.MethodHandle;
 
 /**
  * Bindings of C functions, one static method each; if a function fails, the method returns -errno.
- * Any thread.
+ * For any thread.
  */
 @SuppressWarnings("restricted") // this class is the only one that looks up functions of the C
 // library

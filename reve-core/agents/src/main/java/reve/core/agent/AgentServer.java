@@ -65,12 +65,12 @@ public final class AgentServer implements AutoCloseable {
     /**
      * Starts the server.
      *
-     * @param ports ports of worlds with different names, at least one
+     * @param ports the worlds to serve, at least one; their names must differ
      * @param problems receives problems with the server's files (audit record, tokens, certificate)
      *     while it runs
      * @throws BindException naming the address if it is not available
-     * @throws IOException if the audit record cannot be written, or the process may not open enough
-     *     files
+     * @throws IOException if the audit record cannot be written, or the limit of open files is too
+     *     low
      */
     public static AgentServer start(
             AgentServerConfig config, List<WorldPort> ports, ServerProblems problems)
@@ -228,7 +228,7 @@ public final class AgentServer implements AutoCloseable {
 
     /**
      * Writes a message that a client receives in another form to the audit record, if the server
-     * keeps one. Any thread.
+     * keeps one. For any thread.
      *
      * @param message a JSON object
      * @return false if the message could not be recorded and must therefore not be sent

@@ -57,10 +57,10 @@ public final class AgentRoom implements AutoCloseable {
     public final FrameLoop loop;
     public final AgentServer server;
 
-    /** For the server's files. Any thread. */
+    /** For the server's files. For any thread. */
     public final Queue<String> problems = new ConcurrentLinkedQueue<>();
 
-    /** Any thread. */
+    /** For any thread. */
     volatile Cameras cameras = Cameras.none();
 
     public AgentRoom() throws IOException {

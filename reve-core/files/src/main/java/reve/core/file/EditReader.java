@@ -18,7 +18,7 @@ import java.util.Set;
 
 /**
  * Reader of edits: changes of a running world, whose texts are parts of world files in JSON or
- * YAML. The texts cannot refer to files. Any thread.
+ * YAML. The texts cannot refer to files. For any thread.
  */
 public final class EditReader {
     /** Maximum number of items that one edit adds. */

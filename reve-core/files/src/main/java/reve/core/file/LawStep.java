@@ -4,8 +4,8 @@ package reve.core.file;
 /**
  * A change of a world's laws at a frame of a run.
  *
- * @param frame the first frame with the change, from 1
- * @param law the law, with the parameters and the text that the change uses
+ * @param frame the first frame with the change; the first frame of a run is 1
+ * @param law the law, with the parameters and, for a law as text, the text that the change uses
  */
 public record LawStep(long frame, Change change, LawReference law) {
     /** The kind of change. */

@@ -11,7 +11,7 @@ import java.util.Set;
 
 /**
  * Reader of a file that contains only the parameters of one law: a mapping in YAML, with values as
- * in {@code parameters} of a world file, such as {@code drag: 3 kg/s}. Any thread.
+ * in {@code parameters} of a world file, such as {@code drag: 3 kg/s}. For any thread.
  */
 public final class ParameterFile {
 

@@ -171,7 +171,7 @@ public record WorldDescription(
 
     /**
      * Returns a description of the current world: its items and constants, in an order that
-     * preserves the rows that laws see. World's thread.
+     * preserves the rows that laws see. For the world's thread only.
      *
      * @param world built from this description
      * @param nowLoaded the laws that act on it now

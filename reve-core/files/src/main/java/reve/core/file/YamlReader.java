@@ -44,8 +44,8 @@ final class YamlReader {
     static final int MAX_VALUES = 2_000_000;
 
     /**
-     * Maximum number of these values outside the key {@code items}, so that files without items are
-     * refused early.
+     * Maximum number of values outside the key {@code items}. It is lower than {@link #MAX_VALUES},
+     * so that a huge file without items is refused early.
      */
     static final int MAX_OTHER_VALUES = 500_000;
 

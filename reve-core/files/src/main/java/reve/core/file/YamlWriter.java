@@ -85,7 +85,8 @@ final class YamlWriter {
     /**
      * Returns the YAML of a tree.
      *
-     * @param tree maps with texts as keys, collections, String, Boolean and {@link Numeral}
+     * @param tree may contain maps with String keys, collections, String, Boolean and {@link
+     *     Numeral}
      * @throws IllegalArgumentException if the tree has more values than {@link YamlReader} accepts
      */
     static String write(Map<String, ?> tree) {

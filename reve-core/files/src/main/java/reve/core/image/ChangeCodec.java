@@ -32,7 +32,7 @@ import java.util.Optional;
 
 /**
  * The codec of {@link WorldChange}s as JSON, with which a journal repeats the changes on an equal
- * world. One thread.
+ * world. For one thread.
  */
 public final class ChangeCodec {
 

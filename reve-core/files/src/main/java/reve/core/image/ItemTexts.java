@@ -20,7 +20,7 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 
-/** The codec of items as texts in the form of a world file. One thread. */
+/** The codec of items as texts in the form of a world file. For one thread. */
 final class ItemTexts {
 
     /**

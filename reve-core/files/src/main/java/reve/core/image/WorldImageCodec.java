@@ -28,7 +28,7 @@ import java.util.Map;
 
 /**
  * The codec of world images as sections: {@code world} and {@code items} (JSON), and the bytes of
- * each column that is not all zeros. One thread.
+ * each column that is not all zeros. For one thread.
  */
 public final class WorldImageCodec {
 

@@ -15,7 +15,7 @@ import java.util.function.Consumer;
 /**
  * The folder of a world file. All files that the world file names are read from this folder:
  * included files, tables, meshes, textures. Paths are relative to it and separate names with {@code
- * /}. They never leave the folder: not by {@code ..}, a link or a URL. Any thread.
+ * /}. They never leave the folder: not by {@code ..}, a link or a URL. For any thread.
  */
 public final class WorldFolder {
 

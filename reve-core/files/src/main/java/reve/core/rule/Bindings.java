@@ -9,7 +9,7 @@ import java.util.Optional;
 
 /**
  * The values that the names in an expression have in an evaluation: the aspects of an item, and the
- * other names that the {@link Scope} permits. Numbers are in SI units. World's thread.
+ * other names that the {@link Scope} permits. Numbers are in SI units. For the world's thread only.
  */
 public final class Bindings {
     /** Maximum length of a value in a message [characters]. */

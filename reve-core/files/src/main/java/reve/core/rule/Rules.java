@@ -17,7 +17,7 @@ import java.util.function.BooleanSupplier;
  * Keeps the symbols of rules up to date. Rules are evaluated in their order, so that a rule may
  * read the results of earlier rules in the same frame, and only for items with changed inputs. If a
  * rule has no value for an item, the item does not have the symbol; this is reported once per rule.
- * World's thread.
+ * For the world's thread only.
  *
  * <p>All rules together may take a limited number of evaluation steps per frame. If they need more,
  * the remaining items keep their symbols and are evaluated in the next frames, so that rules never

@@ -22,7 +22,7 @@ import java.util.Set;
  * A file that one process appends to, locked until it is closed or the process ends. Devices are
  * not locked. Pipes are refused, because opening one waits for a reader. While it is open, this
  * process must not open the file a second time: closing any channel of the file releases the lock.
- * One thread.
+ * For one thread.
  */
 public final class OwnedFile implements Closeable {
     private static final int TRIES = 5;
@@ -124,7 +124,7 @@ public final class OwnedFile implements Closeable {
 
     /**
      * Returns what another program did to the file, as the end of a sentence: "was moved or
-     * removed". Empty if the path leads to the complete file. Any thread.
+     * removed". Empty if the path leads to the complete file. For any thread.
      *
      * @param written number of bytes that the file must have; ignored for a device
      */

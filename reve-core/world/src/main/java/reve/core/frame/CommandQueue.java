@@ -47,7 +47,7 @@ public final class CommandQueue {
         bus.subscribe(FramePhase.ACT, "command queue", this::execute);
     }
 
-    /** Queues a command for the next frame. Returns false if the queue is full. Any thread. */
+    /** Queues a command for the next frame. Returns false if the queue is full. For any thread. */
     public boolean offer(Command command) {
         if (waiting.incrementAndGet() > capacity) {
             waiting.decrementAndGet();

@@ -45,7 +45,7 @@ public interface FrameGate {
         clock.park(nanoseconds);
     }
 
-    /** Ends {@link #await}. The caller also unparks the loop's thread. Any thread. */
+    /** Ends {@link #await}. The caller also unparks the loop's thread. For any thread. */
     default void wake() {}
 
     /** Notifies the gate that the loop is paused: time limits start again after the pause. */

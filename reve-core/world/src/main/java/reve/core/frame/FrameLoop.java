@@ -149,13 +149,13 @@ public final class FrameLoop {
         gate.continuesAfter(frame);
     }
 
-    /** Sets the gate that {@link #run} asks before each frame. Any thread. */
+    /** Sets the gate that {@link #run} asks before each frame. For any thread. */
     public void setGate(FrameGate gate) {
         this.gate = gate;
         wake();
     }
 
-    /** Makes a waiting {@link #run} check at once whether it may continue. Any thread. */
+    /** Makes a waiting {@link #run} check at once whether it may continue. For any thread. */
     public void wake() {
         LockSupport.unpark(runner);
         gate.wake();
@@ -164,7 +164,7 @@ public final class FrameLoop {
     /**
      * Runs an errand, a task between two frames, as soon as no frame is in progress: at once while
      * the loop is paused or waits. If the errand replaces the world's state, the phases DERIVE and
-     * PUBLISH follow at once. Any thread.
+     * PUBLISH follow at once. For any thread.
      *
      * @param errand called on the world's thread; must not throw
      */
@@ -215,19 +215,19 @@ public final class FrameLoop {
         run(Long.MAX_VALUE);
     }
 
-    /** Ends {@link #run} after the current frame, permanently. Any thread. */
+    /** Ends {@link #run} after the current frame, permanently. For any thread. */
     public void stop() {
         stopped = true;
         wake();
     }
 
-    /** Returns true after {@link #stop()} was called. Any thread. */
+    /** Returns true after {@link #stop()} was called. For any thread. */
     public boolean isStopped() {
         return stopped;
     }
 
     /**
-     * Prevents {@link #run} from beginning another frame until it is resumed. Any thread.
+     * Prevents {@link #run} from beginning another frame until it is resumed. For any thread.
      *
      * @return the frame after which it pauses: the last one begun
      */
@@ -251,7 +251,7 @@ public final class FrameLoop {
     }
 
     /**
-     * Resumes {@link #run} for {@code count} more frames. Any thread.
+     * Resumes {@link #run} for {@code count} more frames. For any thread.
      *
      * @return the frame after which it pauses
      */
@@ -263,14 +263,14 @@ public final class FrameLoop {
         return last;
     }
 
-    /** Returns true while the loop must not begin another frame. Any thread. */
+    /** Returns true while the loop must not begin another frame. For any thread. */
     public boolean isPaused() {
         return lastAllowed.get() <= frame();
     }
 
     /**
      * Sets the speed of {@link #run}: simulated time per time of the clock, initially 1. Does not
-     * affect the content of frames, nor a loop with {@link Pacing#FAST}. Any thread.
+     * affect the content of frames, nor a loop with {@link Pacing#FAST}. For any thread.
      *
      * @param factor above 0
      */
@@ -279,7 +279,7 @@ public final class FrameLoop {
         wake();
     }
 
-    /** Returns the speed, see {@link #setSpeed}. Any thread. */
+    /** Returns the speed, see {@link #setSpeed}. For any thread. */
     public double speed() {
         return pacer.speed();
     }
@@ -294,41 +294,41 @@ public final class FrameLoop {
         return world;
     }
 
-    /** Returns which rule, condition or action the world's thread evaluates now. Any thread. */
+    /** Returns which rule, condition or action the world's thread evaluates now. For any thread. */
     public Activity activity() {
         return world.activity();
     }
 
-    /** Returns the thread that called {@link #run}, or null. Any thread. */
+    /** Returns the thread that called {@link #run}, or null. For any thread. */
     public @Nullable Thread thread() {
         return runner;
     }
 
-    /** Returns the phase whose listeners are being called, or null. Any thread. */
+    /** Returns the phase whose listeners are being called, or null. For any thread. */
     public @Nullable FramePhase phase() {
         return phase.getAcquire();
     }
 
     /**
      * Returns true while the loop's thread waits for the end of a pause, for the gate or for the
-     * next frame's time. Returns false if a wait exceeds its planned end. Any thread.
+     * next frame's time. Returns false if a wait exceeds its planned end. For any thread.
      */
     public boolean isWaiting() {
         long end = waitEnd.getAcquire();
         return end != AT_WORK && (isPaused() || clock.nanoTime() - end <= 0);
     }
 
-    /** Returns the number of completed frames. Any thread. */
+    /** Returns the number of completed frames. For any thread. */
     public long frame() {
         return frames.getAcquire();
     }
 
-    /** Returns the time inside all frames so far [ns], as in {@link #profile}. Any thread. */
+    /** Returns the time inside all frames so far [ns], as in {@link #profile}. For any thread. */
     public long busyNanoseconds() {
         return busyNanoseconds.getAcquire();
     }
 
-    /** Returns the number of frames and their times so far. Any thread. */
+    /** Returns the number of frames and their times so far. For any thread. */
     public FrameProfile profile() {
         Map<FramePhase, Long> byPhase = new EnumMap<>(FramePhase.class);
         for (FramePhase phase : PHASES) {

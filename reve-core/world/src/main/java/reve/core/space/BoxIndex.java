@@ -9,7 +9,7 @@ import java.util.function.LongPredicate;
  * An index that finds the boxes that meet a region or are nearest to a point: a packed tree of
  * boxes (an R-tree whose nodes contain eight neighbours along a space-filling curve). All boxes are
  * loaded at once whenever they move. Results depend only on the boxes, not on earlier loads, and
- * have a fixed order. One thread.
+ * have a fixed order. For one thread.
  *
  * <p>A new load with the same number of boxes reuses their order along the curve and computes only
  * the nodes. After the boxes have moved far, it sorts them again.

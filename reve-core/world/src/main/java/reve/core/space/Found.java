@@ -5,7 +5,7 @@ import java.util.Arrays;
 import java.util.Objects;
 import java.util.function.LongPredicate;
 
-/** The keys found by a query of a {@link BoxIndex}; reusable. One thread. */
+/** The keys found by a query of a {@link BoxIndex}; reusable. For one thread. */
 public final class Found {
 
     private long[] keys = new long[16];

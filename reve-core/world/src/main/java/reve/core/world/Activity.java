@@ -17,7 +17,7 @@ public final class Activity {
     Activity() {}
 
     /**
-     * Begins an activity, which replaces the current one. World's thread.
+     * Begins an activity, which replaces the current one. For the world's thread only.
      *
      * @param what the activity; its {@code toString} describes it for people, on any thread
      */
@@ -25,13 +25,13 @@ public final class Activity {
         current.setRelease(what);
     }
 
-    /** Ends the current activity. World's thread. */
+    /** Ends the current activity. For the world's thread only. */
     public void end() {
         current.setRelease(null);
     }
 
     /**
-     * Ends the current activity and adds its steps to the count. World's thread.
+     * Ends the current activity and adds its steps to the count. For the world's thread only.
      *
      * @param count number of evaluation steps, the same on every machine
      */
@@ -40,17 +40,17 @@ public final class Activity {
         end();
     }
 
-    /** Adds steps of work that is not an activity. World's thread. */
+    /** Adds steps of work that is not an activity. For the world's thread only. */
     void spend(long count) {
         steps += count;
     }
 
-    /** Returns the number of steps counted so far. World's thread. */
+    /** Returns the number of steps counted so far. For the world's thread only. */
     public long steps() {
         return steps;
     }
 
-    /** Returns the current activity, or null. Any thread. */
+    /** Returns the current activity, or null. For any thread. */
     public @Nullable Object current() {
         return current.getAcquire();
     }

@@ -9,7 +9,7 @@ import java.util.TreeSet;
 
 /**
  * Items whose changed numbers may make physics laws fail, and the arrest of such an item: its
- * numbers become 0, so that laws do not move it. World's thread.
+ * numbers become 0, so that laws do not move it. For the world's thread only.
  */
 public final class Arrests {
     /** The properties of an item that laws read, by kind; an arrest sets them to 0. */

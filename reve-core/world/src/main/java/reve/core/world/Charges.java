@@ -9,8 +9,8 @@ import java.util.TreeMap;
 
 /**
  * Charges agents for the rules that must be evaluated because of their acts: stores which agent
- * last changed each item, and adds up the evaluation steps of the item's rules for this agent.
- * World's thread.
+ * last changed each item, and adds up the evaluation steps of the item's rules for this agent. For
+ * the world's thread only.
  */
 public final class Charges {
     /** The agent that last changed each item before the current pass of the rules began. */

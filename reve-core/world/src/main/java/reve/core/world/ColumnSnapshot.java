@@ -3,7 +3,7 @@ package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
 
-/** A read-only column with the values of a published frame. Any thread. */
+/** A read-only column with the values of a published frame. For any thread. */
 public final class ColumnSnapshot extends ColumnView {
 
     private final MemorySegment segment;

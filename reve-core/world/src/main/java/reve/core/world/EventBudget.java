@@ -8,7 +8,8 @@ import java.util.Map;
 
 /**
  * Limit on the size of events that actions of agents raise in one second of world time. A second
- * begins every {@code framesPerSecond} frames; unused bytes are not carried over. World's thread.
+ * begins every {@code framesPerSecond} frames; unused bytes are not carried over. For the world's
+ * thread only.
  */
 public final class EventBudget {
     private final int agentBytes;

@@ -10,7 +10,7 @@ import java.util.PriorityQueue;
 
 /**
  * Limit on the number of forces of agents' actions that act at the same time, because each of them
- * costs time in each frame. World's thread.
+ * costs time in each frame. For the world's thread only.
  */
 public final class ForceBudget {
     /** Maximum number of forces of one agent's actions at the same time. */

@@ -7,7 +7,7 @@ import java.util.List;
 /**
  * Forces that actions exert on bodies for a number of frames. During the phase PHYSICS they are
  * added to the column {@code appliedForce}, in which laws read them; at other times it contains
- * only the world designer's values. World's thread.
+ * only the world designer's values. For the world's thread only.
  */
 public final class Forces {
 

@@ -3,7 +3,7 @@ package reve.core.world;
 
 import java.util.List;
 
-/** The events and changes of the frame that is being made. World's thread. */
+/** The events and changes of the frame that is being made. For the world's thread only. */
 final class FrameRecord {
 
     /** Maximum number of stored changes per frame; further ones are only counted. */

@@ -7,7 +7,7 @@ import java.util.List;
 
 /**
  * The layout of all tables: a version that increases when rows or the memory of columns have moved,
- * and the former memory, which is freed later. World's thread.
+ * and the former memory, which is freed later. For the world's thread only.
  */
 final class Layout {
 

@@ -39,7 +39,7 @@ public final class SnapshotRing {
         this.memory = new SnapshotSlot.Memory(world);
     }
 
-    /** Returns the prototype of the world. Any thread. */
+    /** Returns the prototype of the world. For any thread. */
     public WorldPrototype prototype() {
         return world.prototype();
     }

@@ -57,8 +57,8 @@ final class SnapshotSlot {
     }
 
     /**
-     * Overwrites the slot, even if it has readers. World's thread. After an exception, readers
-     * cannot acquire the slot until it is written again.
+     * Overwrites the slot, even if it has readers. For the world's thread only. After an exception,
+     * readers cannot acquire the slot until it is written again.
      *
      * @param before the slot of the previous frame, with which unchanged columns are shared
      */
@@ -77,7 +77,7 @@ final class SnapshotSlot {
         stamp.setRelease(writing + 1);
     }
 
-    /** Returns a view of the slot, unless its content is incomplete. Any thread. */
+    /** Returns a view of the slot, unless its content is incomplete. For any thread. */
     Optional<WorldSnapshot> acquire() {
         readers.incrementAndGet();
         long before = stamp.getAcquire();

@@ -9,7 +9,7 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 
-/** A read-only table with the rows of a published frame. One thread. */
+/** A read-only table with the rows of a published frame. For one thread. */
 public final class TableSnapshot implements TableView {
 
     private final String kind;

@@ -26,7 +26,7 @@ public final class WorldImage implements AutoCloseable {
     private long age;
     private long lastId;
 
-    /** Creates an empty image for a world of the prototype. World's thread. */
+    /** Creates an empty image for a world of the prototype. For the world's thread only. */
     public WorldImage(World world) {
         tables =
                 world.tables().stream().map(table -> new TableCopy(table, this::allocate)).toList();

@@ -161,7 +161,7 @@ final class AgentPrograms implements AutoCloseable {
         return logs.resolve("run-" + plan.point().number() + "-" + agent + ".log");
     }
 
-    /** Notes that the first frame has been made. World's thread. */
+    /** Notes that the first frame has been made. For the world's thread only. */
     void begun(WorldServer server) {
         begun.countDown();
         int count = server.agents().inLockStep(plan.world().name());
@@ -176,7 +176,7 @@ final class AgentPrograms implements AutoCloseable {
         }
     }
 
-    /** Handles an event of the world. World's thread. */
+    /** Handles an event of the world. For the world's thread only. */
     void happened(String event, Map<String, Object> fields, WorldServer server) {
         if (event.equals("late")) {
             fail(

@@ -97,7 +97,7 @@ public final class ExperimentRuns {
         }
     }
 
-    /** Ends all runs after their current frames, and begins no more. Any thread. */
+    /** Ends all runs after their current frames, and begins no more. For any thread. */
     public void stop() {
         stopped = true;
         active.forEach(ExperimentRun::stop);

@@ -9,7 +9,7 @@ import java.nio.file.attribute.BasicFileAttributes;
 
 /**
  * A path and the identity of the file that was opened there, to detect that the file was moved or
- * removed: data written to it afterwards would be lost. Any thread.
+ * removed: data written to it afterwards would be lost. For any thread.
  */
 record FilePlace(Path path, Object key) {
     static FilePlace of(Path path) throws IOException {

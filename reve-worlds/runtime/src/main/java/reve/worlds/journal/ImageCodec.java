@@ -28,7 +28,7 @@ import java.util.function.Function;
 
 /**
  * The codec of simulation images as bytes. An image is the complete state of a simulation. It names
- * law libraries by their SHA-256; the libraries' bytes are stored separately. One thread.
+ * law libraries by their SHA-256; the libraries' bytes are stored separately. For one thread.
  */
 public final class ImageCodec {
     private static final String HEADER = "header";

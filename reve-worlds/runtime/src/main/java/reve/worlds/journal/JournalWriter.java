@@ -123,7 +123,7 @@ final class JournalWriter {
 
     /**
      * Returns true once after a new file was begun, so that the next frame brings the image with
-     * which the file must begin. World's thread.
+     * which the file must begin. For the world's thread only.
      */
     boolean beginsAnew() {
         return beginsAnew.get() && beginsAnew.getAndSet(false);

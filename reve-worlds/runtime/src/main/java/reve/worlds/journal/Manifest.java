@@ -21,7 +21,7 @@ import java.util.zip.CRC32C;
  * that is not yet written. If files contain less than it claims, data was lost. The manifest names
  * a file of frames before the file contains a frame, and is flushed before the image that begins
  * the file is committed. So a manifest that does not name the newest file of frames is an older
- * copy, from which nothing follows about the newest frames. Any thread.
+ * copy, from which nothing follows about the newest frames. For any thread.
  */
 final class Manifest implements AutoCloseable {
     private static final byte[] MARK =

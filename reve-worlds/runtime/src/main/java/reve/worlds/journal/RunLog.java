@@ -236,7 +236,8 @@ public final class RunLog {
         }
 
         /**
-         * Flushes the written data to the disk, so that it survives a power failure. Any thread.
+         * Flushes the written data to the disk, so that it survives a power failure. For any
+         * thread.
          */
         void force() throws IOException {
             try {
@@ -256,7 +257,8 @@ public final class RunLog {
         }
 
         /**
-         * Returns the number of bytes written so far; the file has at least this size. Any thread.
+         * Returns the number of bytes written so far; the file has at least this size. For any
+         * thread.
          */
         long written() {
             return written;
@@ -333,7 +335,7 @@ public final class RunLog {
         return (int) crc.getValue();
     }
 
-    /** Reader of the records in order. One thread. */
+    /** Reader of the records in order. For one thread. */
     public static final class Reader implements Iterator<JournalRecord>, AutoCloseable {
         private final Path file;
         private final FileChannel channel;

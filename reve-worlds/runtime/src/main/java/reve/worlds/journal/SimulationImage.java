@@ -19,7 +19,8 @@ public final class SimulationImage implements AutoCloseable {
     private PhysicsImage physics = new PhysicsImage(List.of(), List.of(), new byte[0]);
 
     /**
-     * Allocates an empty image for worlds of the same prototype as {@code like}. World's thread.
+     * Allocates an empty image for worlds of the same prototype as {@code like}. For the world's
+     * thread only.
      */
     public SimulationImage(World like) {
         this(like, image -> {});

@@ -84,7 +84,7 @@ public record SceneBuilder(
     }
 
     /**
-     * Builds the scene of a snapshot, which may be closed afterwards. Any thread.
+     * Builds the scene of a snapshot, which may be closed afterwards. For any thread.
      *
      * @throws RenderException if the snapshot was overwritten during the build; use a newer one
      */

@@ -6,7 +6,7 @@ import java.util.Deque;
 
 /**
  * Resources that are closed together in reverse order of opening. If one fails to close, the others
- * are still closed. One thread.
+ * are still closed. For one thread.
  */
 final class Closing implements AutoCloseable {
     private final Deque<AutoCloseable> open = new ArrayDeque<>();

@@ -166,7 +166,7 @@ final class HostedWorld implements AutoCloseable {
         }
     }
 
-    /** Reports a failure that no single law caused. Any thread. */
+    /** Reports a failure that no single law caused. For any thread. */
     void tellProblem(String source, String message) {
         LOG.warn("{}: {}: {}", name(), source, message);
         events.happened("fault", WorldServer.fault(source, message));
@@ -244,7 +244,7 @@ final class HostedWorld implements AutoCloseable {
         return RunReport.of(simulation, (System.nanoTime() - start) * 1e-9);
     }
 
-    /** Ends {@link #run} after the current frame. Any thread. */
+    /** Ends {@link #run} after the current frame. For any thread. */
     void stop() {
         simulation.loop().stop();
     }

@@ -18,7 +18,7 @@ import java.util.List;
  * The file of known law libraries: the shipped libraries of worlds that this account stored or
  * recorded, by the SHA-256 of their bytes. Because of it, a store still opens without {@code
  * --trust} after an upgrade of the release has changed these libraries. The file belongs to the
- * account; stores and recordings cannot add to it. Any thread.
+ * account; stores and recordings cannot add to it. For any thread.
  */
 final class KnownLaws {
     private static final Logger LOG = LoggerFactory.getLogger("laws");

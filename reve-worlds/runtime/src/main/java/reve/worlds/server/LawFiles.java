@@ -22,7 +22,7 @@ import java.util.function.Consumer;
 
 /**
  * Finder of law libraries on disk by the SHA-256 of their bytes, to replace damaged ones of a
- * store. One thread.
+ * store. For one thread.
  */
 final class LawFiles {
     private final List<Path> folders;

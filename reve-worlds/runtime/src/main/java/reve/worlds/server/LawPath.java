@@ -36,7 +36,7 @@ import java.util.stream.Stream;
  * file. Code from {@code laws/} beside the world file, from a store or from a recording came with
  * the world. It is opened only if the operator trusts the world, if its bytes equal a library of
  * the first two places, or in a sandbox. Laws of the operator's folder for untrusted laws, which is
- * searched after the first two places, always run in a sandbox. Any thread.
+ * searched after the first two places, always run in a sandbox. For any thread.
  *
  * @param shipped folder of the shipped laws
  * @param folder the operator's folder

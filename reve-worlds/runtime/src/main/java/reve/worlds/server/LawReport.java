@@ -25,7 +25,7 @@ final class LawReport {
     private LawReport() {}
 
     /**
-     * Returns the report. World's thread.
+     * Returns the report. For the world's thread only.
      *
      * @param available names of libraries that can be loaded
      * @param faults whether to include messages of faults, which may name files of the server

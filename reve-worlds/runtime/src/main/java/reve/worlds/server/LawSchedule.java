@@ -96,7 +96,7 @@ public final class LawSchedule implements FrameListener, AutoCloseable {
         }
     }
 
-    /** Returns why a change was refused. World's thread. */
+    /** Returns why a change was refused. For the world's thread only. */
     public Optional<PhysicsException> failure() {
         return failure;
     }

@@ -12,7 +12,9 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 
-/** Counter of a run's events and list of its faults, for the report. World's thread. */
+/**
+ * Counter of a run's events and list of its faults, for the report. For the world's thread only.
+ */
 public final class RunEvents implements FrameListener {
     private static final int MAX_FAULTS = 100;
 

@@ -56,7 +56,7 @@ public record RunReport(
         faults = List.copyOf(faults);
     }
 
-    /** Returns the report of a simulation between frames. World's thread. */
+    /** Returns the report of a simulation between frames. For the world's thread only. */
     public static RunReport of(Simulation simulation, double wallSeconds) {
         World world = simulation.world();
         FrameProfile profile = simulation.loop().profile();

@@ -18,7 +18,7 @@ public interface ServerEvents {
      */
     void happened(String event, Map<String, Object> fields);
 
-    /** Returns whether {@link #happened} receives world events of a type. Any thread. */
+    /** Returns whether {@link #happened} receives world events of a type. For any thread. */
     default boolean wants(String event) {
         return true;
     }

@@ -271,7 +271,7 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Opens the library of a law by its name. Any thread.
+     * Opens the library of a law by its name. For any thread.
      *
      * @throws PhysicsException if there is none, or it may not be opened
      */
@@ -310,7 +310,7 @@ public final class Simulation implements AutoCloseable {
         return description;
     }
 
-    /** Returns the world. World's thread. */
+    /** Returns the world. For the world's thread only. */
     public World world() {
         return world;
     }
@@ -352,7 +352,10 @@ public final class Simulation implements AutoCloseable {
                 : library.name();
     }
 
-    /** Returns what {@link #descriptionNow} cannot describe, one message each. World's thread. */
+    /**
+     * Returns what {@link #descriptionNow} cannot describe, one message each. For the world's
+     * thread only.
+     */
     public List<String> notDescribed() {
         List<String> left = new ArrayList<>();
         for (PhysicsLaw law : physics.laws().loaded()) {
@@ -393,22 +396,24 @@ public final class Simulation implements AutoCloseable {
         return snapshots;
     }
 
-    /** Returns the time spent on copying the world into snapshots [ns]. World's thread. */
+    /**
+     * Returns the time spent on copying the world into snapshots [ns]. For the world's thread only.
+     */
     public long snapshotNanoseconds() {
         return snapshotNanoseconds;
     }
 
-    /** Returns the engine under the adapter. World's thread. */
+    /** Returns the engine under the adapter. For the world's thread only. */
     public PhysicsEngine engine() {
         return engine;
     }
 
-    /** Returns the adapter that applies laws in PHYSICS. World's thread. */
+    /** Returns the adapter that applies laws in PHYSICS. For the world's thread only. */
     public PhysicsAdapter physics() {
         return physics;
     }
 
-    /** Returns the events so far. World's thread. */
+    /** Returns the events so far. For the world's thread only. */
     public RunEvents events() {
         return events;
     }
@@ -456,7 +461,7 @@ public final class Simulation implements AutoCloseable {
 
     /**
      * Continues with the frame after that of an image, which must not be older than the current
-     * one. World's thread.
+     * one. For the world's thread only.
      */
     void goOnFrom(SimulationImage image) {
         restore(image, image.frame());

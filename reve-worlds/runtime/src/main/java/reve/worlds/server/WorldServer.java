@@ -217,7 +217,7 @@ public final class WorldServer implements AutoCloseable {
         }
     }
 
-    /** Ends {@link #run} after the worlds' current frames. Any thread. */
+    /** Ends {@link #run} after the worlds' current frames. For any thread. */
     public void stop() {
         worlds.forEach(HostedWorld::stop);
     }

@@ -25,7 +25,7 @@ import java.util.function.ToLongFunction;
 
 /**
  * The counters of a server, or of some of its worlds, in the text format of Prometheus. They are
- * read only on request, so they cost nothing in frames. Any thread.
+ * read only on request, so they cost nothing in frames. For any thread.
  */
 final class Metrics {
 

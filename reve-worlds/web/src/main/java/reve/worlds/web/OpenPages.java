@@ -14,7 +14,7 @@ import java.util.concurrent.locks.LockSupport;
 /**
  * The connections to all web pages, and the memory of the frames that these have not read. A frame
  * that several pages share is counted once. Above a limit, the pages that have been slow the
- * longest are disconnected. Any thread.
+ * longest are disconnected. For any thread.
  */
 final class OpenPages implements AutoCloseable {
 

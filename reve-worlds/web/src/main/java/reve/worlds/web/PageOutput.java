@@ -49,7 +49,7 @@ final class PageOutput {
     }
 
     /**
-     * Sends a part of a line, and returns when the page's socket has accepted it. One thread.
+     * Sends a part of a line, and returns when the page's socket has accepted it. For one thread.
      *
      * @param last true if the line ends with this part
      * @throws CompletionException if the connection ended first
@@ -121,14 +121,14 @@ final class PageOutput {
         pieceDueNanos = NEVER;
     }
 
-    /** Starts the time limit for the messages that still wait. Any thread. */
+    /** Starts the time limit for the messages that still wait. For any thread. */
     void endSoon() {
         if (endDueNanos == NEVER) {
             endDueNanos = pages.nowNanos() + PATIENCE_NANOS;
         }
     }
 
-    /** Closes the WebSocket after the messages sent so far. Any thread. */
+    /** Closes the WebSocket after the messages sent so far. For any thread. */
     void end(int status, String reason) {
         endSoon();
         page.close(status, reason, Callback.NOOP);
@@ -141,13 +141,13 @@ final class PageOutput {
         }
     }
 
-    /** Disconnects the page at once; waiting messages fail. Any thread. */
+    /** Disconnects the page at once; waiting messages fail. For any thread. */
     void cut() {
         closed = true;
         page.disconnect();
     }
 
-    /** Removes the page, whose connection has ended. Any thread. */
+    /** Removes the page, whose connection has ended. For any thread. */
     void close() {
         closed = true;
         pages.remove(this);

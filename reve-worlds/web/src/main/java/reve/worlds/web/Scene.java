@@ -31,7 +31,7 @@ import java.util.TreeMap;
 /**
  * The newest state of a world as web pages show it. A version counts changes, and each part has the
  * version of its last change. An item keeps the same slot (an index) as long as it exists; the
- * columns of bodies are arrays by slot, in single precision. One thread.
+ * columns of bodies are arrays by slot, in single precision. For one thread.
  */
 final class Scene {
 

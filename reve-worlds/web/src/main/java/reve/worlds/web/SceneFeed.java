@@ -51,7 +51,7 @@ final class SceneFeed implements AutoCloseable {
                         .start(this::encode);
     }
 
-    /** Adds a watcher, or records its new request. Any thread. */
+    /** Adds a watcher, or records its new request. For any thread. */
     void add(Watcher watcher) {
         if (!watchers.contains(watcher)) {
             watchers.add(watcher);
@@ -63,7 +63,7 @@ final class SceneFeed implements AutoCloseable {
         watchers.remove(watcher);
     }
 
-    /** Makes the encoder's thread check for work. Any thread. */
+    /** Makes the encoder's thread check for work. For any thread. */
     void wake() {
         LockSupport.unpark(encoder);
     }

@@ -21,7 +21,7 @@ import java.util.Optional;
  * consists of these little-endian numbers: type (1), bytes of the structure, number of sections,
  * number of slots; frame and time as 64-bit floats; then the structure as JSON, padded to 4 bytes;
  * then, for each section: column, number of bodies, their slots, their values as 32-bit floats. The
- * structure lists items that entered or changed, and slots that are free. One thread.
+ * structure lists items that entered or changed, and slots that are free. For one thread.
  */
 final class SceneWriter {
 

@@ -11,7 +11,7 @@ import java.util.function.BooleanSupplier;
 
 /**
  * The open connections of the web port, and their limits: limits on their total number, on the
- * number from one address, and by the file descriptors of the process. Any thread.
+ * number from one address, and by the file descriptors of the process. For any thread.
  */
 final class Visitors {
 

@@ -52,7 +52,7 @@ final class Watcher {
         this.record = record;
     }
 
-    /** Handles a request of the client. Any thread. */
+    /** Handles a request of the client. For any thread. */
     void take(ByteBuffer message) {
         if (message.remaining() != 1) {
             return;
@@ -66,7 +66,7 @@ final class Watcher {
         }
     }
 
-    /** Ends the view. Any thread. */
+    /** Ends the view. For any thread. */
     void close() {
         closed = true;
         feed.remove(this);

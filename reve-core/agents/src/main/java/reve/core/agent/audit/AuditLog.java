@@ -38,7 +38,7 @@ import java.util.regex.Pattern;
  * file when the message is written to the connection. Secrets are omitted, and pixels of pictures
  * are replaced by a hash (SHA-256). A file that reaches the maximum size is rotated. While the file
  * cannot be written, messages are only counted, and the log tries to write once per second; the
- * first record after such a gap contains the number of missing records. Any thread.
+ * first record after such a gap contains the number of missing records. For any thread.
  */
 public final class AuditLog implements Closeable {
 

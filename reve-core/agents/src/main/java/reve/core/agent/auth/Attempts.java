@@ -13,7 +13,7 @@ import java.util.Map;
  * second. A connection that sends a further wrong secret is closed with the code for too many
  * attempts. Right secrets are not counted, so an attacker cannot lock out other clients at its
  * address. Stores the last {@value #ADDRESSES} addresses; addresses of one IPv6 /64 network count
- * as one. Any thread.
+ * as one. For any thread.
  */
 public final class Attempts {
 

@@ -179,7 +179,7 @@ public final class ServerTls {
         }
     }
 
-    /** Returns the TLS context with the certificate and key in use. Any thread. */
+    /** Returns the TLS context with the certificate and key in use. For any thread. */
     public SSLContext context() {
         return pair.context;
     }

@@ -29,7 +29,7 @@ import java.util.function.Supplier;
 
 /**
  * Dispatcher of clients' commands for one world: passes each to the world's command queue, to its
- * frame loop, or to the program that runs the world. Any thread.
+ * frame loop, or to the program that runs the world. For any thread.
  */
 public final class ControlDesk {
 
@@ -44,7 +44,7 @@ public final class ControlDesk {
     private final AtomicLong sequence = new AtomicLong();
     private final AtomicBoolean promptDue = new AtomicBoolean();
 
-    /** True while prompt commands run. World's thread. */
+    /** True while prompt commands run. For the world's thread only. */
     private boolean executesPrompt;
 
     /**

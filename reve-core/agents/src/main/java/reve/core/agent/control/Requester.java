@@ -6,7 +6,8 @@ import reve.core.agent.protocol.Encoding;
 import reve.core.agent.protocol.ServerMessage;
 
 /**
- * The sender of commands, as seen by the code that executes them and returns results. Any thread.
+ * The sender of commands, as seen by the code that executes them and returns results. For any
+ * thread.
  */
 public interface Requester {
 

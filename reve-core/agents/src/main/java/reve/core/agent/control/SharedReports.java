@@ -111,7 +111,7 @@ final class SharedReports {
     }
 
     /**
-     * Queues a query, which is answered when it is its client's turn. Any thread.
+     * Queues a query, which is answered when it is its client's turn. For any thread.
      *
      * @param reading reads the content for all queries of this kind
      */
@@ -165,7 +165,7 @@ final class SharedReports {
         }
     }
 
-    /** Answers queries for a slice of time. The event loop's thread. */
+    /** Answers queries for a slice of time. For the event loop's thread only. */
     private void answer(long frame, Map<Kind, Read> read, long readNanos) {
         long begin = clock.getAsLong();
         var contents = new EnumMap<Kind, Fragment>(Kind.class);

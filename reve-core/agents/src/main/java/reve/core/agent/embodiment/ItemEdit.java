@@ -15,7 +15,9 @@ import java.util.List;
 import java.util.Optional;
 import java.util.regex.Pattern;
 
-/** Setter of one property of an item by name, for edits of operators. World's thread. */
+/**
+ * Setter of one property of an item by name, for edits of operators. For the world's thread only.
+ */
 final class ItemEdit {
 
     private static final Pattern SYMBOL = Pattern.compile("[A-Za-z][A-Za-z0-9_-]{0,63}");

@@ -10,7 +10,7 @@ import java.util.TreeMap;
  * equally. If an act takes more than the agent's share, the agent's shares of later frames pay the
  * rest; until then its acts wait. Agents that act for the first time also share a separate pool, so
  * that a client gains nothing by using new names. Counts steps and frames, never time: the same
- * acts wait for the same frames on every machine. World's thread.
+ * acts wait for the same frames on every machine. For the world's thread only.
  */
 final class StepBudget {
     /** Steps of all agents together in one frame; they take about 6 ms. */

@@ -84,7 +84,7 @@ public final class LockStep implements FrameGate {
          */
         void await(long nanoseconds, BooleanSupplier enough, FrameClock clock);
 
-        /** Ends the wait; the caller also unparks the thread. Any thread. */
+        /** Ends the wait; the caller also unparks the thread. For any thread. */
         void wake();
     }
 

@@ -27,12 +27,14 @@ public interface Client {
     /** Ends the current round of an agent in lock-step. */
     void ready(ClientMessage.Ready ready) throws BadMessage;
 
-    /** Executes a command, unless a command with the same id was received before. Any thread. */
+    /**
+     * Executes a command, unless a command with the same id was received before. For any thread.
+     */
     void request(ClientMessage.Request request) throws BadMessage;
 
     /**
      * Handles the end of a connection. If it was this client's current connection, the session
-     * waits for a new connection or ends. Any thread.
+     * waits for a new connection or ends. For any thread.
      */
     void disconnected(Outbox outbox, CloseReason why);
 

@@ -38,7 +38,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     private final InetSocketAddress address;
     private final Outbox outbox;
 
-    // The event loop's thread.
+    // For the event loop's thread only.
     private final ConnectionReader reader;
     private final ConnectionWriter writer;
 
@@ -130,7 +130,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
 
     /**
      * Ends the connection because a new one replaces it. Discards waiting messages, and writes
-     * {@code bye} unless another message is partly written. The event loop's thread.
+     * {@code bye} unless another message is partly written. For the event loop's thread only.
      */
     public synchronized void replace(CloseReason why) {
         if (leave(why)) {
@@ -318,7 +318,9 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         write(buffers);
     }
 
-    /** Writes waiting messages until the socket accepts no more. The event loop's thread. */
+    /**
+     * Writes waiting messages until the socket accepts no more. For the event loop's thread only.
+     */
     public void write() {
         write(connections.buffers());
     }

@@ -21,7 +21,8 @@ import javax.net.ssl.SSLException;
 
 /**
  * Reader of the messages of one connection, which passes them to the session within the client's
- * quota. After the end of the connection, it discards further input. The event loop's thread.
+ * quota. After the end of the connection, it discards further input. For the event loop's thread
+ * only.
  */
 final class ConnectionReader {
 

@@ -87,7 +87,7 @@ public final class Connections {
 
     /**
      * @param tls creates the TLS engine of each connection; if empty, connections are plain text
-     * @param log log for clients that have sent hello
+     * @param log receives lines about clients that have sent hello
      * @param audit records all messages to clients
      * @param descriptors the file descriptors that connections may take
      * @param listening the server socket
@@ -130,17 +130,17 @@ public final class Connections {
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
     }
 
-    /** Starts the threads that write. Any thread. */
+    /** Starts the threads that write. For any thread. */
     public void start() {
         writers.start();
     }
 
-    /** Stops the threads that write. Any thread. */
+    /** Stops the threads that write. For any thread. */
     public void stop() {
         writers.stop();
     }
 
-    /** Returns whether a connection has data to write. Any thread. */
+    /** Returns whether a connection has data to write. For any thread. */
     public boolean isWaiting() {
         return writers.isWaiting();
     }
@@ -251,7 +251,7 @@ public final class Connections {
         return slowReaders;
     }
 
-    /** Schedules the connection for writing in this turn. Any thread. */
+    /** Schedules the connection for writing in this turn. For any thread. */
     void writeSoon(Connection connection) {
         writers.add(connection);
         loop.wake();
@@ -319,7 +319,7 @@ public final class Connections {
         admit(channel, client, Optional.empty(), relay);
     }
 
-    /** Logs that no file descriptor is left; returns an exception for it. Any thread. */
+    /** Logs that no file descriptor is left; returns an exception for it. For any thread. */
     public IOException noDescriptors() {
         var none =
                 new IOException(

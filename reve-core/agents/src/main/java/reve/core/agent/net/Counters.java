@@ -3,7 +3,7 @@ package reve.core.agent.net;
 
 import java.util.concurrent.atomic.LongAdder;
 
-/** Counters of a server. Any thread. */
+/** Counters of a server. For any thread. */
 public final class Counters {
 
     /** Accepted connections so far. */

@@ -4,7 +4,7 @@ package reve.core.agent.net;
 /**
  * Limit on how often clients of all worlds join: a burst, then {@value #PER_SECOND} per second.
  * Further clients wait, in the order in which their hellos arrived, because each join and leave
- * costs all other clients an event. The event loop's thread.
+ * costs all other clients an event. For the event loop's thread only.
  */
 final class Hellos {
 

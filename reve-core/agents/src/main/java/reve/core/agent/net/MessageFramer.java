@@ -16,7 +16,7 @@ import java.util.Arrays;
 /**
  * Splits received bytes into messages: lines of JSON, or MessagePack with a length prefix. Enforces
  * limits of length and time. The buffer grows with the data received, never to a length that a
- * client only announces. The event loop's thread.
+ * client only announces. For the event loop's thread only.
  */
 final class MessageFramer {
 

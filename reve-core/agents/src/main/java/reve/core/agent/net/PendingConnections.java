@@ -12,7 +12,7 @@ import java.util.Set;
 
 /**
  * The connections that have not sent hello yet, by network address. Their number is limited per
- * address, so that one address cannot take all places. The event loop's thread.
+ * address, so that one address cannot take all places. For the event loop's thread only.
  *
  * @param <C> type of a connection
  */

@@ -9,7 +9,7 @@ import java.util.function.Supplier;
 
 /**
  * A log with a limit on lines per second. One more line reports how many lines were suppressed.
- * Prevents clients from flooding the log. Any thread.
+ * Prevents clients from flooding the log. For any thread.
  */
 public final class RateLimitedLog {
 

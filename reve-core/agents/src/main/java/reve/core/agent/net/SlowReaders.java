@@ -11,7 +11,7 @@ import java.util.Map;
 /**
  * The connections whose clients read too slowly, and the memory of the data that waits for them.
  * Data that several connections share is counted once. If the memory exceeds a limit, the
- * connections that have been slow the longest are disconnected. Any thread.
+ * connections that have been slow the longest are disconnected. For any thread.
  *
  * @param <C> type of a connection
  */

@@ -9,7 +9,10 @@ import java.nio.channels.ByteChannel;
 import java.nio.channels.SelectionKey;
 import java.nio.channels.SocketChannel;
 
-/** The non-blocking byte stream of one client, with or without TLS. The event loop's thread. */
+/**
+ * The non-blocking byte stream of one client, with or without TLS. For the event loop's thread
+ * only.
+ */
 interface Wire extends ByteChannel {
 
     /** Returns the address of the peer. */

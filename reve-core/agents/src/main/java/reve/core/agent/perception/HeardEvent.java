@@ -12,7 +12,7 @@ import java.util.Map;
 
 /**
  * An event in the form that is sent to clients. It is created and encoded once for all clients that
- * receive the same fields. The event loop's thread.
+ * receive the same fields. For the event loop's thread only.
  */
 public final class HeardEvent {
 

@@ -16,7 +16,7 @@ import java.util.function.Supplier;
  * slices of time; between slices the event loop serves other sessions and newer frames. A session
  * in real time whose relations need more than one slice receives the view of the requested frame
  * later, with the relations of that frame. A session in lock-step receives its view at once,
- * because the world waits for it. See docs/decisions/0006. The event loop's thread.
+ * because the world waits for it. See docs/decisions/0006. For the event loop's thread only.
  *
  * @param <C> type of a client
  */

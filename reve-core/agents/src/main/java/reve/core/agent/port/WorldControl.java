@@ -127,7 +127,7 @@ public interface WorldControl {
         long rewind();
 
         /**
-         * Writes the state as a world file into the program's folder. Any thread.
+         * Writes the state as a world file into the program's folder. For any thread.
          *
          * @param file name without a folder
          * @param without ids of items that the file omits, with all items attached to them
@@ -136,7 +136,7 @@ public interface WorldControl {
 
         /**
          * Advances a copy of the world, which receives no commands; the world itself is not
-         * affected. Any thread.
+         * affected. For any thread.
          *
          * @param frames number of frames to make in the copy
          * @param first change that is made in the copy before its first frame

@@ -20,7 +20,7 @@ import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.Set;
 
-/** Parser of clients' messages. Any thread. */
+/** Parser of clients' messages. For any thread. */
 public final class MessageReader {
 
     static final int MAX_EVERY = 1_000_000;

@@ -17,7 +17,7 @@ import java.util.function.Consumer;
 
 /**
  * The requests of one client for pictures from its body's cameras: one at a time, and not more
- * often than the interval of the camera permits. The event loop's thread.
+ * often than the interval of the camera permits. For the event loop's thread only.
  */
 public final class CameraRequests {
 

@@ -28,7 +28,7 @@ import java.util.stream.LongStream;
  * Preselection of the clients that may receive an event, so that its cost depends on the number of
  * clients that perceive its items and not on the number of agents. It selects the clients whose
  * last view contains one of the items or that have a sensor which may reach one now. The selection
- * may be too large; {@link Senses} makes the exact decision. The event loop's thread.
+ * may be too large; {@link Senses} makes the exact decision. For the event loop's thread only.
  */
 final class EventRouting {
 

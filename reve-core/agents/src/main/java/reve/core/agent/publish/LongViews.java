@@ -13,7 +13,8 @@ import java.util.function.BooleanSupplier;
 /**
  * The clients whose views need more than one slice of the event loop's time. Their views are
  * computed one after the other, in a copy of the frame of their own, so that the other clients
- * receive newer frames between the slices. See docs/decisions/0006. The event loop's thread.
+ * receive newer frames between the slices. See docs/decisions/0006. For the event loop's thread
+ * only.
  */
 final class LongViews {
 

@@ -15,7 +15,7 @@ import java.util.BitSet;
 import java.util.Optional;
 import java.util.function.BooleanSupplier;
 
-/** A client, as the publisher of its world sees it. The event loop's thread. */
+/** A client, as the publisher of its world sees it. For the event loop's thread only. */
 public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client {
 
     /** Returns the name that the client declared. */

@@ -108,7 +108,7 @@ public final class ServedWorld implements AutoCloseable {
         lockStep.expect(agents);
     }
 
-    /** Returns the number of agents in lock-step. Any thread. */
+    /** Returns the number of agents in lock-step. For any thread. */
     public int inLockStep() {
         return lockStep.size();
     }
@@ -167,7 +167,10 @@ public final class ServedWorld implements AutoCloseable {
         return sessions.size();
     }
 
-    /** Describes the clients for reports, in the order of their names. The event loop's thread. */
+    /**
+     * Describes the clients for reports, in the order of their names. For the event loop's thread
+     * only.
+     */
     private List<Map<String, Object>> describeClients() {
         return sessions.values().stream()
                 .sorted(Comparator.comparing(Session::name))

@@ -270,7 +270,8 @@ public final class Session implements Client, Perceiver {
     }
 
     /**
-     * Sends the welcome; the client is in the world from this frame on. The event loop's thread.
+     * Sends the welcome; the client is in the world from this frame on. For the event loop's thread
+     * only.
      */
     synchronized void welcome(Optional<String> newBody, long frame) {
         if (left) {

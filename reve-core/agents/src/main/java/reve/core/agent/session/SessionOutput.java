@@ -163,7 +163,7 @@ final class SessionOutput {
         }
     }
 
-    /** Sends an event. The event loop's thread. */
+    /** Sends an event. For the event loop's thread only. */
     void tell(HeardEvent.Told event) {
         long frame = event.message().frame();
         if (frame < joinedInFrame) {

@@ -15,7 +15,7 @@ import java.util.Optional;
 
 /**
  * How a session keeps pace with its world: in lock-step, where the world waits for the agent, or in
- * real time. Any thread.
+ * real time. For any thread.
  */
 final class SessionPace {
     private final LockStep lockStep;
@@ -53,7 +53,7 @@ final class SessionPace {
         }
     }
 
-    /** Records that the agent has a body from this frame on. World's thread. */
+    /** Records that the agent has a body from this frame on. For the world's thread only. */
     synchronized void begin(long frame) {
         if (turn != null) {
             turn.begin(frame);

@@ -24,7 +24,7 @@ import java.util.function.BooleanSupplier;
 
 /**
  * What the client of a session perceives: everything, or the items that the sensors of its body
- * reach. The event loop's thread.
+ * reach. For the event loop's thread only.
  */
 final class SessionSenses {
     private final Role role;

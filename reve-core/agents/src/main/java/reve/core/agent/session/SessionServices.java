@@ -9,7 +9,7 @@ import reve.core.agent.protocol.AgentTimeouts;
 /**
  * Services that the sessions of all worlds of a server share.
  *
- * @param log log for clients that have sent hello
+ * @param log receives lines about clients that have sent hello
  * @param kept sessions without a token that wait for a new connection
  * @param wake makes the event loop look for work
  */
