@@ -271,8 +271,8 @@ struct Contact {
     body_b.spin += body_b.inverse_inertia * torque;
   }
 
-  /** Returns the speed at which the surfaces may approach at a point; negative: at least this fast
-   *  they must separate. */
+  /** Returns the highest speed at which the surfaces may approach at a point; if it is negative,
+   *  they must separate at least at its absolute value. */
   Real Allowed(Real gap, const SolverStep<Real>& step, bool push) const {
     if (gap > 0) return gap / step.substep;
     return push ? std::max(step.push_rate * gap, -step.push_speed) : Real(0);

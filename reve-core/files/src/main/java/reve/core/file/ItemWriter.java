@@ -281,7 +281,10 @@ public final class ItemWriter {
         return aspect;
     }
 
-    /** Returns the value of a symbol for the tree: text, boolean, number, or a list of these. */
+    /**
+     * Converts the value of a symbol (text, boolean, number, or a list of these) for {@link
+     * YamlWriter}.
+     */
     static Object symbol(Object value) {
         return switch (value) {
             case List<?> list -> list.stream().map(ItemWriter::symbol).toList();

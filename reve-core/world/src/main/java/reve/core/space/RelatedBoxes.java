@@ -245,8 +245,8 @@ public final class RelatedBoxes {
     }
 
     /**
-     * Removes relations whose results are full and cannot improve: each of the {@link #MOST}
-     * results precedes all of the node's boxes.
+     * Returns the set of relations without those whose results are full and cannot improve, because
+     * each of the {@link #MOST} results precedes every box of the node.
      */
     private int withoutFull(int relations, double gap, long first) {
         int left = relations;

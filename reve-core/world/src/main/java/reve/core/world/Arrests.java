@@ -78,8 +78,8 @@ public final class Arrests {
     }
 
     /**
-     * Returns the largest magnitude among the item's numbers that laws read and the inverse of its
-     * mass; 0 if arrested.
+     * Returns the largest of the absolute values of all numbers of the item that laws read, where
+     * the inverse of the mass counts as one of them; 0 if the item is arrested.
      */
     public double excess(Item item) {
         double most = 0;

@@ -21,7 +21,8 @@ public interface EnginePlace {
     /**
      * Creates an engine.
      *
-     * @param apart decides which libraries run in a sandbox; the server's own process has none
+     * @param apart decides which libraries run in a sandbox; has no effect on an engine in the
+     *     server's own process, where there is no sandbox
      * @param arena memory of the columns that the engine will use
      */
     PhysicsEngine engine(
