@@ -382,27 +382,8 @@ class AgentLimitsTest {
 
     @Test
     void clientsThatJoinInQuickSuccessionWaitForTheirTurn() throws IOException {
-        AgentLimits l = AgentRoom.CONFIG.limits();
-        var config =
-                new AgentServerConfig(
-                        AgentRoom.CONFIG.address(),
-                        new AgentLimits(
-                                l.maxConnections(),
-                                l.helloBytes(),
-                                l.lineBytes(),
-                                l.messagesPerSecond(),
-                                l.actsInFlight(),
-                                l.outboxMessages(),
-                                l.outboxBytes(),
-                                l.maxErrors(),
-                                l.kept(),
-                                l.resumes(),
-                                4),
-                        AgentRoom.CONFIG.timeouts(),
-                        AgentRoom.CONFIG.audit(),
-                        AgentRoom.CONFIG.security());
         List<TestClient> clients = new ArrayList<>();
-        try (AgentRoom room = new AgentRoom(config)) {
+        try (AgentRoom room = new AgentRoom(withBurst(4))) {
             long start = System.nanoTime();
             for (int i = 0; i < 20; i++) {
                 clients.add(room.connect().say(HELLO.formatted("agent" + i)));
@@ -419,6 +400,48 @@ class AgentLimitsTest {
                 client.close();
             }
         }
+    }
+
+    @Test
+    void clientsThatLeaveWhileTheyWaitDoNotJoinAndDelayNobody() throws IOException {
+        try (AgentRoom room = new AgentRoom(withBurst(1));
+                TestClient ada = room.join("ada")) {
+            long start = System.nanoTime();
+            for (int i = 0; i < 300; i++) {
+                try (TestClient gone = room.connect()) {
+                    gone.say(HELLO.formatted("gone" + i));
+                }
+            }
+            try (TestClient bob = room.connect().say(HELLO.formatted("bob"))) {
+                room.stepUntil("bob is welcome", bob::hasNews);
+                bob.expect("welcome");
+                assertThat(Duration.ofNanos(System.nanoTime() - start))
+                        .as("300 that join take 3 s")
+                        .isLessThan(Duration.ofMillis(2000));
+            }
+            ada.say("{'t':'ping'}").skipTo("pong");
+        }
+    }
+
+    private static AgentServerConfig withBurst(int hellos) {
+        AgentLimits l = AgentRoom.CONFIG.limits();
+        return new AgentServerConfig(
+                AgentRoom.CONFIG.address(),
+                new AgentLimits(
+                        l.maxConnections(),
+                        l.helloBytes(),
+                        l.lineBytes(),
+                        l.messagesPerSecond(),
+                        l.actsInFlight(),
+                        l.outboxMessages(),
+                        l.outboxBytes(),
+                        l.maxErrors(),
+                        l.kept(),
+                        l.resumes(),
+                        hellos),
+                AgentRoom.CONFIG.timeouts(),
+                AgentRoom.CONFIG.audit(),
+                AgentRoom.CONFIG.security());
     }
 
     @Test

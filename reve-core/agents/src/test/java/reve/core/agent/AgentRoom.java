@@ -145,7 +145,8 @@ public final class AgentRoom implements AutoCloseable {
     /** Limits of milliseconds, for tests that wait until a limit is reached. */
     public static AgentServerConfig config(
             Duration hello, Duration line, Duration idle, Duration write) {
-        var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8, 16, 8, 512);
+        var limits =
+                new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8, 16, 8, 100_000);
         var timeouts =
                 new AgentTimeouts(
                         hello,

@@ -29,7 +29,7 @@ import java.util.Random;
 class HostileTextTest {
 
     /** Number of texts; a hundred thousand in a long run. */
-    private static final int TEXTS = Integer.getInteger("reve.hostile.texts", 6_400);
+    private static final int TEXTS = Integer.getInteger("reve.hostile.texts", 3_200);
 
     private static final int HELLOS = 200;
     private static final JsonMapper JSON = new JsonMapper();

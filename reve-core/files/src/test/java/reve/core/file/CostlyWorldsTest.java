@@ -411,8 +411,8 @@ class CostlyWorldsTest {
                     """)
     void timeGrowsAsOneValue(String begin, String piece, String end) throws Exception {
         String opening = START + begin.replace("   ", "\n   ");
-        String small = opening + piece.repeat(150_000 / piece.length()) + end;
-        String large = opening + piece.repeat(1_200_000 / piece.length()) + end;
+        String small = opening + piece.repeat(100_000 / piece.length()) + end;
+        String large = opening + piece.repeat(800_000 / piece.length()) + end;
         assertThat(growth(() -> nanosecondsToRefuse(large), () -> nanosecondsToRefuse(small)))
                 .isLessThan(30);
     }

@@ -25,7 +25,7 @@ import java.util.Random;
  */
 @Tag("slow")
 class DamagedWorldsTest {
-    private static final int MUTANTS = Integer.getInteger("reve.world.mutants", 600);
+    private static final int MUTANTS = Integer.getInteger("reve.world.mutants", 300);
 
     /**
      * One mutant in that many is a valid world: both answers must occur, or the test proves

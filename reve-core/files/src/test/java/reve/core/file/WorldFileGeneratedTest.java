@@ -25,7 +25,7 @@ import java.util.TreeMap;
  */
 class WorldFileGeneratedTest {
     private static final int FILES = 200;
-    private static final int MUTATIONS = Integer.getInteger("reve.file.mutants", 3000);
+    private static final int MUTATIONS = Integer.getInteger("reve.file.mutants", 1500);
 
     private final long seed = Seed.of("world files");
     private final Random random = new Random(seed);

@@ -26,7 +26,7 @@ import java.util.zip.CRC32;
 @Tag("slow")
 class BrokenAssetsTest {
 
-    private static final int MUTANTS = Integer.getInteger("reve.mesh.mutants", 4000);
+    private static final int MUTANTS = Integer.getInteger("reve.mesh.mutants", 2000);
 
     @TempDir Path folder = Path.of("");
 

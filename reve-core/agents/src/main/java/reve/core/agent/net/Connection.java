@@ -252,6 +252,11 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         reader.read();
     }
 
+    /** Lets the client join that had to wait. */
+    void join() {
+        reader.join();
+    }
+
     /** Resumes reading if the client's quota allows it. */
     void readAgain() {
         reader.resume();

@@ -47,8 +47,8 @@ final class ConnectionReader {
 
     private int errors;
 
-    /** Time from which the hello may be answered [ns]; 0 if it has not arrived. */
-    private long greetedFromNanos;
+    /** True if the client may join: its first message is taken. */
+    private boolean mayJoin;
 
     /** True while reading is suspended. */
     private boolean held;
@@ -145,9 +145,14 @@ final class ConnectionReader {
                 floodingSinceNanos = messages.hasTakenAll() ? 0 : floodingSinceNanos;
                 return;
             }
-            long now = System.nanoTime();
-            if (client == null && !mayGreet(now)
-                    || !connections.shares().take(share, next.remaining(), now)) {
+            if (!mayJoin && !connections.mayJoin()) {
+                waiting = copy(next);
+                pause();
+                connections.joinLater(connection);
+                return;
+            }
+            mayJoin = true;
+            if (!connections.shares().take(share, next.remaining(), System.nanoTime())) {
                 waiting = waiting != null ? next : copy(next);
                 pause();
                 connections.readLater(connection);
@@ -160,14 +165,6 @@ final class ConnectionReader {
             }
             take(next);
         }
-    }
-
-    /** Returns whether the hello need not wait; called for the first message, which is a hello. */
-    private boolean mayGreet(long nowNanos) {
-        if (greetedFromNanos == 0) {
-            greetedFromNanos = connections.hellos().arrive(nowNanos);
-        }
-        return nowNanos - greetedFromNanos >= 0;
     }
 
     private static ByteBuffer copy(ByteBuffer message) {
@@ -202,6 +199,22 @@ final class ConnectionReader {
 
     /** Continues to read if the client's quota allows it. */
     void resume() {
+        release(null);
+    }
+
+    /** Lets the client join whose first message waits, unless it has closed the connection. */
+    void join() {
+        if (wire.isOpen() && !connection.hasEnded()) {
+            guard(
+                    () -> {
+                        if (!messages.fill(wire)) {
+                            throw CloseReason.regular(
+                                    "lost", "the client closed the connection before it joined");
+                        }
+                        mayJoin = true;
+                        connections.countJoin();
+                    });
+        }
         release(null);
     }
 

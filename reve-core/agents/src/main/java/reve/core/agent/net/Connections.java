@@ -19,7 +19,9 @@ import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
 import java.nio.channels.ServerSocketChannel;
 import java.nio.channels.SocketChannel;
+import java.util.ArrayDeque;
 import java.util.ArrayList;
+import java.util.Deque;
 import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
@@ -39,6 +41,9 @@ public final class Connections {
      * connections does not delay other clients.
      */
     private static final int ACCEPTED_PER_TURN = 16;
+
+    /** Maximum number of waiting clients that join, or turn out to be gone, in one turn. */
+    private static final int JOINS_PER_TURN = 256;
 
     /** Minimum time between two attempts to read from clients that have used up their quota. */
     private static final long THROTTLE_NANOS = ReadShares.WINDOW_NANOS;
@@ -77,10 +82,10 @@ public final class Connections {
     private final ReadShares shares = new ReadShares();
     private final Hellos hellos;
 
-    /**
-     * Connections that have used up their quota, wait for their share of the loop's time, or wait
-     * to join.
-     */
+    /** Connections whose first message waits until further clients may join. */
+    private final Deque<Connection> joining = new ArrayDeque<>();
+
+    /** Connections that have used up their quota, or wait for their share of the loop's time. */
     private List<Connection> throttled = new ArrayList<>();
 
     private long readThrottledNanos = System.nanoTime();
@@ -179,11 +184,15 @@ public final class Connections {
     }
 
     /**
-     * Resumes reading from clients that had used up their quota, at most once per {@link
-     * #THROTTLE_NANOS}, because a fast world makes many frames before the quota grows.
+     * Lets waiting clients join. Resumes reading from clients that had used up their quota, at most
+     * once per {@link #THROTTLE_NANOS}, because a fast world makes many frames before the quota
+     * grows.
      */
     public void readThrottled() {
         long now = System.nanoTime();
+        for (int i = 0; i < JOINS_PER_TURN && !joining.isEmpty() && hellos.haveLeft(now); i++) {
+            joining.remove().join();
+        }
         if (throttled.isEmpty() || now - readThrottledNanos < THROTTLE_NANOS) {
             return;
         }
@@ -241,9 +250,23 @@ public final class Connections {
         return shares;
     }
 
-    /** Returns the limit on how often clients join. */
-    Hellos hellos() {
-        return hellos;
+    /** Returns whether a client may join now, and counts it if so. */
+    boolean mayJoin() {
+        if (!joining.isEmpty() || !hellos.haveLeft(System.nanoTime())) {
+            return false;
+        }
+        hellos.count();
+        return true;
+    }
+
+    /** Lets a client join later, in the order of these calls. */
+    void joinLater(Connection connection) {
+        joining.add(connection);
+    }
+
+    /** Counts a client that waited and now joins. */
+    void countJoin() {
+        hellos.count();
     }
 
     /** Returns the connections whose clients read too slowly. */

@@ -10,27 +10,28 @@ class HellosTest {
     private static final long MILLISECOND = 1_000_000;
 
     @Test
-    void aBurstIsAnsweredAtOnceAndFurtherHellosEveryTenMilliseconds() {
+    void aBurstMayJoinAtOnceAndFurtherClientsEveryTenMilliseconds() {
         long now = Long.MAX_VALUE - 5 * MILLISECOND; // System.nanoTime may overflow
         var hellos = new Hellos(3, now);
-        for (int i = 0; i < 3; i++) {
-            assertThat(hellos.arrive(now) - now).isLessThanOrEqualTo(0);
-        }
-        assertThat(hellos.arrive(now) - now).isEqualTo(10 * MILLISECOND);
-        assertThat(hellos.arrive(now) - now).isEqualTo(20 * MILLISECOND);
-        long later = now + 25 * MILLISECOND;
-        assertThat(hellos.arrive(later) - later).isEqualTo(5 * MILLISECOND);
+        assertThat(joins(hellos, now)).isEqualTo(3);
+        assertThat(joins(hellos, now + 9 * MILLISECOND)).isZero();
+        assertThat(joins(hellos, now + 10 * MILLISECOND)).isEqualTo(1);
+        assertThat(joins(hellos, now + 30 * MILLISECOND)).isEqualTo(2);
     }
 
     @Test
     void quietTimeRestoresTheBurstAndNoMore() {
         var hellos = new Hellos(2, 0);
-        for (int i = 0; i < 10; i++) {
-            hellos.arrive(0);
+        joins(hellos, 0);
+        assertThat(joins(hellos, 3_600_000 * MILLISECOND)).isEqualTo(2);
+    }
+
+    /** Returns how many clients join. */
+    private static int joins(Hellos hellos, long now) {
+        int joins = 0;
+        for (; hellos.haveLeft(now); joins++) {
+            hellos.count();
         }
-        long later = 3_600_000 * MILLISECOND;
-        assertThat(hellos.arrive(later)).isLessThanOrEqualTo(later);
-        assertThat(hellos.arrive(later)).isLessThanOrEqualTo(later);
-        assertThat(hellos.arrive(later)).isEqualTo(later + 10 * MILLISECOND);
+        return joins;
     }
 }
