@@ -3,6 +3,7 @@ package reve.core.mesh;
 
 import java.io.IOException;
 import java.io.InputStream;
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.InvalidPathException;
 import java.nio.file.LinkOption;
@@ -11,6 +12,8 @@ import java.nio.file.Path;
 import java.util.List;
 import java.util.Optional;
 import java.util.function.Consumer;
+import java.util.regex.Pattern;
+import java.util.stream.Stream;
 
 /**
  * The folder of a world file. All files that the world file names are read from this folder:
@@ -21,8 +24,19 @@ public final class WorldFolder {
 
     private static final int MAX_PATH_LENGTH = 1024;
 
+    /** The key of a world file that states its format. */
+    private static final Pattern WORLD = Pattern.compile("(?m)(^|[{,])\\s*[\"']?reve[\"']?\\s*:");
+
+    private static final int BEGINNING_BYTES = 64 * 1024;
+    private static final int MAX_SEARCHED = 1000;
+
     private final Optional<Path> folder;
     private final Consumer<String> found;
+
+    /** True if files are found only if the folder contains a world file. */
+    private final boolean needsWorld;
+
+    private volatile boolean hasWorld;
 
     /** Gives access to the files in this folder and below. */
     public WorldFolder(Path folder) {
@@ -35,17 +49,26 @@ public final class WorldFolder {
      * @param found receives the path of a file each time that the file is found
      */
     public WorldFolder(Path folder, Consumer<String> found) {
-        this(Optional.of(folder), found);
+        this(Optional.of(folder), found, false);
     }
 
-    private WorldFolder(Optional<Path> folder, Consumer<String> found) {
+    private WorldFolder(Optional<Path> folder, Consumer<String> found, boolean needsWorld) {
         this.folder = folder;
         this.found = found;
+        this.needsWorld = needsWorld;
+    }
+
+    /**
+     * Gives access to the folder that a recording or a store names. It may be the work of a
+     * stranger, so files are found only if the folder contains a world file.
+     */
+    public static WorldFolder named(Path folder) {
+        return new WorldFolder(Optional.of(folder), _ -> {}, true);
     }
 
     /** Returns an empty folder, for a world that is not read from a file. */
     public static WorldFolder none() {
-        return new WorldFolder(Optional.empty(), _ -> {});
+        return new WorldFolder(Optional.empty(), _ -> {}, false);
     }
 
     /**
@@ -65,6 +88,13 @@ public final class WorldFolder {
                                                 + ": a world that is not read from a file has no"
                                                 + " folder to find it in"));
         try {
+            if (needsWorld && !hasWorld()) {
+                throw new AssetException(
+                        path
+                                + ": the folder "
+                                + existing
+                                + ", which the recording or store names, contains no world file");
+            }
             Path root = existing.toRealPath();
             Path real = root.resolve(path).toRealPath();
             if (!real.startsWith(root)) {
@@ -81,6 +111,27 @@ public final class WorldFolder {
         } catch (IOException | InvalidPathException unreadable) {
             throw new AssetException(
                     path + ": cannot be opened: " + Reason.ofSystem(unreadable), unreadable);
+        }
+    }
+
+    private boolean hasWorld() throws IOException {
+        if (!hasWorld) {
+            try (Stream<Path> files = Files.list(folder.orElseThrow())) {
+                hasWorld = files.limit(MAX_SEARCHED).anyMatch(WorldFolder::isWorld);
+            }
+        }
+        return hasWorld;
+    }
+
+    private static boolean isWorld(Path file) {
+        if (!Files.isRegularFile(file)) {
+            return false;
+        }
+        try (InputStream in = Files.newInputStream(file)) {
+            var beginning = new String(in.readNBytes(BEGINNING_BYTES), StandardCharsets.ISO_8859_1);
+            return WORLD.matcher(beginning).find();
+        } catch (IOException unreadable) {
+            return false;
         }
     }
 

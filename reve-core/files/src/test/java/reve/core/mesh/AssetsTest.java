@@ -34,6 +34,20 @@ class AssetsTest {
         return new Assets(new WorldFolder(folder));
     }
 
+    /** A recording or store may be the work of a stranger, who names a folder. */
+    @Test
+    void aFolderThatARecordingNamesIsReadOnlyIfItContainsAWorldFile() throws Exception {
+        Files.writeString(folder.resolve("t.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        Files.writeString(folder.resolve("notes.txt"), "reverie: none\n");
+        var assets = new Assets(WorldFolder.named(folder));
+        assertThatThrownBy(() -> assets.mesh("t.obj"))
+                .isInstanceOf(AssetException.class)
+                .hasMessageContaining(folder + ", which the recording or store names")
+                .hasMessageContaining("contains no world file");
+        Files.writeString(folder.resolve("pond.yaml"), "# A pond.\nname: pond\nreve: 1\n");
+        assertThat(assets.mesh("t.obj").triangles().remaining()).isEqualTo(3);
+    }
+
     private Mesh mesh(String name, byte[] content) throws IOException, AssetException {
         Files.write(folder.resolve(name), content);
         return assets().mesh(name);

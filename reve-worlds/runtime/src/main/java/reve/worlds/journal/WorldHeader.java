@@ -26,7 +26,7 @@ public record WorldHeader(String name, WorldPrototype prototype, Timing timing, 
      * thread.
      */
     public Assets assets() {
-        return new Assets(new WorldFolder(folder));
+        return new Assets(WorldFolder.named(folder));
     }
 
     Map<String, Object> tree() {
