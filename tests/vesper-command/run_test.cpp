@@ -353,5 +353,19 @@ TEST(RunTest, CsvThatCannotBeWrittenEndsWith1) {
   EXPECT_EQ(outcome.errors, "vesper: /nowhere/at/all.csv: cannot be written\n");
 }
 
+TEST(RunTest, SigtermEndsARunInTheMiddleOfALongFrame) {
+  const Folder folder;
+  const std::string scene =
+      folder.Write("s.vesper",
+                   "scene 1\ndt 1e-9\nsteps 1000000000\nlaw newton_motion\nrows body 1\nmass 1\n"
+                   "position (0 0 0)\nvelocity (0 0 0)\n");
+  const Outcome outcome =
+      RunProgram("/usr/bin/timeout", {"--preserve-status", "--kill-after=60", "1", VESPER_COMMAND,
+                                      "run", scene, "--laws", VESPER_LAW_PATH});
+  EXPECT_EQ(outcome.exit_code, 143) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("cut short in the middle of a frame"), std::string::npos)
+      << outcome.errors;
+}
+
 }  // namespace
 }  // namespace vesper

@@ -264,7 +264,6 @@ nanoseconds Sandbox::Allowed(bool limited) {
 void Sandbox::Call(Command command, uint32_t law, bool limited) {
   exchange().command = command;
   exchange().law = law;
-  exchange().refused_call = 0;
   const nanoseconds allowed = Allowed(limited);
   const auto start = Clock::now();
   const uint32_t number = ++requests_;

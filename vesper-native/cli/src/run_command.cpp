@@ -24,14 +24,34 @@
 namespace vesper::cli {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+constexpr unsigned kFramePatience = 2;  // for the end of the current frame after a signal [s]
+constexpr int kFirstSignal = 128;  // an exit code of this and more stands for a signal
 
-/// Makes Ctrl-C and SIGTERM end the run after its frame.
+volatile std::sig_atomic_t interrupted = 0;  // the signal, or 0
+
+void OnSignal(int number) {
+  interrupted = number;
+  alarm(kFramePatience);
+}
+
+void OnAlarm(int) {
+  constexpr char kMessage[] =
+      "vesper: the run was cut short in the middle of a frame, which did not end within 2 s; files"
+      " that it writes may be incomplete\n";
+  const ssize_t written = write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
+  static_cast<void>(written);
+  _exit(kFirstSignal + interrupted);
+}
+
+/// Makes Ctrl-C and SIGTERM end the run after its frame, or in the middle of a frame that takes
+/// longer.
 void EndOnSignals() {
   struct sigaction action{};
-  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_handler = OnSignal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = OnAlarm;
+  sigaction(SIGALRM, &action, nullptr);
 }
 
 std::string Join(const std::vector<std::string>& texts, char separator) {
@@ -235,6 +255,7 @@ int Run(const RunOptions& options) {
   }
   try {
     run->Advance();
+    alarm(0);  // the last frame has ended
     run->Report();
   } catch (const RendererError& error) {
     return Fail(kFailed, error.what());

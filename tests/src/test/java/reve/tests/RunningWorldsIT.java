@@ -171,7 +171,7 @@ class RunningWorldsIT {
             for (Row row : rows) {
                 if (!row.command().isEmpty() && !row.command().equals("shut-down")) {
                     begin(boss);
-                    new Shell(folder).run(command(row, server.port()));
+                    command(folder, row, server.port());
                 }
             }
             assertThat(boss.command("shut-down", Map.of()).accepted()).isTrue();
@@ -204,12 +204,17 @@ class RunningWorldsIT {
         assertThat(result.accepted()).as("%s: %s", row.message(), result).isTrue();
     }
 
-    private static String command(Row row, String port) {
-        return Project.ROOT.resolve("build/current/bin/reve")
-                + " control "
-                + row.command()
-                + " --port "
-                + port;
+    /** Runs the command of a row, whose words are those of a shell. */
+    private static void command(Path folder, Row row, String port) throws Exception {
+        List<String> words = new ArrayList<>(List.of("control"));
+        String printed = new Shell(folder).run("printf '%s\\n' " + row.command());
+        for (String word : printed.lines().toList()) {
+            Path file = folder.resolve(word);
+            words.add(Files.exists(file) ? file.toString() : word);
+        }
+        words.addAll(List.of("--port", port));
+        Reve.Outcome outcome = Reve.run(words.toArray(String[]::new));
+        assertThat(outcome.code()).as("%s: %s", row.command(), outcome.err()).isZero();
     }
 
     private static void tryPython(Path folder, String port, List<Row> rows) throws Exception {

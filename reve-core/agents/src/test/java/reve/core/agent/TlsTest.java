@@ -43,6 +43,8 @@ import javax.net.ssl.SSLSocket;
 
 /** Encrypted connections. */
 class TlsTest {
+    /** Number of lines that are cut at random places; 200 in a long run. */
+    private static final int LINES = Integer.getInteger("reve.test.lines", 60);
 
     private static final Duration NEVER = Duration.ofMinutes(5);
     private static final Duration SOON = Duration.ofMillis(150);
@@ -121,7 +123,7 @@ class TlsTest {
         long seed = Seed.of("the cuts");
         Random random = new Random(seed);
         try (TestClient ada = join(room)) {
-            for (int i = 0; i < 200; i++) {
+            for (int i = 0; i < LINES; i++) {
                 byte[] line =
                         ("{\"t\":\"ping\",\"id\":"
                                         + i

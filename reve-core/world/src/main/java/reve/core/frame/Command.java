@@ -35,6 +35,14 @@ public interface Command {
     }
 
     /**
+     * Returns true if the execution may take milliseconds. A frame executes such commands only
+     * until they have used the time that it has for them; the rest waits for later frames.
+     */
+    default boolean isCostly() {
+        return false;
+    }
+
+    /**
      * Executes the command. Called on the world's thread in the phase ACT. An exception is reported
      * and does not affect other commands.
      */

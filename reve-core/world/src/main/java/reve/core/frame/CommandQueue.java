@@ -2,17 +2,20 @@
 package reve.core.frame;
 
 import java.util.ArrayList;
+import java.util.Collection;
 import java.util.Comparator;
 import java.util.Iterator;
 import java.util.List;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
+import java.util.function.LongSupplier;
 
 /**
  * The queue of commands from other threads. The phase INTAKE takes the queued commands into the
  * frame, and ACT executes them in order of origin and sequence, so the order of arrival within a
- * frame has no effect. Prompt commands may be executed before the frame. Bounded, and lock-free on
+ * frame has no effect. Prompt commands may be executed before the frame. Costly commands are
+ * executed until they have used their time, at least one in each frame. Bounded, and lock-free on
  * both sides.
  */
 public final class CommandQueue {
@@ -20,7 +23,11 @@ public final class CommandQueue {
     private static final Comparator<Command> ORDER =
             Comparator.comparing(Command::origin).thenComparingLong(Command::sequence);
 
+    /** The time for the costly commands of one frame, without the last one of them [ns]. */
+    private static final long COSTLY_NANOS = 25_000_000;
+
     private final int capacity;
+    private final LongSupplier nanoTime;
     private final Queue<Command> arrived = new ConcurrentLinkedQueue<>();
     private final AtomicInteger waiting = new AtomicInteger();
     private final List<Command> taken = new ArrayList<>();
@@ -34,11 +41,20 @@ public final class CommandQueue {
      * @param capacity maximum number of commands that wait for the next frame
      */
     public CommandQueue(int capacity) {
+        this(capacity, System::nanoTime);
+    }
+
+    /**
+     * @param nanoTime the clock that measures costly commands [ns]; it determines in which frame
+     *     they are executed, as their arrival does
+     */
+    CommandQueue(int capacity, LongSupplier nanoTime) {
         if (capacity < 1) {
             throw new IllegalArgumentException(
                     "command queue of capacity " + capacity + ", expected 1 or more");
         }
         this.capacity = capacity;
+        this.nanoTime = nanoTime;
     }
 
     /** Subscribes the queue to the phases INTAKE and ACT of the frames. */
@@ -57,9 +73,22 @@ public final class CommandQueue {
         return true;
     }
 
-    /** Executes the queued prompt commands ({@link Command#isPrompt}) between two frames. */
-    void executePrompt(FrameEvent event) {
-        for (Iterator<Command> all = arrived.iterator(); all.hasNext(); ) {
+    /**
+     * Executes the queued prompt commands ({@link Command#isPrompt}) between two frames, costly
+     * ones until they have used their time.
+     *
+     * @return true if prompt commands remain
+     */
+    boolean executePrompt(FrameEvent event) {
+        takePrompt(arrived);
+        takePrompt(postponed);
+        taken.sort(ORDER);
+        execute(event);
+        return postponed.stream().anyMatch(Command::isPrompt);
+    }
+
+    private void takePrompt(Collection<Command> queued) {
+        for (Iterator<Command> all = queued.iterator(); all.hasNext(); ) {
             Command command = all.next();
             if (command.isPrompt()) {
                 all.remove();
@@ -67,8 +96,6 @@ public final class CommandQueue {
                 taken.add(command);
             }
         }
-        taken.sort(ORDER);
-        execute(event);
     }
 
     private void take(FrameEvent event) {
@@ -91,15 +118,24 @@ public final class CommandQueue {
     }
 
     private void execute(FrameEvent event) {
+        long costly = 0;
         for (int i = 0; i < taken.size(); i++) {
             Command command = taken.get(i);
             try {
-                if (isOfWaiting(command.origin()) || command.mustWait(event)) {
+                if (isOfWaiting(command.origin())
+                        || command.mustWait(event)
+                        || command.isCostly() && costly >= COSTLY_NANOS) {
                     postponed.add(command);
                     waiting.incrementAndGet();
                     continue;
                 }
-                command.execute(event.world(), event);
+                if (command.isCostly()) {
+                    long start = nanoTime.getAsLong();
+                    command.execute(event.world(), event);
+                    costly += nanoTime.getAsLong() - start;
+                } else {
+                    command.execute(event.world(), event);
+                }
             } catch (Exception | LinkageError | StackOverflowError e) {
                 faults.report(event, "command of " + command.origin(), e);
             }

@@ -177,12 +177,16 @@ public final class FrameLoop {
      * Executes the prompt commands of a queue ({@link Command#isPrompt}) now, unless the loop is
      * paused. Their changes belong to the next frame, as if that frame had executed them first.
      * World's thread, between frames.
+     *
+     * @return true if commands remain because {@link Command#isCostly costly} ones have used their
+     *     time
      */
-    public void executePrompt(CommandQueue commands) {
-        if (!isPaused()) {
-            event.set(frame() + 1, FramePhase.ACT);
-            commands.executePrompt(event);
+    public boolean executePrompt(CommandQueue commands) {
+        if (isPaused()) {
+            return false;
         }
+        event.set(frame() + 1, FramePhase.ACT);
+        return commands.executePrompt(event);
     }
 
     /**

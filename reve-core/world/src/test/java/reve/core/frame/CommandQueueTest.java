@@ -20,6 +20,7 @@ import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 import java.util.concurrent.Future;
 import java.util.concurrent.atomic.AtomicInteger;
+import java.util.concurrent.atomic.AtomicLong;
 
 class CommandQueueTest {
 
@@ -181,6 +182,63 @@ class CommandQueueTest {
         done.clear();
         loop.step();
         assertThat(done).containsExactly("a6", "a@3");
+    }
+
+    /** Advances the time of the queue when it is executed. */
+    private record Costly(
+            String origin,
+            long sequence,
+            boolean isPrompt,
+            long nanoseconds,
+            AtomicLong time,
+            List<String> into)
+            implements Command {
+        @Override
+        public boolean isCostly() {
+            return true;
+        }
+
+        @Override
+        public void execute(World world, FrameEvent event) {
+            time.addAndGet(nanoseconds);
+            into.add(origin + sequence);
+        }
+    }
+
+    @Test
+    void costlyCommandsWaitIfTheirTimeIsUsedAndOthersDoNot() {
+        var time = new AtomicLong();
+        var queue = new CommandQueue(10, time::get);
+        queue.subscribeTo(bus);
+        queue.offer(new Costly("a", 1, false, 24_000_000, time, done));
+        queue.offer(new Costly("a", 2, false, 60_000_000_000L, time, done));
+        queue.offer(new Costly("a", 3, false, 1, time, done));
+        queue.offer(new Note("a", 4, done));
+        queue.offer(new Note("b", 5, done));
+        queue.offer(new Costly("c", 6, false, 1, time, done));
+        loop.step();
+        assertThat(done).containsExactly("a1", "a2", "b5");
+        loop.step();
+        assertThat(done).containsExactly("a1", "a2", "b5", "a3", "a4", "c6");
+    }
+
+    @Test
+    void costlyPromptCommandsRemainUntilTheNextGap() {
+        var time = new AtomicLong();
+        var queue = new CommandQueue(3, time::get);
+        queue.subscribeTo(bus);
+        for (int i = 1; i <= 3; i++) {
+            queue.offer(new Costly("a", i, true, 30_000_000, time, done));
+        }
+        assertThat(loop.executePrompt(queue)).isTrue();
+        assertThat(done).containsExactly("a1");
+        assertThat(queue.offer(new Note("b", 4, done))).isTrue();
+        assertThat(queue.offer(new Note("b", 5, done))).as("a2, a3 and b4 wait").isFalse();
+        assertThat(loop.executePrompt(queue)).isTrue();
+        assertThat(loop.executePrompt(queue)).isFalse();
+        assertThat(done).containsExactly("a1", "a2", "a3");
+        loop.step();
+        assertThat(done).containsExactly("a1", "a2", "a3", "b4");
     }
 
     @Test

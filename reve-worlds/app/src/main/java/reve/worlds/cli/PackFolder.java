@@ -6,34 +6,104 @@ import org.jspecify.annotations.Nullable;
 import reve.core.file.WorldPack;
 
 import java.io.IOException;
+import java.nio.channels.FileChannel;
+import java.nio.channels.FileLock;
+import java.nio.channels.OverlappingFileLockException;
+import java.nio.file.DirectoryIteratorException;
+import java.nio.file.DirectoryStream;
 import java.nio.file.FileVisitResult;
 import java.nio.file.Files;
+import java.nio.file.LinkOption;
 import java.nio.file.Path;
 import java.nio.file.SimpleFileVisitor;
+import java.nio.file.StandardOpenOption;
 import java.nio.file.attribute.BasicFileAttributes;
+import java.nio.file.attribute.UserPrincipal;
+import java.time.Duration;
+import java.time.Instant;
 
 /**
  * The private folder into which a pack (a world in one file) is unpacked. Only this account can
- * read it; the process removes it when it ends.
+ * read it; the process removes it when it ends. It holds a lock while it uses the folder, so that a
+ * later process recognizes and removes the folders of processes that were killed.
  */
 final class PackFolder {
+    private static final String PREFIX = "reve-pack-";
+
+    /** The file that the process locks while it uses the folder. */
+    private static final String LOCK = "in-use";
+
+    private static final String WORLD = "world";
+
+    /** A younger folder may belong to a process that has not locked it yet. */
+    private static final Duration YOUNG = Duration.ofMinutes(1);
+
     private PackFolder() {}
 
-    /** Unpacks a pack, and returns the folder. */
+    /** Unpacks a pack, and returns the folder of its world. */
     static Path open(Path pack) throws IOException {
-        Path folder = Files.createTempDirectory("reve-pack-");
+        Path place = Files.createTempDirectory(PREFIX);
+        removeAbandoned(place.getParent(), Files.getOwner(place), Instant.now().minus(YOUNG));
+        FileChannel lock =
+                FileChannel.open(
+                        place.resolve(LOCK),
+                        StandardOpenOption.CREATE_NEW,
+                        StandardOpenOption.WRITE);
+        lock.lock();
         try {
             Runtime.getRuntime()
                     .addShutdownHook(
                             Thread.ofPlatform()
                                     .name("pack folder")
-                                    .unstarted(() -> remove(folder)));
+                                    .unstarted(() -> removeOwn(place, lock)));
         } catch (IllegalStateException ending) {
-            remove(folder);
+            remove(place);
             throw new IOException(pack + ": was not opened, because the program ends", ending);
         }
+        Path folder = Files.createDirectory(place.resolve(WORLD));
         WorldPack.unpack(pack, folder);
         return folder;
+    }
+
+    /** Removes the folders of {@code owner} that no process has locked since {@code before}. */
+    static void removeAbandoned(Path parent, UserPrincipal owner, Instant before) {
+        try (DirectoryStream<Path> places = Files.newDirectoryStream(parent, PREFIX + "*")) {
+            for (Path place : places) {
+                if (isAbandoned(place, owner, before)) {
+                    remove(place);
+                }
+            }
+        } catch (IOException | DirectoryIteratorException unreadable) {
+            // The folders remain for the next process.
+        }
+    }
+
+    private static boolean isAbandoned(Path place, UserPrincipal owner, Instant before) {
+        Path file = place.resolve(LOCK);
+        try {
+            if (!Files.isDirectory(place, LinkOption.NOFOLLOW_LINKS)
+                    || !Files.getOwner(place, LinkOption.NOFOLLOW_LINKS).equals(owner)
+                    || !Files.isRegularFile(file, LinkOption.NOFOLLOW_LINKS)
+                    || Files.getLastModifiedTime(file).toInstant().isAfter(before)) {
+                return false;
+            }
+            try (FileChannel channel = FileChannel.open(file, StandardOpenOption.WRITE);
+                    FileLock lock = channel.tryLock()) {
+                return lock != null;
+            }
+        } catch (IOException | OverlappingFileLockException inUse) {
+            return false;
+        }
+    }
+
+    /** Removes the folder; the channel keeps it locked until then. */
+    private static void removeOwn(Path place, FileChannel lock) {
+        remove(place);
+        try {
+            lock.close();
+        } catch (IOException closed) {
+            // The process ends.
+        }
     }
 
     private static void remove(Path folder) {

@@ -254,10 +254,14 @@ public final class ControlDesk {
                             () -> {
                                 promptDue.set(false);
                                 executesPrompt = true;
+                                boolean more;
                                 try {
-                                    port.loop().executePrompt(port.commands());
+                                    more = port.loop().executePrompt(port.commands());
                                 } finally {
                                     executesPrompt = false;
+                                }
+                                if (more) {
+                                    executePrompt();
                                 }
                             });
         }
@@ -397,6 +401,11 @@ public final class ControlDesk {
             WorldControl.Change change,
             Consumer<Outcome> done)
             implements Command {
+
+        @Override
+        public boolean isCostly() {
+            return true;
+        }
 
         @Override
         public void execute(World world, FrameEvent event) {

@@ -50,9 +50,12 @@ final class WorldEdits {
      * Prepares a change. Reads new items now; other edits are read when the change is made. Any
      * thread.
      *
-     * @throws ActionRefused if the items are not valid
+     * @throws ActionRefused if the items are not valid, or the heap is nearly full
      */
     WorldControl.Change prepare(ClientMessage.WorldChange message) throws ActionRefused {
+        if (!(message instanceof ClientMessage.Remove)) {
+            HeapRoom.OF_PROCESS.require();
+        }
         List<Reading> readings = new ArrayList<>();
         Map<String, Optional<String>> rules = new LinkedHashMap<>();
         List<ClientMessage.WorldChange> all =

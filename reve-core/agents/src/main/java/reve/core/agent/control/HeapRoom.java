@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.control;
+
+import reve.core.world.ActionRefused;
+
+import java.lang.management.ManagementFactory;
+import java.lang.management.MemoryPoolMXBean;
+import java.lang.management.MemoryType;
+import java.util.function.LongSupplier;
+
+/**
+ * Refuses changes while the Java heap is nearly full, because an exhausted heap ends the server
+ * with all its worlds. For any thread.
+ */
+final class HeapRoom {
+    /** The room of this process. */
+    static final HeapRoom OF_PROCESS = ofProcess();
+
+    /** Percentage of the heap that reachable objects may use. */
+    private static final long MOST = 75;
+
+    /** Percentage of the heap by which its use grows before the next collection is requested. */
+    private static final long GROWTH = 5;
+
+    private static final long HUNDRED = 100;
+    private static final long MEBIBYTE = 1 << 20;
+
+    private final LongSupplier used;
+    private final long max;
+    private final Runnable collect;
+    private long reachable;
+
+    /**
+     * @param used the bytes that are used, with unreachable objects
+     * @param max the maximum of {@code used}
+     * @param collect removes unreachable objects
+     */
+    HeapRoom(LongSupplier used, long max, Runnable collect) {
+        this.used = used;
+        this.max = max;
+        this.collect = collect;
+    }
+
+    private static HeapRoom ofProcess() {
+        // Only the pool of old objects has a threshold of usage.
+        MemoryPoolMXBean old =
+                ManagementFactory.getMemoryPoolMXBeans().stream()
+                        .filter(MemoryPoolMXBean::isUsageThresholdSupported)
+                        .filter(pool -> pool.getType() == MemoryType.HEAP)
+                        .findFirst()
+                        .orElseThrow();
+        long max = old.getUsage().getMax();
+        return new HeapRoom(
+                () -> old.getUsage().getUsed(),
+                max < 0 ? Runtime.getRuntime().maxMemory() : max,
+                System::gc);
+    }
+
+    /**
+     * @throws ActionRefused if reachable objects use more than three quarters of the heap
+     */
+    synchronized void require() throws ActionRefused {
+        long now = used.getAsLong();
+        if (!isTooMuch(now)) {
+            reachable = Math.min(reachable, now);
+            return;
+        }
+        // The heap fills with unreachable objects, too; only a collection tells them apart.
+        if (now - reachable > max / HUNDRED * GROWTH) {
+            collect.run();
+            reachable = used.getAsLong();
+        }
+        if (isTooMuch(reachable)) {
+            throw new ActionRefused(
+                    "server-full",
+                    "the heap of the server has "
+                            + reachable / MEBIBYTE
+                            + " of "
+                            + max / MEBIBYTE
+                            + " MiB in use, and changes are refused from "
+                            + MOST
+                            + " %; remove items or images, or start the server with more memory"
+                            + " (REVE_HEAP)");
+        }
+    }
+
+    private boolean isTooMuch(long bytes) {
+        return bytes > max / HUNDRED * MOST;
+    }
+}
