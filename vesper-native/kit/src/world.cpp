@@ -151,6 +151,8 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
   const bool is_none = name == "carrier" || name == "sceneryCarrier" || name == "meshForm" ||
                        name == "sceneryMeshForm";
   if (name == "partOfBody") return;  // nothing is attached
+  const bool is_vector = column.is_vector();
+  const bool is_rotation = IsRotation(name);
   for (uint64_t row = 0; row < column.rows(); ++row) {
     // Uses neighbouring rows, so that the rows of one reference differ.
     auto reference = static_cast<uint64_t>(draw(0, static_cast<double>(column.rows())));
@@ -158,7 +160,7 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
       const uint64_t value = row * property.components + c;
       if (property.refers_to != nullptr) {
         column.Set(value, static_cast<double>(reference++ % column.rows()));
-      } else if (column.is_vector()) {
+      } else if (is_vector) {
         column.Set(value, draw(-1, 1));
       } else if (is_none) {
         column.Set(value, -1);
@@ -168,7 +170,7 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
         column.Set(value, is_size ? draw(0.2, 0.6) : draw(0.5, 2));
       }
     }
-    if (IsRotation(name)) Normalise(column, row);
+    if (is_rotation) Normalise(column, row);
   }
 }
 

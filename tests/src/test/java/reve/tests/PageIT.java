@@ -399,6 +399,7 @@ class PageIT {
         try (Server server =
                 Server.start(
                         folder, "serve", world.toString(), "--port", "0", "--web", "0", "--json")) {
+            browser.size(640, 400); // drawn by the processor
             open(server);
             browser.await(OPEN);
             browser.await("reve.view.items.filter(i => i?.shape === 1).length === 2000");
