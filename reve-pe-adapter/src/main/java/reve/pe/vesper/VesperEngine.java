@@ -21,12 +21,12 @@ import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.PythonLaw;
 import reve.pe.Status;
+import reve.pe.posix.RegularFile;
 import reve.pe.vesper.VesperErrors.LibraryNames;
 
 import java.io.IOException;
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
-import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
@@ -375,7 +375,7 @@ public final class VesperEngine implements PhysicsEngine {
         LibraryFile.requireSize(file);
         MemorySegment prepared = prepareCopy(file);
         try {
-            byte[] bytes = Files.readAllBytes(file);
+            byte[] bytes = RegularFile.read(file, PreparedLibrary.MAX_BYTES);
             LibraryFile.requireUnchanged(file, before);
             return new VesperPreparedLibrary(prepared, bytes, null);
         } catch (IOException | RuntimeException e) {

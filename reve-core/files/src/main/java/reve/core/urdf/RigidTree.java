@@ -187,7 +187,7 @@ final class RigidTree {
             // A flat body, whose moments were rounded in the file.
             double[] flat = moments.clone();
             for (int axis = 0; axis < 3; axis++) {
-                flat[axis] = Math.min(flat[axis], (sum - largest) * (1 - 1e-12));
+                flat[axis] = Math.min(flat[axis], (sum - largest) * (1 - 1e-9));
             }
             return flat;
         }

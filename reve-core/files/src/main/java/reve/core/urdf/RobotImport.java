@@ -44,10 +44,15 @@ public record RobotImport(
      *
      * @param zUp true if +Z is up in the file; false if +Y is
      * @param selfCollision whether parts of the robot collide with each other
+     * @param hold whether the motors hold the joints with their largest torque from the start
      * @param packages folders of packages by name, for {@code package://NAME/…}
      */
     public record Options(
-            Base base, boolean zUp, boolean selfCollision, Map<String, Path> packages) {}
+            Base base,
+            boolean zUp,
+            boolean selfCollision,
+            boolean hold,
+            Map<String, Path> packages) {}
 
     /** Copies the collections. */
     public RobotImport {

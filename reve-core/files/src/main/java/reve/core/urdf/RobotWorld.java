@@ -10,6 +10,8 @@ import reve.core.urdf.RobotModel.JointType;
 import reve.core.urdf.RobotModel.Link;
 import reve.core.world.Pose;
 
+import java.math.BigDecimal;
+import java.math.MathContext;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.HashMap;
@@ -28,6 +30,8 @@ import java.util.TreeSet;
 final class RobotWorld {
     private static final int LAYER = 1;
     private static final double DIGITS = 1e12;
+    private static final MathContext TWELVE_DIGITS = new MathContext(12);
+    private static final double NOISE = 1e-14;
     private static final String HIDDEN = "#00000000";
 
     /** Rotates the axis of cylinders from +Y, as in world files, to +Z, as in URDF. */
@@ -67,32 +71,7 @@ final class RobotWorld {
         for (String ignored : model.ignored()) {
             notes.add("not imported: " + ignored);
         }
-        Map<String, Object> file = new LinkedHashMap<>();
-        Map<String, Object> rules = new LinkedHashMap<>();
-        if (tree.joints().stream().anyMatch(joint -> isDriven(joint, "hinge"))) {
-            rules.put("angle", rule("physics.jointAngle", "Angle of a hinge, 0 at the start [rad]."));
-        }
-        if (tree.joints().stream().anyMatch(joint -> isDriven(joint, "slider"))) {
-            rules.put("travel", rule("physics.jointTravel", "Way of a slider from its start [m]."));
-        }
-        if (!rules.isEmpty()) {
-            file.put("rules", rules);
-        }
-        file.put("items", items);
-        return YamlWriter.write(file);
-    }
-
-    private static boolean isDriven(Joint joint, String type) {
-        return type(joint).filter(type::equals).isPresent();
-    }
-
-    /** Returns a rule by which agents perceive the state of a joint. */
-    private static Map<String, Object> rule(String is, String doc) {
-        Map<String, Object> rule = new LinkedHashMap<>();
-        rule.put("is", is);
-        rule.put("class", "joint");
-        rule.put("doc", doc);
-        return rule;
+        return YamlWriter.write(Map.of("items", items));
     }
 
     int bodyCount() {
@@ -133,7 +112,7 @@ final class RobotWorld {
             pose = solid.pose();
             physics.put("mass", Numeral.of(solid.mass()));
             if (solid.moments()[0] > 0) {
-                physics.put("inertia", exactly(solid.moments()));
+                physics.put("inertia", shortened(solid.moments()));
             }
         }
         if (!options.selfCollision()) {
@@ -301,9 +280,11 @@ final class RobotWorld {
                             physics.put(slides ? "travelLimits" : "angleLimits", exactly(limits));
                             checkTurn(joint, slides, limits);
                         });
-        if (joint.friction() > 0) {
-            // A motor that holds the speed 0 with this torque is dry friction.
-            physics.put(slides ? "driveForce" : "motorTorque", Numeral.of(joint.friction()));
+        // A motor that holds the speed 0 with a torque is dry friction.
+        double load =
+                options.hold() ? Math.max(joint.effort(), joint.friction()) : joint.friction();
+        if (load > 0) {
+            physics.put(slides ? "driveForce" : "motorTorque", Numeral.of(load));
         }
         Map<String, Object> item = new LinkedHashMap<>();
         item.put(
@@ -372,7 +353,7 @@ final class RobotWorld {
     private static void putPose(Map<String, Object> item, Map<String, Object> physical, Pose pose) {
         physical.put("location", rounded(pose.location()));
         if (Math.abs(pose.qw()) < 1) {
-            physical.put("orientation", exactly(pose.orientation()));
+            physical.put("orientation", withoutNoise(pose.orientation()));
         }
         item.put("physical", physical);
     }
@@ -383,6 +364,24 @@ final class RobotWorld {
             numerals.add(Numeral.of(value == 0 ? 0 : value));
         }
         return numerals;
+    }
+
+    /** Returns the values with 12 digits. */
+    private static List<Numeral> shortened(double[] values) {
+        List<Numeral> numerals = new ArrayList<>();
+        for (double value : values) {
+            numerals.add(Numeral.of(new BigDecimal(value).round(TWELVE_DIGITS).doubleValue()));
+        }
+        return numerals;
+    }
+
+    /** Returns a unit quaternion with 0 in the place of rounding errors. */
+    private static List<Numeral> withoutNoise(double[] quaternion) {
+        double[] clean = quaternion.clone();
+        for (int i = 0; i < clean.length; i++) {
+            clean[i] = Math.abs(clean[i]) < NOISE ? 0 : clean[i];
+        }
+        return exactly(clean);
     }
 
     /** Returns the values without rounding errors around simple numbers. */

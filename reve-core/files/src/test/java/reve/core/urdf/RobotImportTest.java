@@ -32,9 +32,9 @@ import java.util.stream.Collectors;
 /** Robots as worlds: bodies, joints and meshes against closed forms, and files that are wrong. */
 class RobotImportTest {
     private static final RobotImport.Options USUAL =
-            new RobotImport.Options(RobotImport.Base.AUTOMATIC, true, false, Map.of());
+            new RobotImport.Options(RobotImport.Base.AUTOMATIC, true, false, false, Map.of());
     private static final RobotImport.Options Y_UP =
-            new RobotImport.Options(RobotImport.Base.FREE, false, false, Map.of());
+            new RobotImport.Options(RobotImport.Base.FREE, false, false, false, Map.of());
 
     /** The triangles of a cube, by the bits of its corners, counter-clockwise from outside. */
     private static final int[] CUBE = {
@@ -230,10 +230,21 @@ class RobotImportTest {
         assertThat(items.get("ball").physics("mass").orElseThrow()).containsExactly(2);
         double top = items.get("ground").location()[1] + 0.5;
         assertThat(top).isCloseTo(-0.501, within(1e-9));
-        var fixed = new RobotImport.Options(RobotImport.Base.FIXED, true, true, Map.of());
+        var fixed = new RobotImport.Options(RobotImport.Base.FIXED, true, true, false, Map.of());
         ItemDefinition held = items(imported(ball, fixed)).get("ball");
         assertThat(held.physics("mass").orElseThrow()).containsExactly(0);
         assertThat(held.physics("touchLayer")).isEmpty();
+    }
+
+    @Test
+    void motorsHoldTheJointsIfTheyShall() throws Exception {
+        var options =
+                new RobotImport.Options(RobotImport.Base.AUTOMATIC, true, false, true, Map.of());
+        Map<String, ItemDefinition> items = items(imported(ARM, options));
+        assertThat(items.get("shoulder").physics("motorTorque").orElseThrow()).containsExactly(30);
+        assertThat(items.get("rail").physics("driveForce"))
+                .as("the file states no effort")
+                .isEmpty();
     }
 
     @Test
@@ -340,6 +351,7 @@ class RobotImportTest {
                 new RobotImport.Options(
                         RobotImport.Base.AUTOMATIC,
                         true,
+                        false,
                         false,
                         Map.of("arm", folder.resolve("elsewhere")));
         assertThat(RobotImport.read(urdf, options).notes()).isEmpty();

@@ -55,6 +55,13 @@ public final class ImportCommand implements Callable<Integer> {
     private boolean selfCollision;
 
     @Option(
+            names = "--hold",
+            description =
+                    "The motors hold the joints with their largest torque from the start (default:"
+                            + " the robot falls until somebody drives it).")
+    private boolean hold;
+
+    @Option(
             names = "--package",
             paramLabel = "NAME=FOLDER",
             description =
@@ -72,7 +79,8 @@ public final class ImportCommand implements Callable<Integer> {
         try {
             robot =
                     RobotImport.read(
-                            file, new RobotImport.Options(base, !yUp, selfCollision, packages));
+                            file,
+                            new RobotImport.Options(base, !yUp, selfCollision, hold, packages));
         } catch (UrdfException invalid) {
             LinePrinter.message(spec.commandLine().getErr(), List.of(invalid.getMessage()));
             return ExitCode.INVALID_WORLD;
