@@ -71,22 +71,10 @@ final class ExperimentProgress implements RunProgress {
                         ended,
                         runs,
                         Math.floor(100 * part),
-                        part < LEAST_PART ? "" : ", about " + duration(left) + " left");
+                        part < LEAST_PART ? "" : ", about " + Progress.duration(left) + " left");
         out.print(terminal ? "\r" + line + "   " : line + System.lineSeparator());
         out.flush();
         shown = terminal;
-    }
-
-    /** Returns a time in words: {@code 8 s}, {@code 3 min 20 s}, {@code 2 h 5 min}. */
-    static String duration(double seconds) {
-        long whole = Math.round(seconds);
-        if (whole < 60) {
-            return whole + " s";
-        }
-        if (whole < 3600) {
-            return whole / 60 + " min " + whole % 60 + " s";
-        }
-        return whole / 3600 + " h " + whole % 3600 / 60 + " min";
     }
 
     @Override

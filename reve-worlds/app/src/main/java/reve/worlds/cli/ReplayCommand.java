@@ -56,9 +56,11 @@ public final class ReplayCommand implements Callable<Integer> {
         }
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws.path(spec));
                 RunLog.Reader records = RunLog.open(file)) {
+            Progress progress = new Progress(System.err, 0);
             while (records.hasNext() && take(replay, records.next())) {
-                // Empty, because reading a record runs its frame.
+                progress.at("frame " + replay.frame(), part(replay, records));
             }
+            progress.done();
             boolean same = replay.divergence().isEmpty();
             if (replay.frame() < 0) {
                 throw new CorruptException(
@@ -71,6 +73,11 @@ public final class ReplayCommand implements Callable<Integer> {
             }
             return same ? ExitCode.OK : ExitCode.FAILURE;
         }
+    }
+
+    /** Returns the part of the frames that are repeated, as far as it is known. */
+    private double part(Replay replay, RunLog.Reader records) {
+        return Math.max(records.part(), Math.min(1, (double) replay.frame() / until));
     }
 
     private boolean take(Replay replay, JournalRecord record) {

@@ -30,8 +30,8 @@ class ExperimentProgressTest {
 
     @Test
     void durationsHaveTwoUnits() {
-        assertThat(ExperimentProgress.duration(7.6)).isEqualTo("8 s");
-        assertThat(ExperimentProgress.duration(125)).isEqualTo("2 min 5 s");
-        assertThat(ExperimentProgress.duration(7500)).isEqualTo("2 h 5 min");
+        assertThat(Progress.duration(7.6)).isEqualTo("8 s");
+        assertThat(Progress.duration(125)).isEqualTo("2 min 5 s");
+        assertThat(Progress.duration(7500)).isEqualTo("2 h 5 min");
     }
 }

@@ -113,7 +113,7 @@ public final class RunLog {
      * Returns whether a file begins like a recording; true also if a crash has left only a part of
      * the mark.
      */
-    static boolean isRecording(InputStream file) throws IOException {
+    public static boolean isRecording(InputStream file) throws IOException {
         byte[] start = file.readNBytes(MARK.length + Integer.BYTES + 1);
         boolean stores =
                 start.length > MARK.length + Integer.BYTES && start[start.length - 1] == LINK;
@@ -383,6 +383,11 @@ public final class RunLog {
         /** Returns the link to the store that the file belongs to; empty for a recording. */
         Optional<Link> link() {
             return Optional.ofNullable(link);
+        }
+
+        /** Returns the part of the file that was read, 0 to 1; for a progress message. */
+        public double part() {
+            return Math.min(1, (double) at / Math.max(1, size));
         }
 
         /**

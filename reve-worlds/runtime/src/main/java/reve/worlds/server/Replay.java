@@ -164,15 +164,33 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
+     * Publishes the restored state if the last record was an image; does nothing after a frame.
+     *
+     * @throws CorruptException if the journal contained no image
+     */
+    void publish() {
+        simulation().loop().run(0);
+    }
+
+    /**
+     * Returns the simulation at the current frame, which still belongs to the replay.
+     *
+     * @throws CorruptException if the journal contained no image
+     */
+    Simulation simulation() {
+        if (simulation == null) {
+            throw new CorruptException("the journal holds no image to begin with");
+        }
+        return simulation;
+    }
+
+    /**
      * Ends the replay and returns its simulation at the current frame; the caller closes it.
      *
      * @throws CorruptException if the journal contained no image
      */
     public Simulation release() {
-        if (simulation == null) {
-            throw new CorruptException("the journal holds no image to begin with");
-        }
-        Simulation released = simulation;
+        Simulation released = simulation();
         subscriptions.forEach(Subscription::close);
         released.physics().laws().removeListener(lawListener);
         simulation = null;

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.cli;
+
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Mixin;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.ParameterException;
+import picocli.CommandLine.Parameters;
+import picocli.CommandLine.Spec;
+
+import reve.core.image.CorruptException;
+import reve.core.world.WorldSnapshot;
+import reve.worlds.export.CsvExport;
+import reve.worlds.export.Export;
+import reve.worlds.export.ExportedFrame;
+import reve.worlds.export.McapExport;
+import reve.worlds.server.History;
+
+import java.io.IOException;
+import java.io.PrintWriter;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.concurrent.Callable;
+
+/** The command {@code export}: writes the frames of a recording or a store for other programs. */
+@Command(
+        name = "export",
+        description =
+                "Repeats a recording or a store, and writes its frames as tables (CSV) or as an"
+                        + " MCAP file.")
+public final class ExportCommand implements Callable<Integer> {
+    @Spec private CommandSpec spec = CommandSpec.create();
+
+    @Parameters(
+            paramLabel = "FILE",
+            description = "Recording that --record wrote, or store that serve --store wrote.")
+    private Path file = Path.of("");
+
+    @Mixin private LawOptions laws = new LawOptions();
+
+    @Option(
+            names = "--csv",
+            paramLabel = "DIR",
+            description = "Folder for tables: one for each kind of items, and one of events.")
+    private Optional<Path> csv = Optional.empty();
+
+    @Option(
+            names = "--mcap",
+            paramLabel = "FILE",
+            description = "MCAP file for Foxglove and other programs.")
+    private Optional<Path> mcap = Optional.empty();
+
+    @Option(
+            names = "--kinds",
+            paramLabel = "KIND,KIND,...",
+            split = ",",
+            description = "Kinds whose properties are written (default: all).")
+    private Set<String> kinds = new LinkedHashSet<>();
+
+    @Option(
+            names = "--every",
+            paramLabel = "N",
+            defaultValue = "1",
+            description = "Write each N-th frame of the world, and all events (default: all).")
+    private int every;
+
+    @Option(names = "--json", description = "Print the result as one JSON document.")
+    private boolean json;
+
+    @Override
+    public Integer call() throws Exception {
+        if (csv.isEmpty() && mcap.isEmpty()) {
+            throw wrong("nothing to write; expected --csv DIR, --mcap FILE, or both");
+        }
+        if (every < 1) {
+            throw wrong("--every is " + every + ", expected 1 or more");
+        }
+        if (mcap.isPresent()) {
+            mcap =
+                    Optional.of(
+                            WritableFile.require(
+                                    spec, "--mcap", mcap.get(), McapExport.MARK, "an MCAP file"));
+        }
+        try (History history = History.open(file, laws.path(spec))) {
+            if (!history.next()) {
+                throw new CorruptException(
+                        file
+                                + " ends before the first image of the world: there is nothing to"
+                                + " export");
+            }
+            return write(history);
+        }
+    }
+
+    private ParameterException wrong(String message) {
+        return new ParameterException(spec.commandLine(), message);
+    }
+
+    private int write(History history) throws IOException {
+        Set<String> wanted = kinds(history);
+        List<Path> written = new ArrayList<>();
+        List<Export> exports = new ArrayList<>();
+        long frames;
+        try {
+            if (csv.isPresent()) {
+                OptionFolder.make(spec, "--csv", csv.get());
+                for (Path table : CsvExport.files(csv.get(), wanted)) {
+                    written.add(
+                            WritableFile.require(
+                                    spec, "--csv", table, CsvExport.MARK, "a table of export"));
+                }
+                exports.add(new CsvExport(csv.get(), wanted));
+            }
+            if (mcap.isPresent()) {
+                written.add(mcap.get());
+                exports.add(
+                        new McapExport(
+                                mcap.get(),
+                                history.world(),
+                                history.prototype(),
+                                history.timing(),
+                                wanted));
+            }
+            frames = write(history, exports);
+            for (Export export : exports) {
+                export.finish();
+            }
+        } finally {
+            for (Export export : exports) {
+                export.close();
+            }
+        }
+        tell(history, frames, written);
+        return ExitCode.OK;
+    }
+
+    private Set<String> kinds(History history) {
+        List<String> all = history.prototype().kinds();
+        for (String kind : kinds) {
+            if (!all.contains(kind)) {
+                throw wrong(
+                        "--kinds: the world has no kind \""
+                                + kind
+                                + "\"; its kinds are "
+                                + String.join(", ", all));
+            }
+        }
+        return kinds.isEmpty() ? new LinkedHashSet<>(all) : kinds;
+    }
+
+    /** Gives the frames to the exports, and returns their number. */
+    private long write(History history, List<Export> exports) throws IOException {
+        Progress progress = new Progress(System.err, 0);
+        long first = history.frame();
+        long frames = 0;
+        List<ExportedFrame.Event> events = new ArrayList<>();
+        do {
+            history.happenings()
+                    .forEach(
+                            each ->
+                                    events.add(
+                                            new ExportedFrame.Event(each.type(), each.fields())));
+            if ((history.frame() - first) % every == 0) {
+                try (WorldSnapshot snapshot = history.snapshot()) {
+                    ExportedFrame frame = new ExportedFrame(snapshot, List.copyOf(events));
+                    for (Export export : exports) {
+                        export.add(frame);
+                    }
+                }
+                events.clear();
+                frames++;
+            }
+            progress.at("frame " + history.frame(), history.part());
+        } while (history.next());
+        progress.done();
+        return frames;
+    }
+
+    private void tell(History history, long frames, List<Path> written) {
+        if (json) {
+            Map<String, Object> fields = new LinkedHashMap<>();
+            fields.put("frames", frames);
+            fields.put("frame", history.frame());
+            fields.put("cut", history.wasCut());
+            fields.put("files", written.stream().map(Path::toString).toList());
+            Json.print(spec, fields);
+            return;
+        }
+        PrintWriter out = spec.commandLine().getOut();
+        if (history.wasCut()) {
+            out.println("the recording ends in the middle of a record, as after a crash");
+        }
+        out.println(frames + " frames, up to frame " + history.frame());
+        written.forEach(out::println);
+        out.flush();
+    }
+}
