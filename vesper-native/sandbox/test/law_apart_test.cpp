@@ -148,9 +148,10 @@ INSTANTIATE_TEST_SUITE_P(Acts, Contained, testing::ValuesIn(kCases),
 TEST_F(HostileLaw, MustRestBetweenItsCalls) {
   Load(ANSWER_BY_ITSELF);
   vesper_error error{};
-  for (int frame = 0; frame < 200 && error.status == VESPER_OK; ++frame) {
+  // On a busy machine the law gets little of each pause.
+  for (int frame = 0; frame < 300 && error.status == VESPER_OK; ++frame) {
     error = Advance();
-    usleep(10000);
+    usleep(100000);
   }
   EXPECT_STREQ(vesper_status_name(error.status), "LAW_TIMED_OUT");
   EXPECT_NE(std::string(error.message).find("of processor time between its calls"),
