@@ -35,7 +35,9 @@ public record RobotImport(
     public enum Base {
         /** It moves if it has a mass and is not named {@code world}. */
         AUTOMATIC,
+        /** It does not move. */
         FIXED,
+        /** It moves if it has a mass. */
         FREE
     }
 
