@@ -56,6 +56,7 @@ public final class Main {
                     ExperimentCommand.class,
                     ReplayCommand.class,
                     SnapshotCommand.class,
+                    VideoCommand.class,
                     ExportCommand.class,
                     CheckCommand.class,
                     LawCommand.class,
