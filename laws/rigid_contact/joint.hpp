@@ -175,29 +175,36 @@ class Joint {
     start_turn_ = turn;
   }
   /** Projects this guess on the directions in which the joint can act. Call after Refresh. */
-  void Start() {
+  void Start(double dt) {
     linear_.Start(start_);
     angular_.Start(start_turn_);
+    const double turn = settings.motor_torque * dt, push = settings.drive_force * dt;
+    if (HasMotor()) motor_ = std::clamp(Dot(start_turn_, axis_), -turn, turn);
+    if (HasDrive()) drive_ = std::clamp(Dot(start_, axis_), -push, push);
   }
   /** Applies the first guess to the two bodies. */
   void ApplyStart(Motion<Real>& motion_a, Motion<Real>& motion_b) const {
-    Apply(linear_.Impulse(), angular_.Impulse(), motion_a, motion_b);
+    Apply(linear_.Impulse() + axis_ * drive_, angular_.Impulse() + axis_ * motor_, motion_a,
+          motion_b);
   }
   /** Returns the row of a movable body of the joint: the second one, if the first is immovable. */
   uint32_t MovableRow() const { return a == kImmovable ? row_b : row_a; }
 
   /** Returns the dot product of the first guess of the impulses and the relative velocities [J]. */
   double Work(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
-    return Dot(linear_.Impulse(), Relative(motion_a, motion_b)) +
-           Dot(angular_.Impulse(), Turning(motion_a, motion_b));
+    return Dot(linear_.Impulse() + axis_ * drive_, Relative(motion_a, motion_b)) +
+           Dot(angular_.Impulse() + axis_ * motor_, Turning(motion_a, motion_b));
   }
 
   /** Scales the first guess by a factor below 1, also in the motions. */
   void Reduce(double part, Motion<Real>& motion_a, Motion<Real>& motion_b) {
     const Vector impulse = linear_.Impulse(), turn = angular_.Impulse();
-    Apply(impulse * (part - 1), turn * (part - 1), motion_a, motion_b);
+    Apply((impulse + axis_ * drive_) * (part - 1), (turn + axis_ * motor_) * (part - 1), motion_a,
+          motion_b);
     linear_.Start(impulse * part);
     angular_.Start(turn * part);
+    drive_ *= part;
+    motor_ *= part;
   }
 
   /** Changes the impulses so that the velocities fit the joint. With `push`, also corrects position
@@ -249,6 +256,8 @@ class Joint {
   }
   static double Inverse(double k) { return k > 0 ? 1 / k : 0; }
 
+  bool HasMotor() const { return settings.type == JointType::kHinge && settings.motor_torque > 0; }
+  bool HasDrive() const { return settings.type == JointType::kSlider && settings.drive_force > 0; }
   bool HasAngleLimits() const {
     return settings.type == JointType::kHinge && settings.angle_low < settings.angle_high;
   }
@@ -316,14 +325,14 @@ class Joint {
   /** Changes the relative velocity towards the motor's and drive's speeds, up to their torque and
    *  force. */
   void Drive(Motion<Real>& motion_a, Motion<Real>& motion_b, double dt) {
-    if (settings.type == JointType::kHinge && settings.motor_torque > 0) {
+    if (HasMotor()) {
       const double off = settings.motor_speed - Dot(Turning(motion_a, motion_b), axis_);
       const double most = settings.motor_torque * dt;
       const double to = std::clamp(motor_ + off * about_mass_, -most, most);
       Apply({}, axis_ * (to - motor_), motion_a, motion_b);
       motor_ = to;
     }
-    if (settings.type == JointType::kSlider && settings.drive_force > 0) {
+    if (HasDrive()) {
       const double off = settings.drive_speed - Dot(Relative(motion_a, motion_b), axis_);
       const double most = settings.drive_force * dt;
       const double to = std::clamp(drive_ + off * along_mass_, -most, most);

@@ -75,11 +75,11 @@ class JointSolver {
    * bodies has the least kinetic energy, but at most fully. The exact impulses minimise this
    * energy; after an impact, those of the last step could add energy that the few sweeps of the
    * solver do not remove. */
-  void WarmStart(Motions& motions) {
+  void WarmStart(Motions& motions, const SolverStep<Real>& step) {
     before_.resize(joints_.size());
     work_.assign(motions.size(), {});
     for (size_t k = 0; k < joints_.size(); ++k) {
-      joints_[k].Start();
+      joints_[k].Start(double{step.dt});
       before_[k] = Work(joints_[k], motions);
     }
     for (Joint<Real>& joint : joints_) {

@@ -468,7 +468,7 @@ struct RigidContact {
       }
       if (k == 0) {
         ForEachContact(step, [](auto& contact, auto& a, auto& b) { contact.WarmStart(a, b); });
-        joints_.WarmStart(motions_);
+        joints_.WarmStart(motions_, solver);
       }
       joints_.Solve(motions_, solver, true);
       ForEachContact(step,

@@ -216,6 +216,25 @@ TYPED_TEST(RigidJointTest, MotorTurnsAWheelWithItsTorqueUpToItsSpeed) {
   EXPECT_NEAR(scene.Spin(wheel).y, 6, 0.01);
 }
 
+// Without the motors' impulses of the last step as a first guess, the arm sinks by 12 mm/s.
+TYPED_TEST(RigidJointTest, MotorsHoldAnArmOfThreeLinksWithoutCreep) {
+  auto scene = Hanging<TypeParam>();
+  uint32_t last = 0;
+  for (int link = 0; link < 3; ++link) {
+    const uint32_t next = scene.AddBox({0.4, 0.1, 0.1}, 2.0 - 0.5 * link, {0.2 + 0.4 * link, 0, 0});
+    scene.Join(JointType::kHinge, last, next, {0.4 * link, 0, 0}, {0, 0, 1});
+    last = next;
+  }
+  scene.motor_speed = {0, 0, 0};
+  scene.motor_torque = {100, 100, 100};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 960, 960);
+  const double after_a_second = scene.Position(last).y;
+  EXPECT_NEAR(after_a_second, 0, 1e-3);
+  engine.Advance(1.0 / 960, 9 * 960);
+  EXPECT_NEAR(scene.Position(last).y, after_a_second, 1e-5);
+}
+
 TYPED_TEST(RigidJointTest, DoorStopsAtItsLimit) {
   auto scene = Hanging<TypeParam>();
   const uint32_t door = scene.AddBox({1, 2, 0.05}, 20, {0.5, 0, 0}, {0, 0, 1});

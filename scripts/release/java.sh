@@ -7,6 +7,16 @@ say() { printf '%s\n' "reve: $*" >&2; }
 fail() { say "$*"; exit 1; }
 wrong_usage() { say "$*"; exit 2; }
 
+use_utf8() { # in a locale without a character set (C, or one that is not installed), names of files
+             # are UTF-8, as Python also assumes
+  [ "$(locale charmap 2> /dev/null)" = ANSI_X3.4-1968 ] || return 0
+  if [ -n "${LC_ALL:-}" ]; then
+    export LC_ALL=C.UTF-8
+  else
+    export LC_CTYPE=C.UTF-8
+  fi
+}
+
 java_major() { # JAVA_HOME PROGRAM: sets major to the Java version there; 0 if bin/PROGRAM is
                # missing
   local line

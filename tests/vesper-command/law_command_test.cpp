@@ -25,6 +25,11 @@ TEST(LawCommandTest, CheckPrintsDeclarationsOrProblems) {
   EXPECT_EQ(wrong.exit_code, 1);
   EXPECT_NE(wrong.errors.find("wrong.law:3:14: 'velocity' is a vector in m/s"), std::string::npos)
       << wrong.errors;
+  const Outcome wicked = RunVesper(
+      {"law", "check", folder.Write("wicked.law", "law \xe2\x80\xae\xe2\x80\xa8wicked\n")});
+  EXPECT_EQ(wicked.exit_code, 1);
+  EXPECT_EQ(wicked.errors.find("\xe2\x80\xae"), std::string::npos) << wicked.errors;
+  EXPECT_EQ(wicked.errors.find("\xe2\x80\xa8"), std::string::npos) << wicked.errors;
   const Outcome json = RunVesper({"law", "check", folder / "wrong.law", "--json"});
   EXPECT_EQ(json.exit_code, 1);
   EXPECT_NE(nlohmann::json::parse(json.output).at("problems"), "");
@@ -40,6 +45,15 @@ TEST(LawCommandTest, ToCppWritesALawToTheOutputOrAFile) {
   EXPECT_EQ(written.exit_code, 0) << written.errors;
   EXPECT_EQ(written.output, "");
   EXPECT_EQ(ReadText(file), printed.output);
+  const Outcome again = RunVesper({"law", "to-cpp", kDragText, "--output", file});
+  EXPECT_EQ(again.exit_code, 0) << again.errors;
+  const std::string other = folder.Write("store.db", "SQLite format 3");
+  const Outcome refused = RunVesper({"law", "to-cpp", kDragText, "--output", other});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.errors.find("store.db: exists, and this command has not written it"),
+            std::string::npos)
+      << refused.errors;
+  EXPECT_EQ(ReadText(other), "SQLite format 3");
   const Outcome lost = RunVesper({"law", "to-cpp", kDragText, "--output", folder / "no/drag.cpp"});
   EXPECT_EQ(lost.exit_code, 1);
   EXPECT_NE(lost.errors.find("no/drag.cpp: cannot be written: No such file"), std::string::npos)

@@ -346,6 +346,17 @@ TEST(RunTest, CsvOfTwoKindsIsRefused) {
   EXPECT_NE(outcome.errors.find("properties of body and of spring"), std::string::npos);
 }
 
+TEST(RunTest, CsvReplacesNoOtherFile) {
+  const Folder folder;
+  const std::string other = folder.Write("store.db", "SQLite format 3");
+  const Outcome outcome = RunScene(kScenes + "/projectile.vesper", {"--csv", other});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.errors.find("store.db: exists, and this command has not written it"),
+            std::string::npos)
+      << outcome.errors;
+  EXPECT_EQ(ReadText(other), "SQLite format 3");
+}
+
 TEST(RunTest, CsvThatCannotBeWrittenEndsWith1) {
   const Outcome outcome =
       RunScene(kScenes + "/projectile.vesper", {"--csv", "/nowhere/at/all.csv"});

@@ -145,6 +145,10 @@ void Service::Dispatch(Reader request, Writer& reply) {
       const auto interval = request.Value<uint32_t>();
       return Check(vesper_engine_set_interval(engine_.get(), library, interval, &error_));
     }
+    case Request::kBeginChanges:
+      return BeginChanges();
+    case Request::kEndChanges:
+      return EndChanges(request, reply);
     case Request::kBindAll:
       for (auto left = request.Value<uint32_t>(); left > 0; --left) {
         const bool rebind = request.Value<uint32_t>() != 0;
@@ -291,6 +295,21 @@ void Service::Unload(Reader& request, Writer& reply) {
   Check(vesper_engine_unload_physics_law(engine_.get(), id, &error_));
   std::erase(libraries_, id);
   ProtectColumns();
+  reply.Value(CountThreads());
+}
+
+void Service::BeginChanges() {
+  Check(vesper_engine_begin_changes(engine_.get(), &error_));
+  before_ = libraries_;
+}
+
+void Service::EndChanges(Reader& request, Writer& reply) {
+  const auto keep = request.Value<uint32_t>();
+  Check(vesper_engine_end_changes(engine_.get(), keep, &error_));
+  if (keep == 0) {
+    libraries_ = before_;
+    ProtectColumns();
+  }
   reply.Value(CountThreads());
 }
 

@@ -38,6 +38,8 @@ enum class Request : uint32_t {
   kLedger,
   kBindAll,
   kSetInterval,
+  kBeginChanges,
+  kEndChanges,
 };
 
 /// The form of the bytes of a law library. reve.pe.hosted.HostedLibrary in Java has the same
@@ -79,6 +81,8 @@ class Service {
   void Unload(Reader& request, Writer& reply);
   void Laws(Reader& request, Writer& reply);
   void Advance(Reader& request, Writer& reply);
+  void BeginChanges();
+  void EndChanges(Reader& request, Writer& reply);
   void MoveRows(Reader& request);
   void SaveState(Writer& reply);
   void LoadState(Reader& request);
@@ -101,6 +105,7 @@ class Service {
   std::unique_ptr<ReceivedPrototype> prototype_;
   std::unique_ptr<vesper_engine, EngineDeleter> engine_;
   std::vector<vesper_library_id> libraries_;  // in the order of loading
+  std::vector<vesper_library_id> before_;     // those before the changes in progress
   Mapping state_;                             // memory of the client, to which states are saved
   uint64_t state_size_ = 0;                   // size of the last saved state [bytes]
   vesper_error error_{};

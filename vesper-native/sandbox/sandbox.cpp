@@ -40,6 +40,11 @@ constexpr milliseconds kStartLimit{2000};
 constexpr milliseconds kRequestLimit{2000};  // for calls outside frames
 constexpr nanoseconds kLook = milliseconds(1);
 constexpr nanoseconds kAwake = std::chrono::microseconds(50);
+/// Processor time between calls, per frame and per call: the sandbox waits actively for a while.
+constexpr nanoseconds kRestOfFrame = milliseconds(2);
+constexpr nanoseconds kRestOfCall = std::chrono::microseconds(200);
+/// Processor time between calls that is too much, in addition to the above.
+constexpr nanoseconds kTooBusy = milliseconds(200);
 constexpr int kMostWall = 20;  // a call may last this multiple of its limit if it gets no processor
 constexpr int kFirstSignal = 128;
 
@@ -218,6 +223,7 @@ void Sandbox::Start(const Options& options, int library_fd, const std::string& f
   if (send(own.get(), "", 1, MSG_NOSIGNAL) != 1) {
     throw Failure(VESPER_INTERNAL, "the sandbox ended while it started");
   }
+  cpu_ = ProcessorTime();
 }
 
 /// Waits for the process id and for the report of the confined process.
@@ -257,8 +263,25 @@ nanoseconds Sandbox::Allowed(bool limited) {
   if (frame_ != frame_number) {
     frame_ = frame_number;
     spent_ = nanoseconds(0);
+    RequireRest();
   }
   return nanoseconds(frame_limit) - spent_;
+}
+
+/// Ends a sandbox that computes between its calls: a law that answered its calls itself could use a
+/// processor for ever, also in a paused world.
+void Sandbox::RequireRest() {
+  const nanoseconds cpu = ProcessorTime();
+  const nanoseconds rest = kRestOfFrame + static_cast<int64_t>(calls_) * kRestOfCall;
+  busy_ = std::max(busy_ + (cpu - cpu_) - called_ - rest, nanoseconds(0));
+  cpu_ = cpu;
+  called_ = nanoseconds(0);
+  calls_ = 0;
+  if (busy_ < kTooBusy) return;
+  Kill();
+  throw Failure(VESPER_LAW_TIMED_OUT,
+                "used %" PRId64 " ms of processor time between its calls, expected none",
+                std::chrono::duration_cast<milliseconds>(busy_).count());
 }
 
 void Sandbox::Call(Command command, uint32_t law, bool limited) {
@@ -277,6 +300,8 @@ void Sandbox::Call(Command command, uint32_t law, bool limited) {
   const auto took = Clock::now() - start;
   quick_ = took < 2 * kAwake;
   spent_ += took;
+  called_ += took;
+  ++calls_;
   if (exchange().status == VESPER_OK) return;
   vesper_error error = exchange().error;
   error.status = VESPER_LAW_FAILED;
@@ -332,7 +357,7 @@ void Sandbox::ThrowCrashed(int status) {
     throw Failure(VESPER_LAW_CRASHED, "made the system call %s, which its sandbox does not permit",
                   call.c_str());
   }
-  killed_ = number == SIGKILL;
+  killed_ = WIFSIGNALED(status) && number == SIGKILL;
   if (number != 0) {
     const char* signal = sigabbrev_np(number);
     throw Failure(VESPER_LAW_CRASHED, "ended its process: SIG%s", signal != nullptr ? signal : "?");

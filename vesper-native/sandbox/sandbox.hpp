@@ -85,6 +85,7 @@ class Sandbox {
              const std::string& library);
   void AwaitStart(int report);
   Nanoseconds Allowed(bool limited);
+  void RequireRest();
   /// Waits for the reply. `limit` is the time in the message of LAW_TIMED_OUT.
   void Await(uint32_t number, Nanoseconds allowed, Nanoseconds limit);
   /// Returns true if the process has ended; then `status` is its wait status.
@@ -109,6 +110,11 @@ class Sandbox {
   bool killed_ = false;
   uint64_t frame_ = 0;
   Nanoseconds spent_{0};  // in this frame
+  // Since the last frame began: processor time until then, time and number of calls.
+  Nanoseconds cpu_{0};
+  Nanoseconds called_{0};
+  uint64_t calls_ = 0;
+  Nanoseconds busy_{0};  // processor time between calls, above what waiting needs
 };
 
 }  // namespace vesper::apart

@@ -266,6 +266,15 @@ vesper_status vesper_engine_unload_physics_law(vesper_engine* engine, vesper_lib
   return Guarded(error, [&] { Required(engine, "engine").Unload(library); });
 }
 
+vesper_status vesper_engine_begin_changes(vesper_engine* engine, vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(engine, "engine").BeginChanges(); });
+}
+
+vesper_status vesper_engine_end_changes(vesper_engine* engine, uint32_t keep,
+                                        vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(engine, "engine").EndChanges(keep != 0); });
+}
+
 vesper_status vesper_engine_set_interval(vesper_engine* engine, vesper_library_id library,
                                          uint32_t interval, vesper_error* error) noexcept {
   return Guarded(error, [&] { Required(engine, "engine").SetInterval(library, interval); });

@@ -57,6 +57,31 @@ class vesper_engine::Turn {
   const vesper_engine& engine_;
 };
 
+/// What a series of changes started from.
+struct vesper_engine::Changes {
+  struct Place {
+    vesper_library_id library;
+    std::vector<uint32_t> intervals;  // of each law
+  };
+
+  /// Takes the library of a place from those that were unloaded, or from `loaded`.
+  std::unique_ptr<vesper::LawLibrary> Take(
+      const Place& place, std::vector<std::unique_ptr<vesper::LawLibrary>>& loaded) {
+    for (auto* libraries : {&unloaded, &loaded}) {
+      for (auto& library : *libraries) {
+        if (library != nullptr && library->id() == place.library) return std::move(library);
+      }
+    }
+    return nullptr;
+  }
+
+  std::vector<Place> places;  // in load order
+  std::vector<std::unique_ptr<vesper::LawLibrary>> unloaded;
+  std::vector<std::unique_ptr<vesper::LawLibrary>> restored;  // reserved, so that Undo allocates
+                                                              // nothing
+  std::vector<std::byte> state;
+};
+
 vesper_engine::vesper_engine(const vesper::Config& config, const vesper_prototype& prototype)
     : config_(config), prototype_(prototype), pool_(config.threads) {
   schedule_.Plan(libraries_);
@@ -65,6 +90,7 @@ vesper_engine::vesper_engine(const vesper::Config& config, const vesper_prototyp
 vesper_engine::~vesper_engine() {
   busy_ = true;  // set, because laws may log during their destruction
   while (!libraries_.empty()) libraries_.pop_back();
+  changes_.reset();
 }
 
 void vesper_engine::SetProvider(const vesper_provider_callbacks* callbacks) {
@@ -304,12 +330,69 @@ void vesper_engine::Unload(vesper_library_id id) {
   const auto found = FindLibrary(id);
   FaultIfFails([&] { schedule_.deferred().SynchronizeHeldBy(**found); });
   for (const auto& field : (*found)->fields()) columns_.Remove(field->property);
+  auto& removed = libraries_[static_cast<size_t>(found - libraries_.begin())];
+  const bool is_kept =
+      changes_ != nullptr && std::any_of(changes_->places.begin(), changes_->places.end(),
+                                         [id](const auto& place) { return place.library == id; });
+  if (is_kept) changes_->unloaded.push_back(std::move(removed));
   libraries_.erase(found);
   Plan();
   if (faulted_ && faulted_library_ == id) {
     faulted_ = false;
     schedule_.Forget();
   }
+}
+
+void vesper_engine::BeginChanges() {
+  const Turn turn(*this);
+  if (changes_ != nullptr) {
+    throw Failure(VESPER_ALREADY_EXISTS, "changes are in progress; end them first");
+  }
+  RefuseIfFaulted();
+  auto begun = std::make_unique<Changes>();
+  for (const auto& library : libraries_) {
+    begun->places.push_back({library->id(), {}});
+    for (const auto& law : library->laws()) begun->places.back().intervals.push_back(law->interval);
+  }
+  begun->unloaded.reserve(libraries_.size());
+  begun->restored.reserve(libraries_.size());
+  FaultIfFails([&] { schedule_.deferred().SynchronizeAll(); });
+  begun->state = vesper::SaveState(State());
+  changes_ = std::move(begun);
+}
+
+void vesper_engine::EndChanges(bool keep) {
+  const Turn turn(*this);
+  if (changes_ == nullptr) {
+    throw Failure(VESPER_NOT_FOUND, "no changes are in progress; begin them first");
+  }
+  const std::unique_ptr<Changes> ended = std::move(changes_);
+  if (!keep) Undo(*ended);
+}
+
+void vesper_engine::Undo(Changes& changes) {
+  for (const auto& library : libraries_) {
+    for (const auto& field : library->fields()) columns_.Remove(field->property);
+  }
+  for (const Changes::Place& place : changes.places) {
+    changes.restored.push_back(changes.Take(place, libraries_));
+    auto& laws = changes.restored.back()->laws();
+    for (size_t i = 0; i < laws.size(); ++i) laws[i]->interval = place.intervals[i];
+  }
+  std::swap(libraries_, changes.restored);
+  for (const auto& library : libraries_) {
+    for (const auto& field : library->fields()) {
+      columns_.SetField(field->property, field->function->field());
+    }
+  }
+  Plan();
+  std::erase(changes.restored, nullptr);
+  while (!changes.restored.empty()) changes.restored.pop_back();
+  faulted_ = false;
+  clock_ = vesper::LoadState(changes.state, State());
+  schedule_.deferred().TakeArrays();
+  if (ledger_ != nullptr) ledger_->ForgetForces();
+  schedule_.Forget();
 }
 
 void vesper_engine::SetInterval(vesper_library_id id, uint32_t interval) {

@@ -48,6 +48,8 @@ struct vesper_engine {
   vesper_library_id Load(vesper_prepared_library& prepared, const vesper_parameter* parameters,
                          uint32_t count);
   void Unload(vesper_library_id id);
+  void BeginChanges();
+  void EndChanges(bool keep);
   void SetInterval(vesper_library_id id, uint32_t interval);
   void LawInfo(vesper_library_id id, uint32_t index, vesper_law_info& out) const;
 
@@ -64,6 +66,7 @@ struct vesper_engine {
 
  private:
   class Turn;
+  struct Changes;
 
   std::vector<std::unique_ptr<vesper::LawLibrary>>::const_iterator FindLibrary(
       vesper_library_id id) const;
@@ -81,6 +84,8 @@ struct vesper_engine {
   const vesper::LoadedLaw& FindLaw(vesper_library_id id, uint32_t index) const;
   /// Updates all parts that depend on the set of laws.
   void Plan();
+  /// Restores what BeginChanges found.
+  void Undo(Changes& changes);
   /// Passes the current columns to all laws. Throws FAULTED if SCRATCH or deferred values are
   /// undefined.
   void Bind();
@@ -101,6 +106,7 @@ struct vesper_engine {
   std::unique_ptr<vesper::CustomProvider> custom_;  // null: the client registers arrays
   vesper::ThreadPool pool_;
   std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // in load order
+  std::unique_ptr<Changes> changes_;                            // null: none are in progress
   vesper::Schedule schedule_{columns_, pool_};
   std::unique_ptr<vesper::Ledger> ledger_;  // null: the ledger is off
   vesper_provider provider_{*this};

@@ -139,6 +139,18 @@ TEST_P(FieldTest, LibraryBringsAFieldAndTakesItAway) {
                 [&] { engine.LoadPhysicsLaw("weather"); });
 }
 
+TEST_P(FieldTest, UndoneChangesBringAFieldBack) {
+  const vesper_library_id weather = engine.LoadPhysicsLaw("weather");
+  engine.LoadPhysicsLaw("windy");
+  engine.BeginChanges();
+  engine.UnloadPhysicsLaw(weather);
+  engine.EndChanges(false);
+  engine.Advance(1);
+  EXPECT_EQ(bodies.velocity[9], 18) << "3 per second times a height of 6";
+  ExpectRefused(VESPER_ALREADY_EXISTS, "field wind comes from library weather",
+                [&] { engine.PropertyProvider().SetField("wind", Wind(factor)); });
+}
+
 TEST_P(FieldTest, FieldOfALibraryIsConvertedToThePrototypesUnit) {
   engine.LoadPhysicsLaw("weather_in_km");
   engine.LoadPhysicsLaw("windy");

@@ -31,6 +31,15 @@ std::string ReadFile(const std::string& file, const std::string& shown) {
   return text;
 }
 
+bool MayReplace(const std::string& file, const std::string& beginning) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return true;
+  std::ifstream stream(file, std::ios::binary);
+  std::string found(beginning.size(), '\0');
+  stream.read(found.data(), static_cast<std::streamsize>(found.size()));
+  return stream.gcount() == 0 || found == beginning;
+}
+
 std::vector<std::string> DefaultLawFolders() {
   std::vector<std::string> folders;
   if (const char* path = std::getenv("VESPER_LAW_PATH")) {

@@ -12,6 +12,7 @@
 #include "folders.hpp"
 #include "laws_command.hpp"
 #include "vesper/vesper.hpp"
+#include "visible.hpp"
 
 namespace vesper::cli {
 namespace {
@@ -58,7 +59,7 @@ int CheckLaw(const LawOptions& options) {
     std::cout << options.file << ": right\n";
     if (options.file.ends_with(".law")) DescribeLibrary(options.file);
   } else {
-    std::cerr << report;
+    std::cerr << Visible(report);
   }
   return report.empty() ? kDone : kFailed;
 }
@@ -66,13 +67,16 @@ int CheckLaw(const LawOptions& options) {
 int LawToCpp(const LawOptions& options) {
   const std::string text = ReadFile(options.file);
   if (const std::string report = ReportOn(options, text); !report.empty()) {
-    std::cerr << report;
+    std::cerr << Visible(report);
     return kFailed;
   }
   const std::string cpp = CppOf(options, text);
   if (options.output.empty()) {
     std::cout << cpp;
     return kDone;
+  }
+  if (!MayReplace(options.output, "// Written by `vesper law to-cpp`")) {
+    return Fail(kFailed, options.output + kNotReplaced);
   }
   std::ofstream file(options.output, std::ios::binary);
   file << cpp;

@@ -84,6 +84,9 @@ class SceneRun {
     for (auto& [name, column] : scene_.columns) column.AddTo(engine_.PropertyProvider());
     for (const SceneLaw& law : scene_.laws) Load(law);
     if (options.ledger) engine_.SetLedger(true);
+    if (!options.csv.empty() && !MayReplace(options.csv, "frame,time,row")) {
+      throw FileError(options.csv + kNotReplaced);
+    }
     if (!options.csv.empty()) csv_.emplace(options.csv, CsvColumns());
     if (options.png) pictures_.emplace(scene_, *options.png, ProgramFolder() + "/vesper-render");
   }

@@ -334,6 +334,19 @@ VESPER_API vesper_status vesper_engine_load_physics_law(vesper_engine* engine, c
 VESPER_API vesper_status vesper_engine_unload_physics_law(vesper_engine* engine,
                                                           vesper_library_id library,
                                                           vesper_error* error) VESPER_NOEXCEPT;
+/** Begins a series of changes, such as loading and unloading, that can be undone as a whole. Until
+ *  vesper_engine_end_changes, the engine keeps the libraries that are unloaded, without calling
+ *  their laws. Between frames. ALREADY_EXISTS if a series has begun; FAULTED after a failed step.
+ *  Since 1.2. */
+VESPER_API vesper_status vesper_engine_begin_changes(vesper_engine* engine,
+                                                     vesper_error* error) VESPER_NOEXCEPT;
+/** Ends a series of changes. `keep` 1: frees the libraries that were unloaded. 0: restores what
+ *  vesper_engine_begin_changes found: the libraries with their ids, order, parameters and
+ * intervals, step count, time and SCRATCH values. It opens no library and creates no law. The
+ * client restores its arrays. The ledger keeps what an unloaded library had added in its line
+ * `unloaded`. NOT_FOUND if no series has begun. Since 1.2. */
+VESPER_API vesper_status vesper_engine_end_changes(vesper_engine* engine, uint32_t keep,
+                                                   vesper_error* error) VESPER_NOEXCEPT;
 /** Sets in which steps the laws of a library are called: in those whose number (see
  *  `vesper_engine_step_count`) is a multiple of `interval`. In these steps, the engine multiplies
  *  what the laws add to accumulators by `interval`; in all others, they add nothing. So their

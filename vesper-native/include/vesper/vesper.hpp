@@ -426,6 +426,16 @@ class PhysicsEngine {
     vesper_error error{};
     detail::Check(vesper_engine_unload_physics_law(engine_.get(), library, &error), error);
   }
+  /** Begins changes that can be undone as a whole; see `vesper_engine_begin_changes`. */
+  void BeginChanges() {
+    vesper_error error{};
+    detail::Check(vesper_engine_begin_changes(engine_.get(), &error), error);
+  }
+  /** Keeps the changes since BeginChanges, or undoes them; see `vesper_engine_end_changes`. */
+  void EndChanges(bool keep) {
+    vesper_error error{};
+    detail::Check(vesper_engine_end_changes(engine_.get(), keep ? 1 : 0, &error), error);
+  }
   /** Sets in which steps the laws of a library are called; see `vesper_engine_set_interval`. */
   void SetInterval(vesper_library_id library, uint32_t interval) {
     vesper_error error{};

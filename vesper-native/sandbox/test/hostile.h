@@ -32,6 +32,8 @@ enum HostileAct {
   WRITE_NAN_APART,
   LOG_LINES,
   FLUSH_DENORMALS,
+  ANSWER_BY_ITSELF,
+  EXIT_AS_IF_KILLED,
 };
 
 #endif /* HOSTILE_H_ */

@@ -140,9 +140,32 @@ constexpr Case kCases[] = {
     {"ShareMemory", SHARE_MEMORY, VESPER_OK, ""},
     {"GrowColumns", GROW_COLUMNS, VESPER_LAW_CRASHED, "SIGBUS"},
     {"FlushDenormals", FLUSH_DENORMALS, VESPER_OK, ""},
+    {"ExitAsIfKilled", EXIT_AS_IF_KILLED, VESPER_LAW_CRASHED, "SIGKILL"},
 };
 INSTANTIATE_TEST_SUITE_P(Acts, Contained, testing::ValuesIn(kCases),
                          [](const auto& info) { return std::string(info.param.name); });
+
+TEST_F(HostileLaw, MustRestBetweenItsCalls) {
+  Load(ANSWER_BY_ITSELF);
+  vesper_error error{};
+  // On a busy machine the law gets little of each pause.
+  for (int frame = 0; frame < 300 && error.status == VESPER_OK; ++frame) {
+    error = Advance();
+    usleep(100000);
+  }
+  EXPECT_STREQ(vesper_status_name(error.status), "LAW_TIMED_OUT");
+  EXPECT_NE(std::string(error.message).find("of processor time between its calls"),
+            std::string::npos)
+      << error.message;
+}
+
+TEST_F(HostileLaw, MayRestForAnyTime) {
+  Load(BEHAVE);
+  for (int frame = 0; frame < 50; ++frame) {
+    EXPECT_OK(engine_.AdvanceWithin(milliseconds(2000), 0.001, 20));
+    usleep(5000);
+  }
+}
 
 TEST_F(HostileLaw, GetsNoMoreMemoryThanItsLimit) {
   Load(FILL_MEMORY);

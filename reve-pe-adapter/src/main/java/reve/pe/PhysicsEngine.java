@@ -106,6 +106,23 @@ public interface PhysicsEngine extends AutoCloseable {
      */
     void setInterval(int libraryId, int interval);
 
+    /**
+     * Begins a series of changes, such as loading and unloading libraries, that can be undone as a
+     * whole. Between frames.
+     *
+     * @throws IllegalStateException if a series has begun, or there is no process for the engine
+     */
+    void beginChanges();
+
+    /**
+     * Ends a series of changes. If they are undone, the engine has the libraries of {@link
+     * #beginChanges} again, with their ids, order, parameters and intervals, and its state; the
+     * client restores the arrays. This opens no library and needs no process, so it cannot fail.
+     *
+     * @throws IllegalStateException if no series has begun
+     */
+    void endChanges(boolean keep);
+
     /** Returns whether the library runs in a sandbox, which can access only its columns. */
     default boolean isApart(int libraryId) {
         return false;

@@ -12,6 +12,9 @@ public interface PreparedLibrary extends AutoCloseable {
     /** Maximum size of a law library [bytes]. */
     int MAX_BYTES = 1 << 28;
 
+    /** Maximum size of a law in Python [bytes]. */
+    int MAX_PYTHON_BYTES = 1 << 20;
+
     /** Maximum size of a law as text [bytes]. */
     int MAX_TEXT_BYTES = 65_536;
 

@@ -6,6 +6,7 @@ import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 import static org.assertj.core.api.Assertions.offset;
+import static org.assertj.core.api.Assertions.tuple;
 import static org.assertj.core.api.Assertions.withinPercentage;
 
 import org.junit.jupiter.api.Test;
@@ -126,6 +127,50 @@ public abstract class EngineContract {
             orbit.engine.unloadPhysicsLaw(wind);
             orbit.engine.advance(1, 1);
             assertThat(orbit.get("velocity")[3]).isEqualTo(2.0);
+            assertThat(orbit.engine.laws())
+                    .extracting(PhysicsLaw::name)
+                    .containsExactly("newton_motion");
+        }
+    }
+
+    @Test
+    void undoneChangesLeaveNoTrace() {
+        try (EngineFixture changed =
+                        new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS);
+                EngineFixture expected =
+                        new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
+            changed.engine.advance(SpringOrbit.DT, 4);
+            expected.engine.advance(SpringOrbit.DT, 4);
+            List<Integer> ids = changed.engine.laws().stream().map(PhysicsLaw::libraryId).toList();
+            for (int round = 0; round < 3; round++) {
+                changed.engine.beginChanges();
+                ids.forEach(changed.engine::unloadPhysicsLaw);
+                changed.load("newton_motion", "wind");
+                changed.engine.setStepCount(99, 0.5);
+                changed.engine.endChanges(false);
+            }
+            changed.engine.advance(SpringOrbit.DT, 4);
+            expected.engine.advance(SpringOrbit.DT, 4);
+            assertThat(changed.engine.laws())
+                    .extracting(PhysicsLaw::libraryId, PhysicsLaw::name, PhysicsLaw::calls)
+                    .containsExactly(
+                            tuple(ids.get(0), "hooke_spring", 8L),
+                            tuple(ids.get(1), "newton_motion", 8L));
+            assertThat(changed.engine.stateHash()).isEqualTo(expected.engine.stateHash());
+            assertThat(changed.engine.saveState()).isEqualTo(expected.engine.saveState());
+        }
+    }
+
+    @Test
+    void keptChangesStay() {
+        try (EngineFixture orbit = new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
+            int spring = orbit.engine.laws().getFirst().libraryId();
+            orbit.engine.beginChanges();
+            orbit.engine.unloadPhysicsLaw(spring);
+            assertThatIllegalStateException().isThrownBy(orbit.engine::beginChanges);
+            orbit.engine.endChanges(true);
+            assertThatIllegalStateException().isThrownBy(() -> orbit.engine.endChanges(true));
+            orbit.engine.advance(SpringOrbit.DT, 4);
             assertThat(orbit.engine.laws())
                     .extracting(PhysicsLaw::name)
                     .containsExactly("newton_motion");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
+import org.jspecify.annotations.Nullable;
+
 import reve.core.frame.TimeBudget;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
@@ -9,7 +11,9 @@ import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.Status;
 
+import java.util.ArrayList;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 import java.util.regex.Pattern;
@@ -22,9 +26,42 @@ final class LawEvents {
     private final World world;
     private final PhysicsEngine engine;
 
+    /** The events of changes in progress, which may still be undone; null if there are none. */
+    private @Nullable List<WorldEvent> held;
+
     LawEvents(World world, PhysicsEngine engine) {
         this.world = world;
         this.engine = engine;
+    }
+
+    /** Holds events back until {@link #release} or {@link #drop}. */
+    void hold() {
+        held = new ArrayList<>();
+    }
+
+    /** Raises the events that were held back. */
+    void release() {
+        List<WorldEvent> ready = held == null ? List.of() : held;
+        held = null;
+        ready.forEach(world::raise);
+    }
+
+    /** Drops the events that were held back. */
+    void drop() {
+        held = null;
+    }
+
+    private void raise(WorldEvent event) {
+        if (held == null) {
+            world.raise(event);
+        } else {
+            held.add(event);
+        }
+    }
+
+    /** Reports that a library was unloaded. */
+    void unloaded(long frame, Map<String, Object> fields) {
+        raise(new WorldEvent(frame, "law-unloaded", fields));
     }
 
     /** Reports that a library was loaded. */
@@ -36,7 +73,7 @@ final class LawEvents {
                         .filter(law -> law.libraryId() == libraryId)
                         .map(PhysicsLaw::name)
                         .collect(Collectors.joining(", ")));
-        world.raise(new WorldEvent(frame, "law-loaded", fields));
+        raise(new WorldEvent(frame, "law-loaded", fields));
     }
 
     /**
@@ -66,14 +103,14 @@ final class LawEvents {
                         budget.frames(),
                         nanoseconds / 1e6,
                         done));
-        world.raise(new WorldEvent(frame, "over-budget", fields));
+        raise(new WorldEvent(frame, "over-budget", fields));
     }
 
     /** Reports that the engine refused a call or a law failed. */
     void fault(long frame, Map<String, Object> fields, PhysicsException failure) {
         fields.put("status", failure.status().name());
         fields.put("message", failure.getMessage() + remedy(fields, failure));
-        world.raise(new WorldEvent(frame, "fault", fields));
+        raise(new WorldEvent(frame, "fault", fields));
     }
 
     /**

@@ -14,6 +14,7 @@ import reve.pe.Status;
 import java.io.IOException;
 import java.io.UncheckedIOException;
 import java.nio.file.Files;
+import java.nio.file.InvalidPathException;
 import java.nio.file.LinkOption;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
@@ -247,6 +248,9 @@ public final class LawFolder implements AutoCloseable {
             // removed after it was listed: the next scan handles that
         } catch (IOException e) {
             warnOnce(path + " cannot be read: " + e.getMessage());
+        } catch (RuntimeException e) {
+            // Only this file is left out; the others are followed.
+            warnOnce(path + " is ignored: " + e);
         }
     }
 
@@ -266,11 +270,18 @@ public final class LawFolder implements AutoCloseable {
         return library.startsWith(PREFIX) ? library.substring(PREFIX.length()) : library;
     }
 
-    private Path parameterFile(String name) {
-        return folder.resolve(libraryIn(name) + PARAMETERS_ENDING);
+    private Path parameterFile(String name) throws IOException {
+        try {
+            return folder.resolve(libraryIn(name) + PARAMETERS_ENDING);
+        } catch (InvalidPathException unwritable) {
+            throw new IOException(
+                    "the character set of the system cannot write its name (LC_ALL or LANG);"
+                            + " expected UTF-8, for example LC_ALL=C.UTF-8",
+                    unwritable);
+        }
     }
 
-    private FolderParameters parametersOf(String name) {
+    private FolderParameters parametersOf(String name) throws IOException {
         Path file = parameterFile(name);
         if (Files.notExists(file, LinkOption.NOFOLLOW_LINKS)) {
             return FolderParameters.NONE;
@@ -285,7 +296,8 @@ public final class LawFolder implements AutoCloseable {
         return parameters.read(libraryIn(name), file);
     }
 
-    private void settle(String name, Path path, BasicFileAttributes attributes, WatchedFile file) {
+    private void settle(String name, Path path, BasicFileAttributes attributes, WatchedFile file)
+            throws IOException {
         if (!attributes.isRegularFile()) {
             file.refuse(
                     new PhysicsException(
@@ -322,7 +334,7 @@ public final class LawFolder implements AutoCloseable {
     }
 
     /** Prepares the library twice; the second copy restores it if a successor is refused. */
-    private void prepareAndOffer(String name, Path path, WatchedFile file) {
+    private void prepareAndOffer(String name, Path path, WatchedFile file) throws IOException {
         FolderParameters given = parametersOf(name);
         PreparedLibrary library = active.track(engine.prepare(path));
         PreparedLibrary spare;

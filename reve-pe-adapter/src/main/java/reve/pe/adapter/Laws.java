@@ -6,7 +6,6 @@ import org.jspecify.annotations.Nullable;
 import reve.core.frame.TimeBudget;
 import reve.core.world.Item;
 import reve.core.world.World;
-import reve.core.world.WorldEvent;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
@@ -171,7 +170,7 @@ public final class Laws {
         }
         Map<String, Object> fields = events.fieldsWithCost(library, libraryId);
         tell(new LawChange.Unloaded(drop(libraryId)));
-        world.raise(new WorldEvent(frame, "law-unloaded", fields));
+        events.unloaded(frame, fields);
     }
 
     /**
@@ -249,8 +248,7 @@ public final class Laws {
 
     /**
      * Loads a library outside PHYSICS in place of a loaded one of the same name, because the laws
-     * of both cannot be loaded together. If the new one is refused, the old one and the laws'
-     * SCRATCH memory are restored.
+     * of both cannot be loaded together. If the new one is refused, nothing changes.
      *
      * @param old id of the loaded library
      * @return id of the new library
@@ -283,39 +281,43 @@ public final class Laws {
         void make(List<LawChange> made, byte[] memory);
     }
 
-    /** Runs an action; if the engine refuses one of its changes, restores all libraries. */
+    /** Runs an action whole: if one of its changes is refused, nothing has changed. */
     private void attempt(long frame, Attempt attempt) {
-        List<LawLibrary> before = libraries();
-        List<Quarantined> out = quarantined();
-        byte[] memory = engine.saveState();
+        Map<Integer, LawLibrary> before = new LinkedHashMap<>(loaded);
+        Set<Integer> adoptable = Set.copyOf(forFolder);
+        Map<String, Quarantined> out = new LinkedHashMap<>(quarantined);
+        Map<String, TimeBudget> allowed = new HashMap<>(budgets);
+        boolean wasUnmoved = unmoved;
         List<LawChange> made = new ArrayList<>();
+        byte[] memory = engine.saveState();
+        engine.beginChanges();
         attempted = made;
+        events.hold();
+        boolean whole = false;
         try {
             attempt.make(made, memory);
-        } catch (PhysicsException refused) {
-            try {
-                restore(frame, before, out);
-                engine.loadState(memory);
-                made.clear();
-            } catch (PhysicsException notBack) {
-                refused.addSuppressed(notBack);
-                reportMissing(frame, before, notBack);
-            }
-            throw refused;
+            whole = true;
         } finally {
             attempted = null;
-            made.forEach(this::tell);
+            if (!whole) {
+                events.drop();
+                put(loaded, before);
+                put(quarantined, out);
+                put(budgets, allowed);
+                forFolder.clear();
+                forFolder.addAll(adoptable);
+                unmoved = wasUnmoved;
+                version++;
+            }
+            engine.endChanges(whole);
         }
+        events.release();
+        made.forEach(this::tell);
     }
 
-    /** Reports the libraries that could not be loaded again. */
-    private void reportMissing(long frame, List<LawLibrary> before, PhysicsException reason) {
-        List<String> present = libraries().stream().map(LawLibrary::name).toList();
-        for (LawLibrary library : before) {
-            if (!present.contains(library.name())) {
-                events.fault(frame, LawEvents.fields(library), reason);
-            }
-        }
+    private static <K, V> void put(Map<K, V> map, Map<K, V> content) {
+        map.clear();
+        map.putAll(content);
     }
 
     /** Returns false after the library was unloaded or quarantined. */
@@ -456,12 +458,31 @@ public final class Laws {
     }
 
     /**
+     * Restores the libraries, the quarantined ones and the engine's state of an image, then runs
+     * {@code columns}, which restores the columns of the world. If one of them fails, nothing has
+     * changed.
+     *
+     * @throws PhysicsException if the engine refuses a library or the state, or its process is lost
+     *     too often
+     * @throws IllegalStateException if no process can be started for the engine
+     */
+    void restore(long frame, PhysicsImage image, Runnable columns) {
+        attempt(
+                frame,
+                (made, memory) -> {
+                    restore(frame, image.libraries(), image.quarantined());
+                    engine.loadState(image.engineState()); // refuses a state that is damaged
+                    columns.run();
+                });
+    }
+
+    /**
      * Loads and unloads until exactly these libraries are loaded, in this order. If the engine's
      * process is lost meanwhile, its successor continues.
      *
      * @throws PhysicsException if the engine refuses a library, or its process is lost too often
      */
-    void restore(long frame, List<LawLibrary> wanted, List<Quarantined> out) {
+    private void restore(long frame, List<LawLibrary> wanted, List<Quarantined> out) {
         for (int tries = 1; ; tries++) {
             try {
                 restoreOnce(frame, wanted, out);

@@ -204,13 +204,17 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Restores the physics part of an image, after the world was restored. Between frames.
+     * Restores an image: the physics part and, with {@code world}, the rest of it. If the engine or
+     * {@code world} refuses it, nothing has changed. Between frames.
      *
      * @param frame the world's current frame
+     * @param world restores the world from the same image, or throws before it has changed anything
      * @throws PhysicsException if the engine refuses a library or the state
+     * @throws IllegalStateException if no process can be started for the engine
      */
-    public void restore(long frame, PhysicsImage image) {
-        laws.restore(frame, image.libraries(), image.quarantined());
+    public void restore(long frame, PhysicsImage image, Runnable world) {
+        bind();
+        laws.restore(frame, image, world);
         budgets.forget();
         bind();
         engine.loadState(image.engineState());

@@ -20,6 +20,7 @@ import java.lang.foreign.MemorySegment;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
 import java.util.function.Consumer;
@@ -84,6 +85,12 @@ public final class HostedEngine implements PhysicsEngine {
 
     /** Advances left in which laws may build. */
     private int building = BUILD_ADVANCES;
+
+    /** The changes in progress; null if there are none. */
+    private @Nullable Changes changes;
+
+    /** A state that a host of the present libraries has loaded, with its step count. */
+    private KeptState.@Nullable Saved accepted;
 
     private volatile boolean closed;
 
@@ -182,6 +189,7 @@ public final class HostedEngine implements PhysicsEngine {
             keep(calls); // before it counts as loaded: a new host needs its state
             library.taken();
             libraries.add(added);
+            accepted = null;
             nextId++;
             expectBuilding();
             return added.id;
@@ -232,7 +240,7 @@ public final class HostedEngine implements PhysicsEngine {
                 int threads =
                         calls.call(to -> to.begin(Request.UNLOAD).putInt(old.hostId)).getInt();
                 keep(calls);
-                if (threads > old.threads) {
+                if (changes == null && threads > old.threads) {
                     lose(); // a thread that the library left might still write
                 }
             } catch (HostLost lost) {
@@ -251,7 +259,74 @@ public final class HostedEngine implements PhysicsEngine {
             state.leave(old.library.name());
         }
         libraries.remove(old);
-        old.library.free();
+        accepted = null;
+        if (changes == null || !changes.setAside(old)) {
+            old.library.free();
+        }
+    }
+
+    @Override
+    public void beginChanges() {
+        checkOpen();
+        if (changes != null) {
+            throw new IllegalStateException("changes are in progress; end them first");
+        }
+        keepState();
+        HostProcess current = host();
+        try {
+            calls(current).call(to -> to.begin(Request.BEGIN_CHANGES));
+        } catch (HostLost lost) {
+            lose();
+        }
+        changes = new Changes(host, libraries, state.saved());
+    }
+
+    @Override
+    public void endChanges(boolean keep) {
+        checkOpen();
+        if (changes == null) {
+            throw new IllegalStateException("no changes are in progress; begin them first");
+        }
+        Changes ended = changes;
+        changes = null;
+        if (!keep) {
+            accepted = null;
+            state.set(ended.state());
+            moves.clear();
+            expectBuilding();
+        }
+        endInHost(ended, keep);
+        for (Loaded gone : keep ? ended.unloaded() : ended.restore(libraries)) {
+            gone.library.free();
+        }
+    }
+
+    /**
+     * Ends changes in the host in which they began; any other host is replaced if they are undone.
+     */
+    private void endInHost(Changes ended, boolean keep) {
+        if (host == null || host != ended.host()) {
+            if (!keep) {
+                lose();
+            }
+            return;
+        }
+        try {
+            int threads =
+                    calls(host)
+                            .call(to -> to.begin(Request.END_CHANGES).putInt(keep ? 1 : 0))
+                            .getInt();
+            if (keep && ended.leftThreads(threads)) {
+                lose(); // a thread that a library left might still write
+            }
+        } catch (HostLost | PhysicsException lost) {
+            lose();
+            config.log().log(
+                    System.Logger.Level.WARNING,
+                    lost.getMessage()
+                            + " while libraries were replaced; the engine goes on in a new"
+                            + " process");
+        }
     }
 
     @Override
@@ -434,13 +509,24 @@ public final class HostedEngine implements PhysicsEngine {
     @Override
     public void loadState(byte[] saved) {
         checkOpen();
-        withRetry(
-                calls -> {
-                    state.load(saved, List.of(), calls);
-                    keep(calls);
-                    return calls;
-                });
         expectBuilding();
+        KeptState.Saved known = accepted;
+        try {
+            withRetry(
+                    calls -> {
+                        state.load(saved, List.of(), calls);
+                        keep(calls);
+                        return calls;
+                    });
+            accepted = new KeptState.Saved(saved.clone(), state.steps());
+        } catch (PhysicsException | IllegalStateException lost) {
+            if (known == null || !Arrays.equals(known.bytes(), saved)) {
+                throw lost;
+            }
+            lose();
+            state.set(known); // the next host begins with it
+            moves.clear();
+        }
     }
 
     private void keepState() {
@@ -479,6 +565,9 @@ public final class HostedEngine implements PhysicsEngine {
             lose();
             libraries.forEach(library -> library.library.free());
             libraries.clear();
+            if (changes != null) {
+                changes.unloaded().forEach(library -> library.library.free());
+            }
             state.close();
         }
     }

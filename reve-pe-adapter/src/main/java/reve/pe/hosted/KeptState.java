@@ -95,6 +95,31 @@ final class KeptState {
                 });
     }
 
+    /** Replaces the kept state by an earlier one. */
+    void set(Saved saved) {
+        set(saved.bytes, saved.steps);
+    }
+
+    /**
+     * Replaces the kept state by bytes that a host of the present laws has accepted.
+     *
+     * @param count step count in the state
+     */
+    void set(byte[] state, long count) {
+        copy = state.clone();
+        size = copy.length;
+        steps = count;
+        left.clear();
+    }
+
+    /** Returns the kept state, for {@link #set(Saved)}. */
+    Saved saved() {
+        return new Saved(bytes(), steps);
+    }
+
+    /** A state, and its step count. */
+    record Saved(byte[] bytes, long steps) {}
+
     /** Excludes the state of a library that was unloaded while there was no host. */
     void leave(String library) {
         left.add(library);

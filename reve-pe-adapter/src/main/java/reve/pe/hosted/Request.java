@@ -24,7 +24,9 @@ enum Request {
     SET_LEDGER,
     LEDGER,
     BIND_ALL,
-    SET_INTERVAL;
+    SET_INTERVAL,
+    BEGIN_CHANGES,
+    END_CHANGES;
 
     int number() {
         return ordinal() + 1;

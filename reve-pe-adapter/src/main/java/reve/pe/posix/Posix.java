@@ -45,6 +45,7 @@ final class Posix {
 
     private static final MethodHandle CLOCK_GETTIME =
             function("clock_gettime", JAVA_INT, JAVA_INT, ADDRESS);
+    private static final MethodHandle OPEN = variadic("open", 2, JAVA_INT, ADDRESS, JAVA_INT);
     private static final MethodHandle CLOSE = function("close", JAVA_INT, JAVA_INT);
     private static final MethodHandle STRERROR =
             LINKER.downcallHandle(
@@ -100,6 +101,16 @@ final class Posix {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
             return orErrno((int) MUNMAP.invokeExact(state, mapping, mapping.byteSize()), state);
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
+    /** Returns the descriptor of an existing file. */
+    static int open(String path, int flags) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment state = call.allocate(CALL_STATE);
+            return orErrno((int) OPEN.invokeExact(state, call.allocateFrom(path), flags), state);
         } catch (Throwable t) {
             throw unexpected(t);
         }

@@ -8,6 +8,7 @@ import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.Status;
+import reve.pe.posix.RegularFile;
 
 import java.io.IOException;
 import java.lang.foreign.Arena;
@@ -41,7 +42,7 @@ public final class LawText {
                             + " bytes, expected a law text of at most "
                             + PreparedLibrary.MAX_TEXT_BYTES);
         }
-        return Files.readAllBytes(file);
+        return RegularFile.read(file, PreparedLibrary.MAX_TEXT_BYTES);
     }
 
     /**

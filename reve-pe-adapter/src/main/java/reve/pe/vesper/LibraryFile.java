@@ -6,9 +6,11 @@ import org.jspecify.annotations.Nullable;
 import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
 import reve.pe.Status;
+import reve.pe.posix.RegularFile;
 
 import java.io.IOException;
 import java.nio.file.Files;
+import java.nio.file.LinkOption;
 import java.nio.file.Path;
 import java.nio.file.attribute.BasicFileAttributes;
 import java.nio.file.attribute.FileTime;
@@ -66,26 +68,32 @@ public final class LibraryFile {
      * Reads a library.
      *
      * @throws PhysicsException if it is too large, or changes while it is read
-     * @throws IOException if it cannot be read
+     * @throws IOException if it cannot be read or is not a regular file
      */
     public static byte[] read(Path file) throws IOException {
         Stamp before = stamp(file);
         requireSize(file);
-        byte[] bytes = Files.readAllBytes(file);
+        byte[] bytes = RegularFile.read(file, most(file));
         requireUnchanged(file, before);
         return bytes;
     }
 
     static void requireSize(Path file) throws IOException {
-        if (Files.size(file) > PreparedLibrary.MAX_BYTES) {
+        if (Files.size(file) > most(file)) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED,
                     file
                             + " has "
                             + Files.size(file)
                             + " bytes, expected a law library of at most "
-                            + PreparedLibrary.MAX_BYTES);
+                            + most(file));
         }
+    }
+
+    private static int most(Path file) {
+        return file.toString().endsWith(PreparedLibrary.PYTHON_ENDING)
+                ? PreparedLibrary.MAX_PYTHON_BYTES
+                : PreparedLibrary.MAX_BYTES;
     }
 
     static void requireUnchanged(Path file, Stamp before) throws IOException {
@@ -97,7 +105,8 @@ public final class LibraryFile {
     }
 
     static Stamp stamp(Path file) throws IOException {
-        BasicFileAttributes attributes = Files.readAttributes(file, BasicFileAttributes.class);
+        BasicFileAttributes attributes =
+                Files.readAttributes(file, BasicFileAttributes.class, LinkOption.NOFOLLOW_LINKS);
         return new Stamp(attributes.fileKey(), attributes.size(), attributes.lastModifiedTime());
     }
 

@@ -12,6 +12,8 @@ import static java.lang.foreign.ValueLayout.JAVA_DOUBLE;
 import static java.lang.foreign.ValueLayout.JAVA_INT;
 import static java.lang.foreign.ValueLayout.JAVA_LONG;
 
+import org.jspecify.annotations.Nullable;
+
 import reve.pe.LedgerLine;
 import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsEngine;
@@ -21,12 +23,12 @@ import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.PythonLaw;
 import reve.pe.Status;
+import reve.pe.posix.RegularFile;
 import reve.pe.vesper.VesperErrors.LibraryNames;
 
 import java.io.IOException;
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
-import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
@@ -54,6 +56,9 @@ public final class VesperEngine implements PhysicsEngine {
     private final MemorySegment lawInfo;
     private final MemorySegment out;
     private final Map<Integer, LibraryNames> libraries = new LinkedHashMap<>();
+
+    /** The libraries before the changes in progress; null if there are none. */
+    private @Nullable Map<Integer, LibraryNames> before;
 
     /** The ids of the libraries in the order of loading, and the number of laws of each. */
     private int[] libraryIds = {};
@@ -204,6 +209,32 @@ public final class VesperEngine implements PhysicsEngine {
         errors.check(VesperLibrary.engineUnloadPhysicsLaw(engine, libraryId, errors.segment()));
         libraries.remove(libraryId);
         listLibraries();
+    }
+
+    @Override
+    public void beginChanges() {
+        checkOpen();
+        if (before != null) {
+            throw new IllegalStateException("changes are in progress; end them first");
+        }
+        errors.check(VesperLibrary.engineBeginChanges(engine, errors.segment()));
+        before = new LinkedHashMap<>(libraries);
+    }
+
+    @Override
+    public void endChanges(boolean keep) {
+        checkOpen();
+        if (before == null) {
+            throw new IllegalStateException("no changes are in progress; begin them first");
+        }
+        Map<Integer, LibraryNames> begun = before;
+        before = null;
+        errors.check(VesperLibrary.engineEndChanges(engine, keep ? 1 : 0, errors.segment()));
+        if (!keep) {
+            libraries.clear();
+            libraries.putAll(begun);
+            listLibraries();
+        }
     }
 
     private void listLibraries() {
@@ -375,7 +406,7 @@ public final class VesperEngine implements PhysicsEngine {
         LibraryFile.requireSize(file);
         MemorySegment prepared = prepareCopy(file);
         try {
-            byte[] bytes = Files.readAllBytes(file);
+            byte[] bytes = RegularFile.read(file, PreparedLibrary.MAX_BYTES);
             LibraryFile.requireUnchanged(file, before);
             return new VesperPreparedLibrary(prepared, bytes, null);
         } catch (IOException | RuntimeException e) {

@@ -114,6 +114,10 @@ final class VesperLibrary {
                     ADDRESS);
     private static final MethodHandle UNLOAD_LAW =
             function("vesper_engine_unload_physics_law", JAVA_INT, ADDRESS, JAVA_INT, ADDRESS);
+    private static final MethodHandle BEGIN_CHANGES =
+            function("vesper_engine_begin_changes", JAVA_INT, ADDRESS, ADDRESS);
+    private static final MethodHandle END_CHANGES =
+            function("vesper_engine_end_changes", JAVA_INT, ADDRESS, JAVA_INT, ADDRESS);
     private static final MethodHandle SET_INTERVAL =
             function("vesper_engine_set_interval", JAVA_INT, ADDRESS, JAVA_INT, JAVA_INT, ADDRESS);
     private static final MethodHandle LAW_INFO =
@@ -378,6 +382,22 @@ final class VesperLibrary {
     static int engineUnloadPhysicsLaw(MemorySegment engine, int library, MemorySegment error) {
         try {
             return (int) UNLOAD_LAW.invokeExact(engine, library, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineBeginChanges(MemorySegment engine, MemorySegment error) {
+        try {
+            return (int) BEGIN_CHANGES.invokeExact(engine, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineEndChanges(MemorySegment engine, int keep, MemorySegment error) {
+        try {
+            return (int) END_CHANGES.invokeExact(engine, keep, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }

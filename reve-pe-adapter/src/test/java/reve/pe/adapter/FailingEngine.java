@@ -28,6 +28,9 @@ final class FailingEngine implements PhysicsEngine {
     /** Number of libraries to refuse next. */
     int refusals;
 
+    /** Number of libraries to load before one is refused; negative: none is refused. */
+    int refuseAfter = -1;
+
     FailingEngine(PhysicsEngine engine) {
         this.engine = engine;
     }
@@ -78,6 +81,9 @@ final class FailingEngine implements PhysicsEngine {
         if (refusals > 0) {
             throw new PhysicsException(Status.INTERNAL, "refusals left: " + --refusals);
         }
+        if (refuseAfter >= 0 && refuseAfter-- == 0) {
+            throw new PhysicsException(Status.INTERNAL, "refused " + prepared.name());
+        }
         return engine.loadPhysicsLaw(prepared, parameters);
     }
 
@@ -89,6 +95,16 @@ final class FailingEngine implements PhysicsEngine {
     @Override
     public void setInterval(int libraryId, int interval) {
         engine.setInterval(libraryId, interval);
+    }
+
+    @Override
+    public void beginChanges() {
+        engine.beginChanges();
+    }
+
+    @Override
+    public void endChanges(boolean keep) {
+        engine.endChanges(keep);
     }
 
     @Override

@@ -9,7 +9,9 @@ import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
 
+import reve.core.world.WorldImage;
 import reve.pe.NativeFiles;
+import reve.pe.PhysicsException;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -18,12 +20,15 @@ import java.nio.file.attribute.PosixFilePermissions;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
+import java.util.Random;
 
 /** Losses of the engine's process for which no law is the cause, or not the one that runs. */
 @Tag("slow")
 class HostLossNativeTest {
     private static final int BAD_FRAME = 13; // whose steps are 48 to 51
     private static final int FRAMES = 20;
+    private static final int REWINDS = 40;
+    private static final long SEED = 20261128;
 
     /** Frames after which laws have built what they need. */
     private static final int SETTLED = 3;
@@ -138,6 +143,109 @@ class HostLossNativeTest {
         }
     }
 
+    /** Processes are killed while the world goes from one set of laws to another one and back. */
+    @Test
+    void aRewindHappensWholeOrNotAtAll() throws Exception {
+        Program program = new Program();
+        try (HostedFixture hosted = new HostedFixture(1, program.file);
+                AdapterFixture expected = HostedFixture.inProcess();
+                Rewinds hostedRewinds = new Rewinds(hosted.world);
+                Rewinds expectedRewinds = new Rewinds(expected)) {
+            int refused = 0;
+            Random random = new Random(SEED);
+            for (int rewind = 0; rewind < REWINDS; rewind++) {
+                int target = random.nextInt(2);
+                boolean isBroken = rewind % 5 == 4;
+                if (isBroken) {
+                    program.fail(rewind % 2 == 0 ? "killed" : "refused");
+                    killHosts();
+                }
+                Thread killer = isBroken ? null : killsHosts(random.nextInt(2, 40));
+                try {
+                    hostedRewinds.to(target);
+                    expectedRewinds.to(target);
+                } catch (PhysicsException | IllegalStateException why) {
+                    refused++;
+                }
+                if (killer == null) {
+                    program.recover();
+                } else {
+                    killer.interrupt();
+                    killer.join();
+                }
+                assertThat(hosted.world.adapter.laws().libraries())
+                        .as("rewind %d", rewind)
+                        .usingRecursiveComparison()
+                        .isEqualTo(expected.adapter.laws().libraries());
+                for (AdapterFixture world : List.of(hosted.world, expected)) {
+                    world.run(2);
+                }
+                assertThat(differing(hosted.world, expected)).as("rewind %d", rewind).isEmpty();
+                assertThat(hosted.world.adapter.stateHash())
+                        .as("rewind %d", rewind)
+                        .isEqualTo(expected.adapter.stateHash());
+            }
+            assertThat(refused).isGreaterThanOrEqualTo(REWINDS / 5);
+            assertThat(hosted.world.events("fault")).isEmpty();
+            assertThat(hosted.world.adapter.laws().quarantined()).isEmpty();
+        }
+    }
+
+    /** Two images of a world with different laws: one with SCRATCH, one that arrests no item. */
+    private static final class Rewinds implements AutoCloseable {
+        private final AdapterFixture world;
+        private final List<WorldImage> images = new ArrayList<>();
+        private final List<PhysicsImage> physics = new ArrayList<>();
+
+        Rewinds(AdapterFixture world) {
+            this.world = world;
+            world.load("newton_motion", "counts_years").run(3);
+            keep();
+            Laws laws = world.adapter.laws();
+            laws.unload(3, laws.byId().keySet().iterator().next());
+            world.load("drag", "newton_motion", "wind").run(3);
+            world.world.remove(world.world.find("b3").orElseThrow().id());
+            world.run(1);
+            keep();
+        }
+
+        private void keep() {
+            WorldImage image = new WorldImage(world.world);
+            images.add(image);
+            image.copyFrom(world.world, world.loop.frame());
+            physics.add(world.adapter.save());
+        }
+
+        void to(int image) {
+            world.adapter.restore(
+                    world.loop.frame() + 1,
+                    physics.get(image),
+                    () -> world.world.restore(images.get(image)));
+            world.loop.continueAfter(world.loop.frame() + 1);
+        }
+
+        @Override
+        public void close() {
+            images.forEach(WorldImage::close);
+        }
+    }
+
+    /** Returns a thread that kills all hosts, again and again, until it is interrupted. */
+    private static Thread killsHosts(int milliseconds) {
+        return Thread.ofPlatform()
+                .start(
+                        () -> {
+                            try {
+                                while (true) {
+                                    Thread.sleep(milliseconds);
+                                    hosts().forEach(ProcessHandle::destroyForcibly);
+                                }
+                            } catch (InterruptedException end) {
+                                // the rewind has ended
+                            }
+                        });
+    }
+
     /** The engine has then made the steps, and cannot say so. */
     @Test
     void anEngineWithoutMemoryIsReplacedBeforeALawIsBlamed() {
@@ -180,7 +288,7 @@ class HostLossNativeTest {
             world.run(SETTLED);
             world.world.add(AdapterFixture.body("more", 1, 50, 0, 0, 0, 0, 0));
             world.run(SETTLED);
-            world.adapter.restore(world.loop.frame(), before);
+            world.adapter.restore(world.loop.frame(), before, () -> {});
             world.run(SETTLED);
             assertThat(world.events("fault")).isEmpty();
         }
@@ -223,12 +331,15 @@ class HostLossNativeTest {
     }
 
     private static void killHosts() {
-        List<ProcessHandle> doomed =
-                ProcessHandle.current()
-                        .children()
-                        .filter(child -> child.info().command().orElse("").endsWith("vesper-host"))
-                        .toList();
+        List<ProcessHandle> doomed = hosts();
         doomed.forEach(ProcessHandle::destroyForcibly);
         doomed.forEach(host -> host.onExit().join());
+    }
+
+    private static List<ProcessHandle> hosts() {
+        return ProcessHandle.current()
+                .children()
+                .filter(child -> child.info().command().orElse("").endsWith("vesper-host"))
+                .toList();
     }
 }

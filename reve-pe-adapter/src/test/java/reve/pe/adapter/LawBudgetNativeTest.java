@@ -198,7 +198,7 @@ class LawBudgetNativeTest {
             assertThat(library(world, "wind").interval()).isEqualTo(1);
 
             laws.setBudget("wind", Optional.empty());
-            world.adapter.restore(4, image);
+            world.adapter.restore(4, image, () -> {});
             assertThat(library(world, "wind").budget()).isEqualTo(budget);
             assertThat(library(world, "wind").interval()).isEqualTo(2);
         }

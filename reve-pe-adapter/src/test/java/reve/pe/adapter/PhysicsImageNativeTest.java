@@ -44,8 +44,7 @@ class PhysicsImageNativeTest {
                 stir(whole, continued, frame);
             }
 
-            other.world.restore(image);
-            other.adapter.restore(image.frame(), physics);
+            other.adapter.restore(image.frame(), physics, () -> other.world.restore(image));
             other.loop.continueAfter(image.frame());
             continued = new Random(SEED + 1);
             for (int frame = 1; frame <= HALF; frame++) {
@@ -72,8 +71,7 @@ class PhysicsImageNativeTest {
             stir(world, new Random(SEED), 1);
             world.run(3);
 
-            world.world.restore(image);
-            world.adapter.restore(image.frame(), physics);
+            world.adapter.restore(image.frame(), physics, () -> world.world.restore(image));
             world.loop.continueAfter(world.loop.frame() + 1);
             world.run(HALF);
             assertThat(world.adapter.stateHash()).isEqualTo(first);
@@ -90,7 +88,7 @@ class PhysicsImageNativeTest {
             world.adapter.laws().load(0, "writes_nan", Map.of("from_step", 0.0));
             world.run(1); // and it is quarantined
 
-            world.adapter.restore(1, physics);
+            world.adapter.restore(1, physics, () -> {});
 
             assertThat(world.adapter.laws().libraries())
                     .usingRecursiveComparison()
@@ -152,9 +150,70 @@ class PhysicsImageNativeTest {
             byte[] flipped = physics.engineState();
             flipped[flipped.length / 2] ^= 1;
             assertThatExceptionOfType(PhysicsException.class)
-                    .isThrownBy(() -> world.adapter.restore(0, physics))
+                    .isThrownBy(() -> world.adapter.restore(0, physics, () -> {}))
                     .satisfies(e -> assertThat(e.status()).isEqualTo(Status.INVALID_ARGUMENT));
         }
+    }
+
+    /** The second law of the image is refused, after the first one was exchanged. */
+    @Test
+    void aRewindThatIsRefusedChangesNothing() {
+        FailingEngine[] failing = new FailingEngine[1];
+        try (AdapterFixture world =
+                        new AdapterFixture(
+                                WorldPrototype.standard("si-f64"),
+                                List.of(ball("one", 0, 1, 0, 1), ball("two", 3, 1, 0, 0)),
+                                new OffHeapArena(),
+                                false,
+                                engine -> failing[0] = new FailingEngine(engine));
+                WorldImage image = new WorldImage(world.world)) {
+            world.load("newton_motion", "counts_years", "wind");
+            world.run(3);
+            image.copyFrom(world.world, world.loop.frame());
+            PhysicsImage physics = world.adapter.save();
+            Laws laws = world.adapter.laws();
+            List.copyOf(laws.byId().keySet()).forEach(id -> laws.unload(3, id));
+            world.load("drag", "newton_motion");
+            laws.load(0, "writes_nan", Map.of("from_step", 12.0));
+            world.run(2); // and writes_nan is quarantined
+            List<LawChange> told = new ArrayList<>();
+            laws.addListener(told::add);
+
+            Map<String, List<Byte>> columns = world.bytes();
+            long hash = world.adapter.stateHash();
+            Map<Integer, LawLibrary> libraries = laws.byId();
+            List<Quarantined> quarantined = laws.quarantined();
+            int events = world.events.size();
+            PhysicsImage damaged = damaged(physics);
+            for (Runnable rewind :
+                    List.<Runnable>of(
+                            () -> {
+                                failing[0].refuseAfter = 1;
+                                world.adapter.restore(5, physics, () -> world.world.restore(image));
+                            },
+                            () ->
+                                    world.adapter.restore(
+                                            5, damaged, () -> world.world.restore(image)))) {
+                assertThatExceptionOfType(PhysicsException.class).isThrownBy(rewind::run);
+                assertThat(laws.byId()).isEqualTo(libraries);
+                assertThat(laws.quarantined()).isEqualTo(quarantined).hasSize(1);
+                assertThat(world.bytes()).isEqualTo(columns);
+                assertThat(world.adapter.stateHash()).isEqualTo(hash);
+                assertThat(told).isEmpty();
+            }
+            world.run(1);
+            assertThat(world.events).hasSize(events);
+
+            world.adapter.restore(6, physics, () -> world.world.restore(image));
+            assertThat(laws.libraries()).usingRecursiveComparison().isEqualTo(physics.libraries());
+            assertThat(told).isNotEmpty();
+        }
+    }
+
+    private static PhysicsImage damaged(PhysicsImage image) {
+        byte[] flipped = image.engineState().clone();
+        flipped[flipped.length / 2] ^= 1;
+        return new PhysicsImage(image.libraries(), image.quarantined(), flipped);
     }
 
     private static AdapterFixture emptyHeap() {

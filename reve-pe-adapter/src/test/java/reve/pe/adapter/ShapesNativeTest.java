@@ -126,8 +126,7 @@ class ShapesNativeTest {
             image.copyFrom(whole.world, whole.loop.frame());
             PhysicsImage physics = whole.adapter.save();
             whole.run(SECOND);
-            other.world.restore(image);
-            other.adapter.restore(image.frame(), physics);
+            other.adapter.restore(image.frame(), physics, () -> other.world.restore(image));
             other.loop.continueAfter(image.frame());
             other.run(SECOND);
             assertThat(other.adapter.stateHash()).isEqualTo(whole.adapter.stateHash());
@@ -229,8 +228,7 @@ class ShapesNativeTest {
             image.copyFrom(whole.world, whole.loop.frame());
             PhysicsImage physics = whole.adapter.save();
             whole.run(SECOND);
-            other.world.restore(image);
-            other.adapter.restore(image.frame(), physics);
+            other.adapter.restore(image.frame(), physics, () -> other.world.restore(image));
             other.loop.continueAfter(image.frame());
             other.run(SECOND);
             assertThat(other.adapter.stateHash()).isEqualTo(whole.adapter.stateHash());

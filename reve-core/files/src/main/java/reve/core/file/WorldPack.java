@@ -139,7 +139,7 @@ public final class WorldPack {
                     extract(pack, zip, entry, folder, names);
                 }
             }
-        } catch (ZipException | IllegalArgumentException broken) {
+        } catch (ZipException | EOFException | IllegalArgumentException broken) {
             throw damaged(pack, String.valueOf(broken.getMessage()), broken);
         }
     }

@@ -30,7 +30,7 @@ import java.util.Optional;
  * to the bit. The same values always give the same text. Writes a value that contains a mapping on
  * several lines, and any other value on one line.
  */
-final class YamlWriter {
+public final class YamlWriter {
     private static final int WIDTH = 100;
     private static final double LARGEST_WRITTEN_AS_INTEGER = 1e15;
     private static final DumpSettings SETTINGS =
@@ -64,9 +64,9 @@ final class YamlWriter {
     }
 
     /** A number in the tree, as the text to be written. */
-    record Numeral(String text) {
+    public record Numeral(String text) {
         /** Returns the shortest text that is read as exactly this number. */
-        static Numeral of(double value) {
+        public static Numeral of(double value) {
             boolean negativeZero = value == 0 && 1 / value < 0;
             boolean integer =
                     value == Math.rint(value)
@@ -76,7 +76,7 @@ final class YamlWriter {
         }
 
         /** Returns the shortest text that is read as exactly this 32-bit number. */
-        static Numeral of(float value) {
+        public static Numeral of(float value) {
             double shortest = Double.parseDouble(Float.toString(value));
             return of((float) shortest == value ? shortest : value);
         }
@@ -89,7 +89,7 @@ final class YamlWriter {
      *     Numeral}
      * @throws IllegalArgumentException if the tree has more values than {@link YamlReader} accepts
      */
-    static String write(Map<String, ?> tree) {
+    public static String write(Map<String, ?> tree) {
         var out = new StringBuilder();
         var writer = new YamlWriter(out);
         writer.emitter.emit(new StreamStartEvent());

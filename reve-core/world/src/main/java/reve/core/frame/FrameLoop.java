@@ -125,6 +125,21 @@ public final class FrameLoop {
      * @throws IllegalStateException if a frame is in progress
      */
     public void continueAfter(long frame) {
+        requireContinuable(frame);
+        frames.setRelease(frame);
+        begunFrame.set(frame);
+        lastAllowed.updateAndGet(last -> Math.max(last, frame));
+        begun = false;
+        gate.continuesAfter(frame);
+    }
+
+    /**
+     * Checks that {@link #continueAfter} is possible, and changes nothing.
+     *
+     * @throws IllegalStateException if a frame is in progress
+     * @throws IllegalArgumentException if frames would go back
+     */
+    public void requireContinuable(long frame) {
         if (making) {
             throw new IllegalStateException(
                     "frame "
@@ -142,11 +157,6 @@ public final class FrameLoop {
                             + frame()
                             + " or more: frames never go back");
         }
-        frames.setRelease(frame);
-        begunFrame.set(frame);
-        lastAllowed.updateAndGet(last -> Math.max(last, frame));
-        begun = false;
-        gate.continuesAfter(frame);
     }
 
     /** Sets the gate that {@link #run} asks before each frame. For any thread. */

@@ -23,6 +23,7 @@ import java.net.BindException;
 import java.nio.file.AccessDeniedException;
 import java.nio.file.InvalidPathException;
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
@@ -66,6 +67,7 @@ public final class Main {
                     StoreCommand.class,
                     NewCommand.class,
                     PackCommand.class,
+                    ImportCommand.class,
                     CommandLine.HelpCommand.class);
 
     private static final String DOCTOR =
@@ -97,7 +99,23 @@ public final class Main {
 
     /** Runs one command and ends the process with its exit code. */
     public static void main(String[] arguments) {
+        Thread.setDefaultUncaughtExceptionHandler(Main::reportEnd);
         System.exit(run(new FileOutputStream(FileDescriptor.out), arguments));
+    }
+
+    /**
+     * Reports a thread that a failure ended. The report of the JVM itself would print names of
+     * files and other foreign text unescaped.
+     */
+    private static void reportEnd(Thread thread, Throwable failure) {
+        LinePrinter err = new LinePrinter(System.err);
+        List<String> lines = new ArrayList<>();
+        lines.add("reve: the thread '" + thread.getName() + "' ended: " + failure);
+        for (StackTraceElement call : failure.getStackTrace()) {
+            lines.add("at " + call);
+        }
+        LinePrinter.message(err, lines);
+        err.flush();
     }
 
     /** Runs one command line and returns its exit code; for tests. */

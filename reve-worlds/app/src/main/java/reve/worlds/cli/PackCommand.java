@@ -14,8 +14,6 @@ import reve.core.file.WorldFile;
 import reve.core.file.WorldPack;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.WorldFolder;
-import reve.pe.PhysicsException;
-import reve.pe.Status;
 import reve.worlds.server.LawPath;
 
 import java.io.IOException;
@@ -147,7 +145,6 @@ public final class PackCommand implements Callable<Integer> {
             }
             LawPath.Found found = path.find(law.name());
             if (found.origin() == LawPath.Origin.FOLDER) {
-                requireRegular(found.file());
                 to.keySet()
                         .removeAll(
                                 LawPath.filesOf(law.name()).stream()
@@ -155,13 +152,6 @@ public final class PackCommand implements Callable<Integer> {
                                         .toList());
                 to.put(inLaws(found.file().getFileName().toString()), found.file());
             }
-        }
-    }
-
-    private static void requireRegular(Path file) {
-        if (!Files.isRegularFile(file)) {
-            throw new PhysicsException(
-                    Status.LIBRARY_LOAD_FAILED, file + ": expected a regular file");
         }
     }
 

@@ -11,6 +11,7 @@ import reve.pe.PreparedLibrary;
 import reve.pe.Status;
 import reve.pe.adapter.LawLibrary;
 import reve.pe.hosted.ApartRule;
+import reve.pe.posix.RegularFile;
 import reve.pe.vesper.LibraryFile;
 import reve.worlds.Product;
 
@@ -160,11 +161,12 @@ public record LawPath(
             List<Path> candidates =
                     files.stream()
                             .map(place.getKey()::resolve)
-                            .filter(Files::exists)
+                            .filter(file -> Files.exists(file, LinkOption.NOFOLLOW_LINKS))
                             .map(Path::toAbsolutePath)
                             .toList();
             if (place.getValue() != Origin.SHIPPED) {
                 requireOne(name, candidates);
+                candidates.forEach(LawPath::requireRegular);
             }
             if (!candidates.isEmpty()) {
                 return new Found(candidates.getFirst(), place.getValue());
@@ -434,6 +436,23 @@ public record LawPath(
     /** Returns a path as it appears in a message of several lines. */
     private static String shown(Path path) {
         return Visible.line(path.toString());
+    }
+
+    /** Refuses links, pipes and devices, as the watch of the folder does. */
+    private static void requireRegular(Path file) {
+        String other;
+        try {
+            other = RegularFile.otherKind(file);
+        } catch (IOException unreadable) {
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    shown(file) + " cannot be read: " + unreadable.getMessage());
+        }
+        if (!other.isEmpty()) {
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    shown(file) + " is not read: expected a regular file, found " + other);
+        }
     }
 
     /** Refuses two files for one name in a folder that does not ship. */

@@ -448,10 +448,13 @@ public final class Simulation implements AutoCloseable {
     /**
      * Restores an image: time, items and laws. With the same inputs, the same frames follow, with
      * equal bits. Frame numbers continue; the next frame shows the restored world. What clients
-     * have received about other frames stays as it is. World's thread, between frames.
+     * have received about other frames stays as it is. If it fails, nothing has changed. World's
+     * thread, between frames.
      *
      * @return the number of the next frame
-     * @throws IllegalStateException if a frame is in progress
+     * @throws IllegalStateException if a frame is in progress, or no process can be started for the
+     *     engine
+     * @throws PhysicsException if the engine refuses a library or the state of the image
      */
     public long rewind(SimulationImage image) {
         long frame = loop.frame() + 1;
@@ -522,10 +525,10 @@ public final class Simulation implements AutoCloseable {
     }
 
     private void restore(SimulationImage image, long frame) {
-        loop.continueAfter(frame);
-        world.restore(image.world());
+        loop.requireContinuable(frame);
+        physics.restore(frame, image.physics(), () -> world.restore(image.world()));
         rules.forget();
-        physics.restore(frame, image.physics());
+        loop.continueAfter(frame);
     }
 
     /** Calls a listener in PUBLISH of each frame, at which the frame's snapshot is available. */

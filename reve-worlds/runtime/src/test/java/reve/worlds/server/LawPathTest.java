@@ -68,4 +68,20 @@ class LawPathTest {
                 .isInstanceOf(PhysicsException.class)
                 .hasMessageNotContaining("\n");
     }
+
+    @Test
+    void aLinkOrFolderInTheOperatorsFolderIsRefusedWithoutBeingRead() throws IOException {
+        Path own = Files.createDirectory(folder.resolve("own"));
+        Path secret = Files.writeString(folder.resolve("secret"), "law secret");
+        Files.createSymbolicLink(own.resolve("linked.law"), secret);
+        Files.createSymbolicLink(own.resolve("libvesper_law_zeros.so"), Path.of("/dev/zero"));
+        Files.createDirectory(own.resolve("inner.py"));
+        LawPath path = new LawPath(shipped, Optional.of(own), Optional.empty(), false);
+        for (String name : new String[] {"linked", "zeros", "inner"}) {
+            assertThatThrownBy(() -> path.find(name))
+                    .isInstanceOf(PhysicsException.class)
+                    .hasMessageContaining(own + "/")
+                    .hasMessageContaining("expected a regular file, found a ");
+        }
+    }
 }

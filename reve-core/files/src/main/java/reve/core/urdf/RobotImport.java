@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.urdf;
+
+import reve.core.file.WorldFile;
+
+import java.io.IOException;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.SortedMap;
+import java.util.TreeMap;
+
+/**
+ * Import of a robot model: the files of a world that contains the robot.
+ *
+ * @param name of the robot
+ * @param files texts by name: {@code world.yaml}, {@code robot.yaml} with the items of the robot,
+ *     and the meshes
+ * @param bodies number of rigid bodies
+ * @param joints number of joints between them
+ * @param notes what the world lacks or has otherwise than the file, a line each
+ */
+public record RobotImport(
+        String name, SortedMap<String, String> files, int bodies, int joints, List<String> notes) {
+    private static final String ROBOT = "robot.yaml";
+    private static final long MAX_BYTES = 16L << 20;
+
+    /** Distance of the lowest shape of a free robot from the ground [m]. */
+    private static final double GAP = 1e-3;
+
+    /** Whether the root of the robot moves. */
+    public enum Base {
+        /** It moves if it has a mass and is not named {@code world}. */
+        AUTOMATIC,
+        FIXED,
+        FREE
+    }
+
+    /**
+     * How to import.
+     *
+     * @param zUp true if +Z is up in the file; false if +Y is
+     * @param selfCollision whether parts of the robot collide with each other
+     * @param hold whether the motors hold the joints with their largest torque from the start
+     * @param packages folders of packages by name, for {@code package://NAME/…}
+     */
+    public record Options(
+            Base base,
+            boolean zUp,
+            boolean selfCollision,
+            boolean hold,
+            Map<String, Path> packages) {}
+
+    /** Copies the collections. */
+    public RobotImport {
+        files = new TreeMap<>(files);
+        notes = List.copyOf(notes);
+    }
+
+    /**
+     * Reads a URDF file and the meshes that it names.
+     *
+     * @throws UrdfException if it is no valid URDF
+     */
+    public static RobotImport read(Path file, Options options) throws IOException, UrdfException {
+        if (Files.size(file) > MAX_BYTES) {
+            throw new UrdfException(file + ": the file is larger than 16 MiB");
+        }
+        RobotModel model = UrdfReader.read(file.toString(), Files.readAllBytes(file));
+        Path folder = file.toAbsolutePath().getParent();
+        MeshFiles meshes =
+                new MeshFiles(folder == null ? Path.of("/") : folder, options.packages());
+        List<String> notes = new ArrayList<>();
+        RobotWorld robot = new RobotWorld(model, meshes, options, notes);
+        SortedMap<String, String> files = new TreeMap<>();
+        files.put(ROBOT, robot.write());
+        files.putAll(meshes.texts());
+        String name =
+                model.name().replaceAll("[^A-Za-z0-9 ._-]", "_").replaceFirst("^[^A-Za-z0-9]+", "");
+        if (name.isEmpty()) {
+            name = "robot";
+        }
+        double ground = Double.isFinite(robot.lowest()) ? robot.lowest() - GAP : 0;
+        files.put(
+                WorldFile.NAME, world(name, file, robot.isFixed() ? Math.min(ground, 0) : ground));
+        return new RobotImport(name, files, robot.bodyCount(), robot.jointCount(), notes);
+    }
+
+    private static String world(String name, Path file, double ground) {
+        return """
+        reve: 1
+        name: %s
+        doc: A robot that was imported from %s.
+        include: [%s]                   # the items of the robot, for other worlds, too
+
+        frame: {rate: 60, steps: 16}    # 1/960 s per physics step
+        laws: [gravity_field, rigid_contact]
+        constants: {gravity: [0, -9.81, 0]}
+
+        agents:
+          body: {physical: {location: [0, 1, 0]}}   # who drives the joints
+
+        items:
+          - name: ground
+            physical: {shape: box, size: [20, 1, 20], location: [0, %s, 0], colour: "#dfe6e9"}
+        """
+                .formatted(
+                        name,
+                        file.getFileName().toString().replaceAll("[^A-Za-z0-9._-]", "_"),
+                        ROBOT,
+                        Double.toString(ground - 0.5));
+    }
+
+    /** Writes the files into a new folder. */
+    public void write(Path folder) throws IOException {
+        Files.createDirectories(folder);
+        for (Map.Entry<String, String> file : files.entrySet()) {
+            Path path = folder.resolve(file.getKey());
+            Files.createDirectories(path.getParent());
+            Files.write(path, file.getValue().getBytes(StandardCharsets.UTF_8));
+        }
+    }
+}

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.urdf;
+
+import java.io.ByteArrayInputStream;
+import java.util.ArrayDeque;
+import java.util.ArrayList;
+import java.util.Deque;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
+import javax.xml.stream.XMLInputFactory;
+import javax.xml.stream.XMLStreamConstants;
+import javax.xml.stream.XMLStreamException;
+import javax.xml.stream.XMLStreamReader;
+
+/**
+ * An element of an XML file.
+ *
+ * @param file name of the file, for messages
+ * @param line at which its start tag ends, from 1
+ */
+record XmlElement(
+        String file,
+        int line,
+        String name,
+        Map<String, String> attributes,
+        List<XmlElement> children) {
+    private static final int MAX_DEPTH = 32;
+    private static final int MAX_ELEMENTS = 200_000;
+
+    /** Reads the root element of a file. Declarations of document types are not read. */
+    static XmlElement read(String file, byte[] bytes) throws UrdfException {
+        XMLInputFactory factory = XMLInputFactory.newDefaultFactory();
+        factory.setProperty(XMLInputFactory.SUPPORT_DTD, false);
+        factory.setProperty(XMLInputFactory.IS_SUPPORTING_EXTERNAL_ENTITIES, false);
+        try {
+            return read(file, factory.createXMLStreamReader(new ByteArrayInputStream(bytes)));
+        } catch (XMLStreamException broken) {
+            int line = broken.getLocation() == null ? 1 : broken.getLocation().getLineNumber();
+            String message = String.valueOf(broken.getMessage());
+            String last = message.substring(message.lastIndexOf("Message: ") + 1);
+            throw new UrdfException(
+                    file
+                            + ":"
+                            + Math.max(line, 1)
+                            + ": this is not XML: "
+                            + last.replaceFirst("^essage: ", "").lines().findFirst().orElse(""));
+        }
+    }
+
+    private static XmlElement read(String file, XMLStreamReader reader)
+            throws XMLStreamException, UrdfException {
+        Deque<XmlElement> open = new ArrayDeque<>();
+        int count = 0;
+        while (reader.hasNext()) {
+            int event = reader.next();
+            if (event == XMLStreamConstants.START_ELEMENT) {
+                Map<String, String> attributes = new LinkedHashMap<>();
+                for (int i = 0; i < reader.getAttributeCount(); i++) {
+                    attributes.put(reader.getAttributeLocalName(i), reader.getAttributeValue(i));
+                }
+                XmlElement element =
+                        new XmlElement(
+                                file,
+                                reader.getLocation().getLineNumber(),
+                                reader.getLocalName(),
+                                attributes,
+                                new ArrayList<>());
+                if (!open.isEmpty()) {
+                    open.peek().children.add(element);
+                }
+                if (open.size() == MAX_DEPTH || ++count > MAX_ELEMENTS) {
+                    throw element.problem(
+                            "the file has more than "
+                                    + MAX_DEPTH
+                                    + " levels or "
+                                    + MAX_ELEMENTS
+                                    + " elements");
+                }
+                open.push(element);
+            } else if (event == XMLStreamConstants.END_ELEMENT) {
+                XmlElement element = open.pop();
+                if (open.isEmpty()) {
+                    return element;
+                }
+            }
+        }
+        throw new UrdfException(file + ":1: the file has no element");
+    }
+
+    /** Returns an exception that names this place. */
+    UrdfException problem(String message) {
+        return new UrdfException(place() + ": " + message);
+    }
+
+    String place() {
+        return file + ":" + line;
+    }
+
+    Optional<XmlElement> child(String wanted) {
+        return children.stream().filter(child -> child.name.equals(wanted)).findFirst();
+    }
+
+    List<XmlElement> all(String wanted) {
+        return children.stream().filter(child -> child.name.equals(wanted)).toList();
+    }
+
+    Optional<String> find(String attribute) {
+        return Optional.ofNullable(attributes.get(attribute));
+    }
+
+    String text(String attribute) throws UrdfException {
+        String text = attributes.get(attribute);
+        if (text == null || text.isBlank()) {
+            throw problem("<" + name + "> has no attribute " + attribute + ", which it must have");
+        }
+        return text.strip();
+    }
+
+    /** Returns finite numbers that are separated by blanks, or the default. */
+    double[] numbers(String attribute, double... otherwise) throws UrdfException {
+        if (find(attribute).isEmpty()) {
+            return otherwise;
+        }
+        String[] words = text(attribute).split("\\s+");
+        double[] numbers = new double[otherwise.length];
+        boolean wrong = words.length != numbers.length;
+        for (int i = 0; !wrong && i < numbers.length; i++) {
+            try {
+                numbers[i] = Double.parseDouble(words[i]);
+                wrong = !Double.isFinite(numbers[i]);
+            } catch (NumberFormatException noNumber) {
+                wrong = true;
+            }
+        }
+        if (wrong) {
+            throw problem(
+                    "<"
+                            + name
+                            + " "
+                            + attribute
+                            + "=\""
+                            + attributes.get(attribute)
+                            + "\">: expected "
+                            + (numbers.length == 1
+                                    ? "a number"
+                                    : numbers.length + " numbers, separated by blanks"));
+        }
+        return numbers;
+    }
+
+    double number(String attribute, double otherwise) throws UrdfException {
+        return numbers(attribute, otherwise)[0];
+    }
+
+    /** Returns a number that must be given. */
+    double number(String attribute) throws UrdfException {
+        text(attribute);
+        return number(attribute, 0);
+    }
+}
