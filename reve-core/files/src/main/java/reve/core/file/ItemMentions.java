@@ -110,6 +110,14 @@ final class ItemMentions {
     }
 
     /**
+     * Returns the name in a node if a body has it. Otherwise the result is empty, with a problem
+     * noted.
+     */
+    Optional<String> body(Node name) {
+        return name.text().filter(text -> resolve(new Mention(name, WorldPrototype.BODY, false)));
+    }
+
+    /**
      * Returns the name in a node if a body with a physics aspect has it. Otherwise the result is
      * empty, with a problem noted.
      */

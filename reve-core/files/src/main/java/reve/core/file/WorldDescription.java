@@ -38,6 +38,7 @@ import java.util.Optional;
  * @param warnings about the file
  * @param places positions of items and constants in the file, for warnings
  * @param threads maximum number of threads that laws share; results do not depend on it
+ * @param cameras cameras that commands select by their names, in the order of the file
  */
 public record WorldDescription(
         String name,
@@ -55,7 +56,8 @@ public record WorldDescription(
         List<LastingForce> forces,
         List<Problem> warnings,
         Places places,
-        int threads) {
+        int threads,
+        List<NamedCamera> cameras) {
     /** Copies lists and maps, in their order. */
     public WorldDescription {
         laws = List.copyOf(laws);
@@ -64,6 +66,7 @@ public record WorldDescription(
         items = List.copyOf(items);
         forces = List.copyOf(forces);
         warnings = List.copyOf(warnings);
+        cameras = List.copyOf(cameras);
     }
 
     /** Creates a description that was not read from a file. */
@@ -98,7 +101,8 @@ public record WorldDescription(
                 forces,
                 warnings,
                 Places.none(),
-                1);
+                1,
+                List.of());
     }
 
     /** Returns a description without items, laws and agents. */
@@ -124,21 +128,21 @@ public record WorldDescription(
     public WorldDescription withLaws(List<LawReference> others) {
         return new WorldDescription(
                 name, doc, prototype, timing, age, others, constants, camera, agents, rules,
-                ruleSteps, items, forces, warnings, places, threads);
+                ruleSteps, items, forces, warnings, places, threads, cameras);
     }
 
     /** Returns this description with another maximum number of threads. */
     public WorldDescription withThreads(int others) {
         return new WorldDescription(
                 name, doc, prototype, timing, age, laws, constants, camera, agents, rules,
-                ruleSteps, items, forces, warnings, places, others);
+                ruleSteps, items, forces, warnings, places, others, cameras);
     }
 
     /** Returns this description with other rules. */
     public WorldDescription withRules(List<Rule> others) {
         return new WorldDescription(
                 name, doc, prototype, timing, age, laws, constants, camera, agents, others,
-                ruleSteps, items, forces, warnings, places, threads);
+                ruleSteps, items, forces, warnings, places, threads, cameras);
     }
 
     /**
@@ -202,7 +206,8 @@ public record WorldDescription(
                 forcesIn(world),
                 List.of(),
                 Places.none(),
-                threads);
+                threads,
+                cameras);
     }
 
     /**

@@ -33,7 +33,6 @@ final class WorldReader {
     private static final long MAX_NUMBERS = 50_000_000;
 
     private static final Unit METRE = Unit.parse("m");
-    private static final double DEFAULT_FOV_RADIANS = Math.PI / 4;
 
     private final Assets assets;
     private final Problems problems;
@@ -80,7 +79,10 @@ final class WorldReader {
         List<LastingForce> forces = root.get("forces").map(forceReader::readAll).orElse(List.of());
         List<LawReference> laws = laws(source.all("laws"), physics);
         Map<String, List<Double>> constants = physics.constants(source.each("constants"));
-        Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
+        var cameraReader = new CameraReader(itemReader.names(), problems);
+        Optional<CameraDescription> camera = root.get("camera").flatMap(cameraReader::read);
+        List<NamedCamera> cameras =
+                root.get("cameras").map(cameraReader::readAll).orElse(List.of());
         AgentPolicy agents =
                 root.get("agents").isEmpty()
                         ? AgentPolicy.none()
@@ -121,7 +123,8 @@ final class WorldReader {
                 forces,
                 problems.warnings(),
                 Places.of(problems.file(), itemReader.places(), source.all("constants")),
-                (int) wholeNumber(root.get("frame"), "threads", 1));
+                (int) wholeNumber(root.get("frame"), "threads", 1),
+                cameras);
     }
 
     /** Refuses declared properties that need more than {@link #MAX_NUMBERS} for all items. */
@@ -257,82 +260,6 @@ final class WorldReader {
                                 .filter(Node::isMapping)
                                 .flatMap(mapping -> mapping.get("budget"))
                                 .flatMap(new BudgetReader(quantities, problems)::read));
-    }
-
-    private Optional<CameraDescription> camera(Node node) {
-        Optional<double[]> eye = vector(node, "eye", METRE);
-        Optional<double[]> target = vector(node, "target", METRE);
-        Optional<double[]> up =
-                node.get("up").isEmpty()
-                        ? Optional.of(new double[] {0, 1, 0})
-                        : vector(node, "up", Unit.ONE);
-        Optional<Double> fov =
-                node.get("fov").isEmpty()
-                        ? Optional.of(DEFAULT_FOV_RADIANS)
-                        : fov(node.get("fov").get());
-        if (eye.isEmpty() || target.isEmpty() || up.isEmpty() || fov.isEmpty()) {
-            return Optional.empty();
-        }
-        double[] sight = new double[3];
-        for (int axis = 0; axis < 3; axis++) {
-            sight[axis] = target.get()[axis] - eye.get()[axis];
-        }
-        double farthest = Math.max(largest(eye.get()), largest(target.get()));
-        if (farthest > CameraDescription.FARTHEST_METRES) {
-            problems.add(
-                    node,
-                    "camera: found a coordinate of "
-                            + farthest
-                            + " m, pictures reach "
-                            + CameraDescription.FARTHEST_METRES
-                            + " m");
-        } else if (length(sight) <= CameraDescription.NEAREST_TARGET * farthest) {
-            problems.add(node.get("target").orElseThrow(), "target: is where the eye is");
-        } else if (length(cross(sight, up.get()))
-                <= CameraDescription.SMALLEST_TILT * length(sight) * length(up.get())) {
-            problems.add(
-                    node.get("up").or(() -> node.get("target")).orElseThrow(),
-                    "up: has no direction across the line of sight, expected another `up`");
-        }
-        return Optional.of(new CameraDescription(eye.get(), target.get(), up.get(), fov.get()));
-    }
-
-    private Optional<double[]> vector(Node owner, String key, Unit unit) {
-        return owner.get(key).flatMap(node -> quantities.numbers(node, 3, unit));
-    }
-
-    private Optional<Double> fov(Node node) {
-        return quantities
-                .number(node, Unit.ONE)
-                .filter(
-                        angle -> {
-                            boolean possible =
-                                    angle >= CameraDescription.NARROWEST_RADIANS
-                                            && angle <= CameraDescription.WIDEST_RADIANS;
-                            if (!possible) {
-                                problems.add(
-                                        node,
-                                        "fov: "
-                                                + angle
-                                                + " rad is not between 0.1 and 175 deg; write "
-                                                + "degrees as `45 deg`");
-                            }
-                            return possible;
-                        });
-    }
-
-    private static double length(double[] v) {
-        return Math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    }
-
-    private static double largest(double[] v) {
-        return Math.max(Math.abs(v[0]), Math.max(Math.abs(v[1]), Math.abs(v[2])));
-    }
-
-    private static double[] cross(double[] a, double[] b) {
-        return new double[] {
-            a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-        };
     }
 
     private AgentPolicy agents(Node node, ItemReader itemReader, BodyCheck check)

@@ -5,6 +5,7 @@ import reve.core.frame.TimeBudget;
 import reve.core.rule.Rule;
 import reve.core.rule.Rules;
 import reve.core.unit.Unit;
+import reve.core.world.ItemDefinition;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.SymbolDescriptor;
@@ -16,6 +17,9 @@ import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
+import java.util.stream.Collectors;
+import java.util.stream.Stream;
 
 /**
  * Writer of a world as text of one world file. The same world always gives the same text, and
@@ -58,6 +62,10 @@ public final class WorldWriter {
             tree.put("constants", constants());
         }
         world.camera().ifPresent(camera -> tree.put("camera", camera(camera)));
+        Map<String, Object> cameras = cameras();
+        if (!cameras.isEmpty()) {
+            tree.put("cameras", cameras);
+        }
         if (!world.agents().equals(AgentPolicy.none())) {
             tree.put("agents", agents());
         }
@@ -280,6 +288,47 @@ public final class WorldWriter {
         tree.put("target", ItemWriter.quantity(ScalarType.F64, camera.target()));
         tree.put("up", ItemWriter.quantity(ScalarType.F64, camera.up()));
         tree.put("fov", YamlWriter.Numeral.of(camera.verticalFovRadians()));
+        return tree;
+    }
+
+    /** Returns the cameras whose items are still in the world. */
+    private Map<String, Object> cameras() {
+        Map<String, Object> cameras = new LinkedHashMap<>();
+        if (world.cameras().isEmpty()) {
+            return cameras;
+        }
+        Set<String> names =
+                world.items().stream().map(ItemDefinition::name).collect(Collectors.toSet());
+        for (NamedCamera camera : world.cameras()) {
+            boolean isWhole =
+                    Stream.of(camera.follow(), camera.lookAt())
+                            .flatMap(Optional::stream)
+                            .allMatch(names::contains);
+            if (isWhole) {
+                cameras.put(camera.name(), camera(camera));
+            }
+        }
+        return cameras;
+    }
+
+    private static Map<String, Object> camera(NamedCamera camera) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        camera.follow().ifPresent(item -> tree.put("follow", item));
+        if (camera.turning()) {
+            tree.put("turning", true);
+        }
+        camera.lookAt().ifPresent(item -> tree.put("lookAt", item));
+        List<Object> frames = new ArrayList<>();
+        for (NamedCamera.Key key : camera.keys()) {
+            Map<String, Object> frame = new LinkedHashMap<>();
+            frame.put("time", YamlWriter.Numeral.of(key.timeSeconds()));
+            frame.putAll(camera(key.view()));
+            if (camera.lookAt().isPresent()) {
+                frame.remove("target");
+            }
+            frames.add(frame);
+        }
+        tree.put("keyframes", frames);
         return tree;
     }
 

@@ -91,6 +91,15 @@ class WorldFileDocumentTest {
     }
 
     @Test
+    void theCamerasOfTheStageAreThere() throws Exception {
+        WorldDescription stage = WorldFileTest.parse(yaml("name: stage"));
+        assertThat(stage.cameras())
+                .extracting(NamedCamera::name)
+                .containsExactly("side", "watch", "chase", "rider", "flight");
+        assertThat(stage.cameras().getLast().keys()).hasSize(3);
+    }
+
+    @Test
     void mistakesGiveExactlyTheMessagesShown() throws Exception {
         byte[] mistakes = yaml("name: mistakes").getBytes(StandardCharsets.UTF_8);
 

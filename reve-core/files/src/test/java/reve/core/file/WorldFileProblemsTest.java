@@ -34,7 +34,7 @@ class WorldFileProblemsTest {
             textBlock =
                     """
                     prototyp: si-f64                      ! 1  ! unknown key `prototyp`; did you mean `prototype`?
-                    colour: red                           ! 1  ! unknown key `colour`; known here: reve, name, doc, include, prototype, properties, frame, laws, constants, camera, agents, prefabs, symbols, rules, items, forces
+                    colour: red                           ! 1  ! unknown key `colour`; known here: reve, name, doc, include, prototype, properties, frame, laws, constants, camera, cameras, agents, prefabs, symbols, rules, items, forces
                     prototype: si-f46                     ! 12 ! prototype: found text `si-f46`, expected one of `si-f64`, `si-f32`; did you mean `si-f64`?
                     frame: {rate: 60.5}                   ! 15 ! rate: found number 60.5, expected a whole number
                     frame: {rate: 0}                      ! 15 ! rate: found number 0, expected at least 1
@@ -79,6 +79,11 @@ class WorldFileProblemsTest {
                     camera: {eye: [0, 0, 0], target: [0, 0, 0]} ! 34 ! target: is where the eye is
                     camera: {eye: [0, 0, 0], target: [0, 9, 0]} ! 34 ! up: has no direction across the line of sight, expected another `up`
                     camera: {eye: [0, 0, 0], target: [1, 0, 0], fov: 45} ! 50 ! fov: 45.0 rad is not between 0.1 and 175 deg; write degrees as `45 deg`
+                    cameras: {a: {eye: [0, 0, 1]}}        ! 14 ! a: `target` is missing
+                    cameras: {a: {target: [0, 0, 1]}}     ! 14 ! a: `eye` is missing
+                    cameras: {a: {eye: [0, 0, 1], lookAt: moon}} ! 39 ! lookAt: no item is named `moon`
+                    cameras: {a: {eye: [0, 0, 1], target: [1, 1, 1], turning: true}} ! 59 ! turning: the camera follows no item, expected `follow` beside it
+                    cameras: {a: {target: [0, 0, 0], keyframes: [{time: 2, eye: [0, 0, 1]}, {time: 2, eye: [0, 0, 2]}]}} ! 80 ! time: 2.0 s is not after the keyframe before it, at 2.0 s
                     forces: [{item: on, force: [0, 1, 0], frames: 1}] ! 17 ! item: no item is named `on`; did you mean `one`?
                     forces: [{item: one, force: [0, 1, 0], frames: 0}] ! 48 ! frames: found number 0, expected at least 1
                     forces: [{item: one, force: 3 kg, frames: 1}] ! 29 ! force: unit kg does not fit N

@@ -57,6 +57,7 @@ public final class Main {
                     ExperimentCommand.class,
                     ReplayCommand.class,
                     SnapshotCommand.class,
+                    VideoCommand.class,
                     ExportCommand.class,
                     CheckCommand.class,
                     LawCommand.class,

@@ -1,40 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
+import org.jspecify.annotations.Nullable;
+
 import picocli.CommandLine.Command;
-import picocli.CommandLine.ITypeConverter;
 import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
-import picocli.CommandLine.TypeConversionException;
 
 import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
+import reve.core.world.ItemId;
+import reve.core.world.ItemSymbols;
 import reve.core.world.WorldSnapshot;
 import reve.worlds.Product;
+import reve.worlds.picture.LayerFiles;
+import reve.worlds.picture.Overlay;
 import reve.worlds.render.ImageFormat;
+import reve.worlds.render.PixelLayers;
 import reve.worlds.render.Renderer;
 import reve.worlds.render.Scene;
 import reve.worlds.server.LawPath;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.Simulation;
 
+import java.awt.Graphics2D;
+import java.awt.image.BufferedImage;
+import java.io.IOException;
 import java.io.PrintWriter;
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Locale;
 import java.util.Map;
+import java.util.Optional;
 import java.util.concurrent.Callable;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
+
+import javax.imageio.ImageIO;
 
 /** The command {@code snapshot}: runs a world up to a time and takes a picture of it. */
 @Command(
         name = "snapshot",
         description = "Runs a world up to a time and writes a picture of it, off-screen.")
 public final class SnapshotCommand implements Callable<Integer> {
+    private static final Pattern GRID = Pattern.compile("([1-9]\\d?)x([1-9]\\d?)");
+    private static final ImageFormat SHEET_FORMAT = ImageFormat.of(480, 320);
+    private static final long MOST_PIXELS = 1L << 26;
+
     @Spec private CommandSpec spec = CommandSpec.create();
 
     @Mixin private WorldArgument world = new WorldArgument();
@@ -45,7 +62,9 @@ public final class SnapshotCommand implements Callable<Integer> {
             names = "--at",
             paramLabel = "S",
             defaultValue = "0",
-            description = "World time of the picture [s] (default: ${DEFAULT-VALUE}).")
+            description =
+                    "World time of the picture, or of the last picture of a sheet [s] (default:"
+                            + " ${DEFAULT-VALUE}).")
     private double at;
 
     @Option(
@@ -58,24 +77,75 @@ public final class SnapshotCommand implements Callable<Integer> {
     @Option(
             names = "--size",
             paramLabel = "WxH",
-            defaultValue = "960x640",
             converter = SizeConverter.class,
-            description = "Width and height [px] (default: ${DEFAULT-VALUE}).")
-    private ImageFormat format = Pictures.DEFAULT_FORMAT;
+            description =
+                    "Width and height of a picture [px] (default: 960x640; in a sheet 480x320).")
+    private Optional<ImageFormat> size = Optional.empty();
+
+    @Option(
+            names = "--camera",
+            paramLabel = "NAME",
+            description = "A camera of the world file's key `cameras` (default: its `camera`).")
+    private Optional<String> camera = Optional.empty();
+
+    @Option(names = "--labels", description = "Write the names of the visible items.")
+    private boolean labels;
+
+    @Option(
+            names = "--sheet",
+            paramLabel = "CxR",
+            description =
+                    "Draw a contact sheet of C columns and R rows: pictures at equal times from 0"
+                            + " to --at.")
+    private Optional<String> sheet = Optional.empty();
+
+    @Option(
+            names = "--depth",
+            paramLabel = "FILE",
+            description =
+                    "Also write the distances of the surfaces: .png (16-bit grey) or .npy (f32 in"
+                            + " metres).")
+    private Optional<Path> depth = Optional.empty();
+
+    @Option(
+            names = "--segmentation",
+            paramLabel = "FILE",
+            description =
+                    "Also write which item each pixel shows: .png (a colour for each item) or .npy"
+                            + " (u32, ids).")
+    private Optional<Path> segmentation = Optional.empty();
 
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
+
+    private final Map<String, Object> told = new LinkedHashMap<>();
 
     @Override
     public Integer call() throws Exception {
         Path file = WritableFile.require(spec, "--out", out, "PNG\r\n", "a PNG picture");
         if (!out.toString().toLowerCase(Locale.ROOT).endsWith(".png")) {
-            throw new ParameterException(
-                    spec.commandLine(),
-                    "--out " + out + ": pictures are PNG, expected a name that ends in .png");
+            throw wrong("--out " + out + ": pictures are PNG, expected a name that ends in .png");
+        }
+        depth = layerFile("--depth", depth);
+        segmentation = layerFile("--segmentation", segmentation);
+        int columns = 0;
+        int rows = 0;
+        if (sheet.isPresent()) {
+            Matcher grid = GRID.matcher(sheet.get());
+            if (!grid.matches()) {
+                throw wrong(
+                        "--sheet: '"
+                                + sheet.get()
+                                + "' is no grid, expected e.g. 3x2 (columns and"
+                                + " rows, up to 99)");
+            }
+            columns = Integer.parseInt(grid.group(1));
+            rows = Integer.parseInt(grid.group(2));
+            checkSheet(columns, rows);
         }
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
         WorldDescription description = world.load(spec.commandLine().getErr());
+        Viewpoint viewpoint = Viewpoint.of(spec, camera, Optional.of(description), format());
         long frames = Frames.of(spec, "--at", at, description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST, lawPath);
                 Renderer renderer =
@@ -83,52 +153,171 @@ public final class SnapshotCommand implements Callable<Integer> {
             Progress progress = new Progress(System.err, frames);
             simulation.onPublish(
                     "progress", event -> progress.at(event.frame(), event.timeSeconds()));
-            simulation.loop().run(frames);
-            progress.done();
-            double time;
-            Scene scene;
-            try (WorldSnapshot snapshot = simulation.snapshots().acquireLatest().orElseThrow()) {
-                time = snapshot.timeSeconds();
-                scene = Pictures.sceneBuilder(simulation, format).build(snapshot);
+            if (sheet.isPresent()) {
+                drawSheet(simulation, renderer, viewpoint, columns, rows, frames, file);
+            } else {
+                simulation.loop().run(frames);
+                draw(simulation, renderer, viewpoint, file);
             }
-            renderer.render(scene, file);
-            tell(file, time);
+            progress.done();
+            tell(file);
             return ExitCode.OK;
         }
     }
 
-    private void tell(Path file, double time) {
-        if (json) {
-            Map<String, Object> fields = new LinkedHashMap<>();
-            fields.put("file", file.toString());
-            fields.put("time", time);
-            fields.put("width", format.width());
-            fields.put("height", format.height());
-            Json.print(spec, fields);
-        } else {
-            PrintWriter printer = spec.commandLine().getOut();
-            printer.println(file);
-            printer.flush();
+    private ParameterException wrong(String message) {
+        return new ParameterException(spec.commandLine(), message);
+    }
+
+    private ImageFormat format() {
+        return size.orElse(sheet.isPresent() ? SHEET_FORMAT : Pictures.DEFAULT_FORMAT);
+    }
+
+    private Optional<Path> layerFile(String option, Optional<Path> given) throws IOException {
+        if (given.isEmpty()) {
+            return given;
+        }
+        String name = given.get().toString().toLowerCase(Locale.ROOT);
+        if (name.endsWith(LayerFiles.NUMPY)) {
+            return Optional.of(
+                    WritableFile.require(spec, option, given.get(), "NUMPY", "a NumPy file"));
+        }
+        if (!name.endsWith(LayerFiles.PNG)) {
+            throw wrong(option + " " + given.get() + ": expected a name that ends in .png or .npy");
+        }
+        return Optional.of(
+                WritableFile.require(spec, option, given.get(), "PNG\r\n", "a PNG picture"));
+    }
+
+    private void checkSheet(int columns, int rows) {
+        if (depth.isPresent() || segmentation.isPresent()) {
+            throw wrong("--depth and --segmentation are of one picture; leave out --sheet");
+        }
+        if (columns * rows < 2 || !(at > 0)) {
+            throw wrong(
+                    "--sheet shows at least two times, expected --at above 0 and two pictures or"
+                            + " more");
+        }
+        long pixels = (long) columns * rows * format().width() * format().height();
+        if (pixels > MOST_PIXELS) {
+            throw wrong(
+                    "--sheet: "
+                            + pixels
+                            + " pixels, expected at most "
+                            + MOST_PIXELS
+                            + "; choose a smaller --size or fewer pictures");
         }
     }
 
-    /** A converter of a text such as {@code 960x640} to a picture format. */
-    static final class SizeConverter implements ITypeConverter<ImageFormat> {
-        private static final Pattern SIZE = Pattern.compile("(\\d{1,5})x(\\d{1,5})");
-
-        @Override
-        public ImageFormat convert(String value) {
-            Matcher size = SIZE.matcher(value);
-            if (!size.matches()) {
-                throw new TypeConversionException(
-                        "'" + value + "' is no size, expected e.g. 960x640");
-            }
-            try {
-                return ImageFormat.of(
-                        Integer.parseInt(size.group(1)), Integer.parseInt(size.group(2)));
-            } catch (IllegalArgumentException tooLarge) {
-                throw new TypeConversionException(tooLarge.getMessage());
+    /** A state of the world: its scene, its time, and the names of its items. */
+    private record State(Scene scene, double time, Map<ItemId, ItemSymbols> items) {
+        static State of(Simulation simulation, Viewpoint viewpoint) {
+            try (WorldSnapshot snapshot = simulation.snapshots().acquireLatest().orElseThrow()) {
+                return new State(
+                        viewpoint.scene(snapshot), snapshot.timeSeconds(), snapshot.symbols());
             }
         }
+
+        String name(long id) {
+            ItemSymbols item = items.get(new ItemId(id));
+            return item == null ? "" : item.name();
+        }
+    }
+
+    private void draw(Simulation simulation, Renderer renderer, Viewpoint viewpoint, Path file)
+            throws IOException {
+        State state = State.of(simulation, viewpoint);
+        told.put("time", state.time());
+        int wanted =
+                (labels ? PixelLayers.COLOUR | PixelLayers.ITEM : 0)
+                        | (depth.isPresent() ? PixelLayers.DEPTH : 0)
+                        | (segmentation.isPresent() ? PixelLayers.ITEM : 0);
+        @Nullable PixelLayers layers = wanted == 0 ? null : renderer.pixels(state.scene(), wanted);
+        if (labels && layers != null) {
+            BufferedImage picture = LayerFiles.colour(layers);
+            new Overlay(picture.getHeight()).labels(picture, layers, state::name);
+            ImageIO.write(picture, "png", file.toFile());
+        } else {
+            renderer.render(state.scene(), file);
+        }
+        if (depth.isPresent() && layers != null) {
+            told.put("depth", depth.get().toString());
+            told.put("depthStep", LayerFiles.writeDepth(layers, depth.get()));
+        }
+        if (segmentation.isPresent() && layers != null) {
+            told.put("segmentation", segmentation.get().toString());
+            List<Map<String, Object>> items = new ArrayList<>();
+            LayerFiles.writeSegmentation(layers, segmentation.get())
+                    .forEach(
+                            (id, colour) -> {
+                                Map<String, Object> item = new LinkedHashMap<>();
+                                item.put("id", id);
+                                item.put("name", state.name(id));
+                                item.put("colour", colour);
+                                items.add(item);
+                            });
+            told.put("items", items);
+        }
+    }
+
+    private void drawSheet(
+            Simulation simulation,
+            Renderer renderer,
+            Viewpoint viewpoint,
+            int columns,
+            int rows,
+            long frames,
+            Path file)
+            throws IOException {
+        ImageFormat cell = format();
+        var all =
+                new BufferedImage(
+                        columns * cell.width(), rows * cell.height(), BufferedImage.TYPE_INT_RGB);
+        Graphics2D paper = all.createGraphics();
+        var overlay = new Overlay(cell.height());
+        int count = columns * rows;
+        List<Double> times = new ArrayList<>();
+        for (int i = 0; i < count; i++) {
+            long frame = Math.round((double) frames * i / (count - 1));
+            simulation.loop().run(frame - simulation.loop().frame());
+            State state = State.of(simulation, viewpoint);
+            PixelLayers layers =
+                    renderer.pixels(
+                            state.scene(), PixelLayers.COLOUR | (labels ? PixelLayers.ITEM : 0));
+            BufferedImage picture = LayerFiles.colour(layers);
+            if (labels) {
+                overlay.labels(picture, layers, state::name);
+            }
+            overlay.time(picture, state.time());
+            paper.drawImage(picture, i % columns * cell.width(), i / columns * cell.height(), null);
+            times.add(state.time());
+        }
+        paper.dispose();
+        ImageIO.write(all, "png", file.toFile());
+        told.put("times", times);
+        told.put("columns", columns);
+        told.put("rows", rows);
+    }
+
+    private void tell(Path file) {
+        if (json) {
+            Map<String, Object> fields = new LinkedHashMap<>();
+            fields.put("file", file.toString());
+            fields.putAll(told);
+            fields.put("width", format().width());
+            fields.put("height", format().height());
+            Json.print(spec, fields);
+            return;
+        }
+        PrintWriter printer = spec.commandLine().getOut();
+        printer.println(file);
+        depth.ifPresent(
+                path ->
+                        printer.println(
+                                told.get("depthStep").equals(1.0)
+                                        ? path + ", in m"
+                                        : path + ", in steps of " + told.get("depthStep") + " m"));
+        segmentation.ifPresent(printer::println);
+        printer.flush();
     }
 }

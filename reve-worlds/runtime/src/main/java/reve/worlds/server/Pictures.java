@@ -16,6 +16,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Locale;
 import java.util.Map;
+import java.util.Optional;
 import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 import java.util.concurrent.TimeUnit;
@@ -61,8 +62,16 @@ public final class Pictures implements AutoCloseable {
 
     /** Returns a scene builder for a simulation, with the world's camera if it has one. */
     public static SceneBuilder sceneBuilder(Simulation simulation, ImageFormat format) {
-        return new SceneBuilder(
-                format, Environment.STUDIO, simulation.description().camera().map(Camera::of));
+        return sceneBuilder(format, simulation.description().camera().map(Camera::of));
+    }
+
+    /**
+     * Returns a scene builder with a viewpoint.
+     *
+     * @param camera if empty, all bodies except planes are fitted into the picture
+     */
+    public static SceneBuilder sceneBuilder(ImageFormat format, Optional<Camera> camera) {
+        return new SceneBuilder(format, Environment.STUDIO, camera);
     }
 
     private void onFrame(FrameEvent frame, Simulation simulation, ServerEvents events) {

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.picture;
+
+import reve.worlds.render.PixelLayers;
+
+import java.awt.Color;
+import java.awt.image.BufferedImage;
+import java.awt.image.DataBufferUShort;
+import java.io.IOException;
+import java.io.OutputStream;
+import java.nio.ByteBuffer;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.Locale;
+import java.util.Map;
+import java.util.TreeSet;
+
+import javax.imageio.ImageIO;
+
+/** Files of the layers of a picture: PNG for people, and NumPy's format with the exact numbers. */
+public final class LayerFiles {
+    /** Ending of the names of files in NumPy's format. */
+    public static final String NUMPY = ".npy";
+
+    /** Ending of the names of pictures. */
+    public static final String PNG = ".png";
+
+    private static final int GREATEST_GREY = 65_535;
+    private static final double GOLDEN = 0.6180339887498949;
+    private static final int NUMPY_ALIGNMENT = 64;
+    private static final int NUMPY_HEAD_BYTES = 10;
+
+    private LayerFiles() {}
+
+    /** Returns the colours of a picture. */
+    public static BufferedImage colour(PixelLayers layers) {
+        ByteBuffer rgb = layers.colour().orElseThrow();
+        var image = new BufferedImage(layers.width(), layers.height(), BufferedImage.TYPE_INT_RGB);
+        for (int i = 0; i < layers.width() * layers.height(); i++) {
+            image.setRGB(
+                    i % layers.width(),
+                    i / layers.width(),
+                    (rgb.get(3 * i) & 0xff) << 16
+                            | (rgb.get(3 * i + 1) & 0xff) << 8
+                            | rgb.get(3 * i + 2) & 0xff);
+        }
+        return image;
+    }
+
+    /**
+     * Writes the distances along the view direction: to a file in NumPy's format as (height x
+     * width) f32 [m]; to a PNG as 16-bit grey in steps of a power of ten metres, the smallest with
+     * which the farthest surface fits. 0 means that there is no surface.
+     *
+     * @return the length of a step of the PNG [m]; 1 for NumPy's format
+     * @throws IOException if the file cannot be written
+     */
+    public static double writeDepth(PixelLayers layers, Path file) throws IOException {
+        ByteBuffer depth = layers.depth().orElseThrow();
+        if (isNumpy(file)) {
+            writeNumpy(layers, depth, "<f4", file);
+            return 1;
+        }
+        int count = layers.width() * layers.height();
+        double farthest = 0;
+        for (int i = 0; i < count; i++) {
+            farthest = Math.max(farthest, depth.getFloat(4 * i));
+        }
+        int exponent = farthest > 0 ? (int) Math.ceil(Math.log10(farthest / GREATEST_GREY)) : 0;
+        double step = Double.parseDouble("1e" + exponent);
+        var image =
+                new BufferedImage(layers.width(), layers.height(), BufferedImage.TYPE_USHORT_GRAY);
+        short[] grey = ((DataBufferUShort) image.getRaster().getDataBuffer()).getData();
+        for (int i = 0; i < count; i++) {
+            float metres = depth.getFloat(4 * i);
+            // a surface nearer than half a step stays distinct from no surface
+            long steps = metres > 0 ? Math.max(1, Math.round(metres / step)) : 0;
+            grey[i] = (short) Math.min(GREATEST_GREY, steps);
+        }
+        ImageIO.write(image, "png", file.toFile());
+        return step;
+    }
+
+    /**
+     * Writes which item each pixel shows: to a file in NumPy's format as (height x width) u32, the
+     * ids of the items; to a PNG in one colour for each item. 0 and black mean no item.
+     *
+     * @return the ids of the visible items, in ascending order, with their colours as {@code
+     *     #rrggbb}
+     * @throws IOException if the file cannot be written
+     */
+    public static Map<Long, String> writeSegmentation(PixelLayers layers, Path file)
+            throws IOException {
+        ByteBuffer item = layers.item().orElseThrow();
+        var ids = new TreeSet<Long>();
+        var image = new BufferedImage(layers.width(), layers.height(), BufferedImage.TYPE_INT_RGB);
+        for (int i = 0; i < layers.width() * layers.height(); i++) {
+            long id = Integer.toUnsignedLong(item.getInt(4 * i));
+            if (id != 0) {
+                ids.add(id);
+                image.setRGB(i % layers.width(), i / layers.width(), rgb(id));
+            }
+        }
+        if (isNumpy(file)) {
+            writeNumpy(layers, item, "<u4", file);
+        } else {
+            ImageIO.write(image, "png", file.toFile());
+        }
+        Map<Long, String> colours = new LinkedHashMap<>();
+        ids.forEach(id -> colours.put(id, String.format(Locale.ROOT, "#%06x", rgb(id))));
+        return colours;
+    }
+
+    /** Returns a colour that differs from those of the neighbouring ids. */
+    private static int rgb(long id) {
+        float hue = (float) (id * GOLDEN % 1);
+        float brightness = 1 - 0.2f * (id / 8 % 3);
+        return Color.HSBtoRGB(hue, 0.75f, brightness) & 0xffffff;
+    }
+
+    private static boolean isNumpy(Path file) {
+        return file.toString().toLowerCase(Locale.ROOT).endsWith(NUMPY);
+    }
+
+    private static void writeNumpy(PixelLayers layers, ByteBuffer content, String type, Path file)
+            throws IOException {
+        String description =
+                String.format(
+                        Locale.ROOT,
+                        "{'descr': '%s', 'fortran_order': False, 'shape': (%d, %d), }",
+                        type,
+                        layers.height(),
+                        layers.width());
+        int length = NUMPY_HEAD_BYTES + description.length() + 1;
+        int rest = Math.floorMod(-length, NUMPY_ALIGNMENT);
+        byte[] head = (description + " ".repeat(rest) + "\n").getBytes(StandardCharsets.US_ASCII);
+        try (OutputStream out = Files.newOutputStream(file)) {
+            out.write(new byte[] {(byte) 0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0});
+            out.write(new byte[] {(byte) head.length, (byte) (head.length >> 8)});
+            out.write(head);
+            byte[] bytes = new byte[content.remaining()];
+            content.get(content.position(), bytes);
+            out.write(bytes);
+        }
+    }
+}

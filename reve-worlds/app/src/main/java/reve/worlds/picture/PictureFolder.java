@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.picture;
+
+import java.awt.image.BufferedImage;
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.Locale;
+
+import javax.imageio.ImageIO;
+
+/** A video as a folder of PNG files: {@code 000000.png} and so on. */
+public final class PictureFolder implements FrameSink {
+    private final Path folder;
+    private int count;
+
+    /**
+     * @param folder an existing folder
+     */
+    public PictureFolder(Path folder) {
+        this.folder = folder;
+    }
+
+    /** Returns the name of a picture. */
+    public static String name(int number) {
+        return String.format(Locale.ROOT, "%06d.png", number);
+    }
+
+    @Override
+    public void add(BufferedImage picture) throws IOException {
+        ImageIO.write(picture, "png", folder.resolve(name(count)).toFile());
+        count++;
+    }
+
+    /** Removes the pictures of an earlier, longer video, so that the folder holds one video. */
+    @Override
+    public void finish() throws IOException {
+        for (int next = count; Files.deleteIfExists(folder.resolve(name(next))); next++) {
+            // Empty, because the condition deletes the file.
+        }
+    }
+
+    @Override
+    public void close() {
+        // the pictures so far are complete
+    }
+}
