@@ -145,6 +145,8 @@ void Service::Dispatch(Reader request, Writer& reply) {
       const auto interval = request.Value<uint32_t>();
       return Check(vesper_engine_set_interval(engine_.get(), library, interval, &error_));
     }
+    case Request::kReplace:
+      return Replace(request, reply);
     case Request::kBeginChanges:
       return BeginChanges();
     case Request::kEndChanges:
@@ -266,22 +268,36 @@ void Service::Prepare(Reader& request, Writer& reply) {
   vesper_library_discard(prepared);
 }
 
+namespace {
+/// The parameters in a request to load a library.
+class Parameters {
+ public:
+  explicit Parameters(Reader& request) : given_(request.Value<uint32_t>()) {
+    for (auto& [name, value] : given_) {
+      name = request.Text();
+      value = request.Value<double>();
+    }
+    for (const auto& [name, value] : given_) {
+      structs_.push_back({sizeof(vesper_parameter), 0, name.c_str(), value});
+    }
+  }
+
+  const vesper_parameter* data() const { return structs_.data(); }
+  uint32_t size() const { return static_cast<uint32_t>(structs_.size()); }
+
+ private:
+  std::vector<std::pair<std::string, double>> given_;
+  std::vector<vesper_parameter> structs_;
+};
+}  // namespace
+
 void Service::Load(Reader& request, Writer& reply) {
   reply.Value(CountThreads());
   vesper_prepared_library* prepared = Open(request);
-  std::vector<std::pair<std::string, double>> given(request.Value<uint32_t>());
-  for (auto& [name, value] : given) {
-    name = request.Text();
-    value = request.Value<double>();
-  }
-  std::vector<vesper_parameter> parameters;
-  for (const auto& [name, value] : given) {
-    parameters.push_back({sizeof(vesper_parameter), 0, name.c_str(), value});
-  }
+  const Parameters given(request);
   vesper_library_id id = 0;
-  const vesper_status status =
-      vesper_engine_load_prepared(engine_.get(), prepared, parameters.data(),
-                                  static_cast<uint32_t>(parameters.size()), &id, &error_);
+  const vesper_status status = vesper_engine_load_prepared(engine_.get(), prepared, given.data(),
+                                                           given.size(), &id, &error_);
   if (status != VESPER_OK) vesper_library_discard(prepared);
   Check(status);
   libraries_.push_back(id);
@@ -296,6 +312,22 @@ void Service::Unload(Reader& request, Writer& reply) {
   std::erase(libraries_, id);
   ProtectColumns();
   reply.Value(CountThreads());
+}
+
+/// Replies with the numbers of threads before and after, and the new laws.
+void Service::Replace(Reader& request, Writer& reply) {
+  const uint32_t threads = CountThreads();
+  const auto id = request.Value<vesper_library_id>();
+  vesper_prepared_library* prepared = Open(request);
+  const Parameters given(request);
+  const vesper_status status = vesper_engine_replace_library(engine_.get(), id, prepared,
+                                                             given.data(), given.size(), &error_);
+  if (status != VESPER_OK) vesper_library_discard(prepared);
+  Check(status);
+  ProtectColumns();
+  reply.Value(threads);
+  reply.Value(CountThreads());
+  WriteLaws(id, reply);
 }
 
 void Service::BeginChanges() {

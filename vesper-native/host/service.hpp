@@ -40,6 +40,7 @@ enum class Request : uint32_t {
   kSetInterval,
   kBeginChanges,
   kEndChanges,
+  kReplace,
 };
 
 /// The form of the bytes of a law library. reve.pe.hosted.HostedLibrary in Java has the same
@@ -81,6 +82,7 @@ class Service {
   void Unload(Reader& request, Writer& reply);
   void Laws(Reader& request, Writer& reply);
   void Advance(Reader& request, Writer& reply);
+  void Replace(Reader& request, Writer& reply);
   void BeginChanges();
   void EndChanges(Reader& request, Writer& reply);
   void MoveRows(Reader& request);

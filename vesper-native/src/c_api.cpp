@@ -266,6 +266,15 @@ vesper_status vesper_engine_unload_physics_law(vesper_engine* engine, vesper_lib
   return Guarded(error, [&] { Required(engine, "engine").Unload(library); });
 }
 
+vesper_status vesper_engine_replace_library(vesper_engine* engine, vesper_library_id library,
+                                            vesper_prepared_library* prepared,
+                                            const vesper_parameter* parameters, uint32_t count,
+                                            vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(engine, "engine").Replace(library, Required(prepared, "prepared"), parameters, count);
+  });
+}
+
 vesper_status vesper_engine_begin_changes(vesper_engine* engine, vesper_error* error) noexcept {
   return Guarded(error, [&] { Required(engine, "engine").BeginChanges(); });
 }

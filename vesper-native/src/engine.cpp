@@ -261,19 +261,9 @@ vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
                                       const vesper_parameter* parameters, uint32_t count) {
   const Turn turn(*this);
   const vesper_law_library& table = prepared.TableFor(prototype_);
-  for (const auto& library : libraries_) {
-    if (library->name() != table.name) continue;
-    throw Failure(VESPER_ALREADY_EXISTS, "library %s is loaded already; unload it first",
-                  table.name)
-        .Library(library->id());
-  }
+  RefuseLoadedName(table.name);
   if (custom_ != nullptr) RefreshColumns();
-  auto added = std::make_unique<vesper::LawLibrary>(next_library_, table.name, config_, pool_);
-  MatchLaws(table, *added);
-  MatchFields(table, *added);
-  CheckConflicts(*added);
-  added->Create(table, vesper::ResolveParameters(added->laws(), parameters, count));
-  libraries_.push_back(std::move(added));
+  libraries_.push_back(Build(next_library_, table, parameters, count));
   try {
     Plan();
   } catch (...) {
@@ -286,6 +276,78 @@ vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
     columns_.SetField(field->property, field->function->field());
   }
   return next_library_++;
+}
+
+void vesper_engine::RefuseLoadedName(const char* name) const {
+  for (const auto& library : libraries_) {
+    if (library->name() != name) continue;
+    throw Failure(VESPER_ALREADY_EXISTS, "library %s is loaded already; unload it first", name)
+        .Library(library->id());
+  }
+}
+
+std::unique_ptr<vesper::LawLibrary> vesper_engine::Build(vesper_library_id id,
+                                                         const vesper_law_library& table,
+                                                         const vesper_parameter* parameters,
+                                                         uint32_t count) {
+  auto added = std::make_unique<vesper::LawLibrary>(id, table.name, config_, pool_);
+  MatchLaws(table, *added);
+  MatchFields(table, *added);
+  CheckConflicts(*added);
+  added->Create(table, vesper::ResolveParameters(added->laws(), parameters, count));
+  return added;
+}
+
+std::unique_ptr<vesper::LawLibrary> vesper_engine::TakeOut(size_t place) {
+  for (const auto& field : libraries_[place]->fields()) columns_.Remove(field->property);
+  std::unique_ptr<vesper::LawLibrary> taken = std::move(libraries_[place]);
+  libraries_.erase(libraries_.begin() + static_cast<ptrdiff_t>(place));
+  return taken;
+}
+
+void vesper_engine::PutIn(size_t place, std::unique_ptr<vesper::LawLibrary> library) {
+  const auto put =
+      libraries_.insert(libraries_.begin() + static_cast<ptrdiff_t>(place), std::move(library));
+  for (const auto& field : (*put)->fields()) {
+    columns_.SetField(field->property, field->function->field());
+  }
+}
+
+void vesper_engine::Replace(vesper_library_id id, vesper_prepared_library& prepared,
+                            const vesper_parameter* parameters, uint32_t count) {
+  const Turn turn(*this);
+  RefuseIfFaulted();
+  const auto place = static_cast<size_t>(FindLibrary(id) - libraries_.cbegin());
+  const vesper_law_library& table = prepared.TableFor(prototype_);
+  if (custom_ != nullptr) RefreshColumns();
+  FaultIfFails([&] { schedule_.deferred().SynchronizeHeldBy(*libraries_[place]); });
+  const size_t others = libraries_.size() - 1;
+  std::unique_ptr<vesper::LawLibrary> old = TakeOut(place);
+  try {
+    RefuseLoadedName(table.name);
+    auto added = Build(id, table, parameters, count);
+    if (ledger_ != nullptr) ledger_->Plan(libraries_);  // closes the accounts of the old laws
+    PutIn(place, std::move(added));
+    Plan();
+  } catch (...) {
+    if (libraries_.size() > others) TakeOut(place);
+    PutIn(place, std::move(old));
+    Plan();
+    throw;
+  }
+  libraries_[place]->Take(&prepared);
+  libraries_[place]->TakeScratch(*old);
+  SetAside(std::move(old));
+}
+
+void vesper_engine::SetAside(std::unique_ptr<vesper::LawLibrary> removed) {
+  if (changes_ == nullptr) return;
+  const auto is_same = [&](const auto& library) { return library->id() == removed->id(); };
+  const bool began =
+      std::any_of(changes_->places.begin(), changes_->places.end(),
+                  [&](const Changes::Place& place) { return place.library == removed->id(); });
+  if (!began || std::any_of(changes_->unloaded.begin(), changes_->unloaded.end(), is_same)) return;
+  changes_->unloaded.push_back(std::move(removed));
 }
 
 void vesper_engine::Plan() {
@@ -329,14 +391,10 @@ void vesper_engine::Unload(vesper_library_id id) {
   const Turn turn(*this);
   const auto found = FindLibrary(id);
   FaultIfFails([&] { schedule_.deferred().SynchronizeHeldBy(**found); });
-  for (const auto& field : (*found)->fields()) columns_.Remove(field->property);
-  auto& removed = libraries_[static_cast<size_t>(found - libraries_.begin())];
-  const bool is_kept =
-      changes_ != nullptr && std::any_of(changes_->places.begin(), changes_->places.end(),
-                                         [id](const auto& place) { return place.library == id; });
-  if (is_kept) changes_->unloaded.push_back(std::move(removed));
-  libraries_.erase(found);
+  std::unique_ptr<vesper::LawLibrary> removed =
+      TakeOut(static_cast<size_t>(found - libraries_.cbegin()));
   Plan();
+  SetAside(std::move(removed));
   if (faulted_ && faulted_library_ == id) {
     faulted_ = false;
     schedule_.Forget();

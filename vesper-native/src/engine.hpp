@@ -48,6 +48,8 @@ struct vesper_engine {
   vesper_library_id Load(vesper_prepared_library& prepared, const vesper_parameter* parameters,
                          uint32_t count);
   void Unload(vesper_library_id id);
+  void Replace(vesper_library_id id, vesper_prepared_library& prepared,
+               const vesper_parameter* parameters, uint32_t count);
   void BeginChanges();
   void EndChanges(bool keep);
   void SetInterval(vesper_library_id id, uint32_t interval);
@@ -82,6 +84,16 @@ struct vesper_engine {
   const vesper::LawLibrary* FieldOwner(uint32_t property) const;
   void RefuseFieldOfLibrary(uint32_t property) const;
   const vesper::LoadedLaw& FindLaw(vesper_library_id id, uint32_t index) const;
+  void RefuseLoadedName(const char* name) const;
+  /// Creates the laws of a library and checks them against those of all loaded ones.
+  std::unique_ptr<vesper::LawLibrary> Build(vesper_library_id id, const vesper_law_library& table,
+                                            const vesper_parameter* parameters, uint32_t count);
+  /// Removes the library at a place, and its fields. Plan must follow.
+  std::unique_ptr<vesper::LawLibrary> TakeOut(size_t place);
+  /// Inserts a library at a place, and binds its fields. Plan must follow.
+  void PutIn(size_t place, std::unique_ptr<vesper::LawLibrary> library);
+  /// Keeps a library that was removed, if changes are in progress that began with it.
+  void SetAside(std::unique_ptr<vesper::LawLibrary> removed);
   /// Updates all parts that depend on the set of laws.
   void Plan();
   /// Restores what BeginChanges found.

@@ -152,6 +152,27 @@ void LawLibrary::Create(const vesper_law_library& table,
   }
 }
 
+namespace {
+bool HaveSameLayout(const MatchedUse& a, const MatchedUse& b) {
+  return a.IsScratch() && b.IsScratch() && a.scratch_kind == b.scratch_kind &&
+         a.use->scalar_type == b.use->scalar_type && a.use->components == b.use->components &&
+         std::strcmp(a.use->name, b.use->name) == 0;
+}
+}  // namespace
+
+void LawLibrary::TakeScratch(LawLibrary& old) noexcept {
+  for (const auto& law : laws_) {
+    for (const auto& before : old.laws_) {
+      if (std::strcmp(law->law.desc().name, before->law.desc().name) != 0) continue;
+      for (MatchedUse& use : law->uses) {
+        for (MatchedUse& source : before->uses) {
+          if (HaveSameLayout(use, source)) std::swap(use.scratch, source.scratch);
+        }
+      }
+    }
+  }
+}
+
 void LawLibrary::HostLog(void* context, uint32_t level, const char* message) {
   auto& library = *static_cast<LawLibrary*>(context);
   if (message == nullptr) return;

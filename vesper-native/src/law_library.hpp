@@ -83,6 +83,10 @@ class LawLibrary {
   /// Takes ownership of `prepared`; the mapped file is closed when this object is destroyed.
   void Take(vesper_prepared_library* prepared) { prepared_.reset(prepared); }
 
+  /// Takes over the SCRATCH values of a library that this one replaces, where they have the same
+  /// layout. The scratch of `old` is undefined afterwards.
+  void TakeScratch(LawLibrary& old) noexcept;
+
   /// Keeps the log lines of its laws from now on, until they are passed to the log or dropped.
   void HoldLog() { hold_log_ = true; }
   void ReleaseLog();

@@ -19,8 +19,8 @@ vesper_error End(const TestEngine& engine, bool keep) {
 }
 
 /// Two bodies, with a law that writes their forces and one that counts its steps in SCRATCH.
-struct World {
-  explicit World(const EngineOptions& options) : engine(options) {
+struct ChangedWorld {
+  explicit ChangedWorld(const EngineOptions& options) : engine(options) {
     engine.AddBodies(bodies);
     push = engine.Load("push", {{"force", 2}});
     remembering = engine.Load("remembering");
@@ -33,7 +33,7 @@ struct World {
 };
 
 TEST_P(ChangesTest, UndoneTheyLeaveNoTrace) {
-  World world(Options()), expected(Options());
+  ChangedWorld world(Options()), expected(Options());
   EXPECT_OK(world.engine.Advance(1, 3));
   EXPECT_OK(expected.engine.Advance(1, 3));
   EXPECT_OK(Begin(world.engine));
@@ -43,7 +43,7 @@ TEST_P(ChangesTest, UndoneTheyLeaveNoTrace) {
   world.engine.Load("remembering");
   world.engine.Load("euler");
   EXPECT_OK(End(world.engine, false));
-  for (World* each : {&world, &expected}) EXPECT_OK(each->engine.Advance(1, 2));
+  for (ChangedWorld* each : {&world, &expected}) EXPECT_OK(each->engine.Advance(1, 2));
   EXPECT_EQ(world.bodies.force, expected.bodies.force);
   EXPECT_EQ(world.bodies.acceleration, expected.bodies.acceleration);
   EXPECT_EQ(world.bodies.acceleration[2], 5);
@@ -53,7 +53,7 @@ TEST_P(ChangesTest, UndoneTheyLeaveNoTrace) {
 }
 
 TEST_P(ChangesTest, UndoneTheyRestoreTheStepCountAndIntervals) {
-  World world(Options());
+  ChangedWorld world(Options());
   EXPECT_OK(Try([&](vesper_error* error) {
     return vesper_engine_set_interval(world.engine.get(), world.push, 2, error);
   }));
@@ -72,7 +72,7 @@ TEST_P(ChangesTest, UndoneTheyRestoreTheStepCountAndIntervals) {
 }
 
 TEST_P(ChangesTest, KeptTheyStay) {
-  World world(Options());
+  ChangedWorld world(Options());
   EXPECT_OK(Begin(world.engine));
   EXPECT_OK(world.engine.Unload(world.push));
   const vesper_library_id changed = world.engine.Load("push_changed", {{"force", 5}});
@@ -84,7 +84,7 @@ TEST_P(ChangesTest, KeptTheyStay) {
 }
 
 TEST_P(ChangesTest, AreRefusedOutOfTurn) {
-  World world(Options());
+  ChangedWorld world(Options());
   EXPECT_REFUSED(NOT_FOUND, "no changes are in progress", End(world.engine, true));
   EXPECT_OK(Begin(world.engine));
   EXPECT_REFUSED(ALREADY_EXISTS, "changes are in progress", Begin(world.engine));
@@ -93,7 +93,7 @@ TEST_P(ChangesTest, AreRefusedOutOfTurn) {
 }
 
 TEST_P(ChangesTest, InProgressTheyEndWithTheEngine) {
-  World world(Options());
+  ChangedWorld world(Options());
   EXPECT_OK(Begin(world.engine));
   EXPECT_OK(world.engine.Unload(world.push));
 }

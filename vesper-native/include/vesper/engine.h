@@ -334,6 +334,17 @@ VESPER_API vesper_status vesper_engine_load_physics_law(vesper_engine* engine, c
 VESPER_API vesper_status vesper_engine_unload_physics_law(vesper_engine* engine,
                                                           vesper_library_id library,
                                                           vesper_error* error) VESPER_NOEXCEPT;
+/** Replaces a loaded library by a prepared one, between two frames and without delay. The new
+ * library takes the id and the place of the old one; its interval is 1, and parameters that are not
+ * given have their defaults. A SCRATCH use keeps its values if the law of the same name had a use
+ * of the same name, kind, type and number of components; others begin with zeros. The new laws are
+ *  checked against all libraries except the old one. If one is refused or cannot be created,
+ *  nothing has changed and the caller still owns `prepared`. NOT_FOUND if the library is not
+ *  loaded, ALREADY_EXISTS if another library has the name, FAULTED after a failed step. Since
+ *  1.2. */
+VESPER_API vesper_status vesper_engine_replace_library(
+    vesper_engine* engine, vesper_library_id library, vesper_prepared_library* prepared,
+    const vesper_parameter* parameters, uint32_t count, vesper_error* error) VESPER_NOEXCEPT;
 /** Begins a series of changes, such as loading and unloading, that can be undone as a whole. Until
  *  vesper_engine_end_changes, the engine keeps the libraries that are unloaded, without calling
  *  their laws. Between frames. ALREADY_EXISTS if a series has begun; FAULTED after a failed step.

@@ -426,6 +426,18 @@ class PhysicsEngine {
     vesper_error error{};
     detail::Check(vesper_engine_unload_physics_law(engine_.get(), library, &error), error);
   }
+  /** Replaces a loaded library between two frames; see `vesper_engine_replace_library`. If this
+   *  throws, the old library stays and `prepared` is unchanged. */
+  void ReplaceLibrary(vesper_library_id library, PreparedLibrary&& prepared,
+                      const std::vector<ParameterValue>& parameters = {}) {
+    const auto values = View(parameters);
+    vesper_error error{};
+    detail::Check(
+        vesper_engine_replace_library(engine_.get(), library, prepared.prepared_.get(),
+                                      values.data(), static_cast<uint32_t>(values.size()), &error),
+        error);
+    static_cast<void>(prepared.prepared_.release());
+  }
   /** Begins changes that can be undone as a whole; see `vesper_engine_begin_changes`. */
   void BeginChanges() {
     vesper_error error{};

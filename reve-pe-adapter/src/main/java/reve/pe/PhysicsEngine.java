@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
-import java.io.IOException;
-import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
@@ -47,28 +45,11 @@ public interface PhysicsEngine extends AutoCloseable {
      */
     String checkText(String source, byte[] text);
 
-    /** Opens and checks a law library from its bytes, like {@link #prepare(String)}. */
-    default PreparedLibrary prepare(byte[] library) {
-        if (PreparedLibrary.isText(library)) {
-            return prepareText("text", library);
-        }
-        if (PreparedLibrary.isPython(library)) {
-            throw PythonLaw.refusedHere("a law");
-        }
-        try {
-            Path copy = Files.createTempFile("reve-law-", ".so");
-            try {
-                Files.write(copy, library);
-                return prepare(copy);
-            } finally {
-                Files.delete(copy);
-            }
-        } catch (IOException e) {
-            throw new PhysicsException(
-                    Status.LIBRARY_LOAD_FAILED,
-                    "a law library could not be written to a temporary file to be opened: " + e);
-        }
-    }
+    /**
+     * Opens and checks a law library from its bytes, like {@link #prepare(String)}. The caller must
+     * not change them.
+     */
+    PreparedLibrary prepare(byte[] library);
 
     /**
      * Activates a prepared library; call it between frames. The engine owns the library afterwards;
@@ -86,6 +67,16 @@ public interface PhysicsEngine extends AutoCloseable {
             return loadPhysicsLaw(prepared, parameters);
         }
     }
+
+    /**
+     * Replaces a loaded library by a prepared one between two frames. The new one takes the id, the
+     * place in the order, and the state of laws for each row where its layout is the same; its
+     * interval is 1. If the engine refuses it, or it fails, the old one stays as it was, and the
+     * caller still owns the new one.
+     *
+     * @param parameters as for {@link #loadPhysicsLaw(PreparedLibrary, Map)}
+     */
+    void replacePhysicsLaw(int libraryId, PreparedLibrary prepared, Map<String, Double> parameters);
 
     /** Unloads a library with all its laws. */
     void unloadPhysicsLaw(int libraryId);

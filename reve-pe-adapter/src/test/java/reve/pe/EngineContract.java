@@ -162,6 +162,32 @@ public abstract class EngineContract {
     }
 
     @Test
+    void aReplacedLawKeepsItsIdAndPlace() {
+        try (EngineFixture orbit = new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS);
+                EngineFixture expected =
+                        new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS);
+                PreparedLibrary again = orbit.engine.prepare("hooke_spring");
+                PreparedLibrary rival = orbit.engine.prepare("newton_motion")) {
+            int spring = orbit.engine.laws().getFirst().libraryId();
+            orbit.engine.advance(SpringOrbit.DT, 4);
+            assertThatExceptionOfType(PhysicsException.class)
+                    .isThrownBy(() -> orbit.engine.replacePhysicsLaw(spring, rival, Map.of()))
+                    .satisfies(e -> assertThat(e.status()).isEqualTo(Status.ALREADY_EXISTS));
+            orbit.engine.replacePhysicsLaw(spring, again, Map.of());
+            assertThatIllegalStateException()
+                    .isThrownBy(() -> orbit.engine.replacePhysicsLaw(spring, again, Map.of()));
+            orbit.engine.advance(SpringOrbit.DT, 4);
+            expected.engine.advance(SpringOrbit.DT, 8);
+            assertThat(orbit.engine.laws())
+                    .extracting(PhysicsLaw::libraryId, PhysicsLaw::name, PhysicsLaw::calls)
+                    .containsExactly(
+                            tuple(spring, "hooke_spring", 4L),
+                            tuple(spring + 1, "newton_motion", 8L));
+            assertThat(orbit.engine.stateHash()).isEqualTo(expected.engine.stateHash());
+        }
+    }
+
+    @Test
     void keptChangesStay() {
         try (EngineFixture orbit = new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
             int spring = orbit.engine.laws().getFirst().libraryId();

@@ -9,8 +9,24 @@ import java.util.Optional;
 
 /** A change to the laws of a world. An index counts libraries in the order of loading, from 0. */
 public sealed interface LawChange {
+    /** Returns the library that the change brings, if it brings one. */
+    default Optional<LawLibrary> brought() {
+        return switch (this) {
+            case Loaded added -> Optional.of(added.library());
+            case Replaced replaced -> Optional.of(replaced.library());
+            case Unloaded _, ParametersSet _, BudgetSet _, IntervalSet _ -> Optional.empty();
+            case Failed _, Arrested _, Released _, Unmoved _ -> Optional.empty();
+        };
+    }
+
     /** A library was loaded, as the last one in the order. */
     record Loaded(LawLibrary library) implements LawChange {}
+
+    /**
+     * The library at an index was replaced by another one, which has its place and the state of its
+     * laws where the layout is the same.
+     */
+    record Replaced(int place, LawLibrary library) implements LawChange {}
 
     /** The library at an index was unloaded. */
     record Unloaded(int place) implements LawChange {}

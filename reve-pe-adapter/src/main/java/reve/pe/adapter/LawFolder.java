@@ -21,6 +21,8 @@ import java.nio.file.Path;
 import java.nio.file.attribute.BasicFileAttributes;
 import java.nio.file.attribute.PosixFilePermission;
 import java.time.Duration;
+import java.util.ArrayList;
+import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.TreeMap;
@@ -70,6 +72,10 @@ public final class LawFolder implements AutoCloseable {
     private final FolderParameters.Reader parameters;
     private final FolderLaws active;
     private final Map<String, WatchedFile> files = new TreeMap<>();
+
+    /** Libraries in commands that the world has perhaps not executed yet. */
+    private final List<Offered> pending = new ArrayList<>();
+
     private long sequence;
     private @Nullable Thread thread;
     private @Nullable String lastWarning;
@@ -81,6 +87,18 @@ public final class LawFolder implements AutoCloseable {
                     attributes.fileKey(),
                     attributes.size(),
                     attributes.lastModifiedTime().to(TimeUnit.NANOSECONDS));
+        }
+    }
+
+    /** A library in a command to the world. */
+    private static final class Offered {
+        final PreparedLibrary library;
+
+        /** True if the world has executed the command, and has closed or loaded the library. */
+        volatile boolean isTaken;
+
+        Offered(PreparedLibrary library) {
+            this.library = library;
         }
     }
 
@@ -153,7 +171,7 @@ public final class LawFolder implements AutoCloseable {
                     lookAtMissing(name, files.get(name));
                 }
             }
-            makeSpares();
+            pending.removeIf(offered -> offered.isTaken);
             present.forEach(
                     (name, file) ->
                             lookAt(
@@ -176,7 +194,7 @@ public final class LawFolder implements AutoCloseable {
             looking.interrupt();
             joinUninterruptibly(looking);
         }
-        active.close();
+        pending.forEach(offered -> offered.library.close());
     }
 
     private static void joinUninterruptibly(Thread looking) {
@@ -333,45 +351,20 @@ public final class LawFolder implements AutoCloseable {
         }
     }
 
-    /** Prepares the library twice; the second copy restores it if a successor is refused. */
     private void prepareAndOffer(String name, Path path, WatchedFile file) throws IOException {
         FolderParameters given = parametersOf(name);
-        PreparedLibrary library = active.track(engine.prepare(path));
-        PreparedLibrary spare;
-        try {
-            spare = active.track(engine.prepare(path));
-        } catch (RuntimeException e) {
-            active.drop(library);
-            throw e;
-        }
+        Offered offered = new Offered(engine.prepare(path));
         file.settled =
-                library.sha256().equals(spare.sha256())
-                        && offer(frame -> active.put(frame, path, library, spare, given));
+                offer(
+                        frame -> {
+                            offered.isTaken = true;
+                            active.put(frame, path, offered.library, given);
+                        });
         if (file.settled) {
             file.accepted = true;
+            pending.add(offered);
         } else {
-            active.drop(library);
-            active.drop(spare);
-        }
-    }
-
-    /**
-     * Prepares new spare copies for those that were used, from the kept bytes, because the files
-     * have other content now.
-     */
-    private void makeSpares() {
-        for (var wanted = active.nextWanted(); wanted != null; wanted = active.nextWanted()) {
-            String name = wanted.name();
-            try {
-                PreparedLibrary spare = active.track(engine.prepare(wanted.bytes()));
-                if (!offer(frame -> active.giveSpare(name, spare))) {
-                    active.drop(spare);
-                    active.want(wanted);
-                    return;
-                }
-            } catch (RuntimeException e) {
-                warnOnce(name + " cannot be replaced, only removed: " + e.getMessage());
-            }
+            offered.library.close();
         }
     }
 

@@ -108,38 +108,42 @@ public final class Laws {
             PreparedLibrary prepared,
             Map<String, Double> parameters,
             Consumer<String> names) {
-        String library = prepared.name();
-        String sha256 = prepared.sha256();
-        Quarantined reason = quarantined.get(sha256);
-        if (reason != null) {
-            throw new PhysicsException(
-                    reason.status(),
-                    "law library '"
-                            + library
-                            + "' is in quarantine since frame "
-                            + reason.frame()
-                            + ": "
-                            + reason.message());
-        }
-        names.accept(library);
+        refuseQuarantined(prepared);
+        names.accept(prepared.name());
         int id = engine.loadPhysicsLaw(prepared, parameters);
         try {
-            engine.laws().stream()
-                    .filter(law -> law.libraryId() == id)
-                    .map(PhysicsLaw::name)
-                    .forEach(names);
+            lawsOf(id).stream().map(PhysicsLaw::name).forEach(names);
         } catch (PhysicsException refused) {
             engine.unloadPhysicsLaw(id);
             throw refused;
         }
         LawLibrary added =
                 LawLibrary.of(prepared, parameters)
-                        .withBudget(Optional.ofNullable(budgets.get(library)));
+                        .withBudget(Optional.ofNullable(budgets.get(prepared.name())));
         loaded.put(id, added);
         version++;
         tell(new LawChange.Loaded(added));
         events.loaded(frame, added, id);
         return id;
+    }
+
+    private void refuseQuarantined(PreparedLibrary prepared) {
+        Quarantined reason = quarantined.get(prepared.sha256());
+        if (reason != null) {
+            throw new PhysicsException(
+                    reason.status(),
+                    "law library '"
+                            + prepared.name()
+                            + "' is in quarantine since frame "
+                            + reason.frame()
+                            + ": "
+                            + reason.message());
+        }
+    }
+
+    /** Returns the laws of a loaded library. */
+    List<PhysicsLaw> lawsOf(int libraryId) {
+        return engine.laws().stream().filter(law -> law.libraryId() == libraryId).toList();
     }
 
     /**
@@ -174,9 +178,8 @@ public final class Laws {
     }
 
     /**
-     * Changes parameters of a loaded library, outside PHYSICS. The library and those loaded after
-     * it are loaded again, so that the order of the laws stays the same; all laws keep their
-     * SCRATCH memory.
+     * Changes parameters of a loaded library, outside PHYSICS. The library is created again, in its
+     * place; its laws keep their SCRATCH memory.
      *
      * @param changed values, keyed by {@code parameter} or {@code law.parameter}; the others keep
      *     their values
@@ -192,16 +195,27 @@ public final class Laws {
     }
 
     private void setParameters(long frame, int place, Map<String, Double> changed) {
-        List<LawLibrary> wanted = new ArrayList<>(libraries());
-        wanted.set(place, wanted.get(place).with(changed));
+        int id = idAt(place);
+        LawLibrary wanted = Objects.requireNonNull(loaded.get(id)).with(changed);
         attempt(
-                frame,
-                (made, memory) -> {
-                    restore(frame, wanted, quarantined());
-                    engine.loadState(memory);
-                    made.clear();
-                    made.add(new LawChange.ParametersSet(place, Map.copyOf(changed)));
+                made -> {
+                    try (PreparedLibrary again = engine.prepare(wanted.bytes())) {
+                        exchange(frame, id, again, wanted);
+                    }
+                    engine.setInterval(id, wanted.interval());
+                    tell(new LawChange.ParametersSet(place, Map.copyOf(changed)));
                 });
+    }
+
+    /** Replaces a loaded library in the engine, and reports it. */
+    private void exchange(long frame, int id, PreparedLibrary prepared, LawLibrary by) {
+        LawLibrary old = Objects.requireNonNull(loaded.get(id));
+        Map<String, Object> fields = events.fieldsWithCost(old, id);
+        engine.replacePhysicsLaw(id, prepared, by.parameters());
+        loaded.put(id, by);
+        version++;
+        events.unloaded(frame, fields);
+        events.loaded(frame, by, id);
     }
 
     /**
@@ -247,26 +261,42 @@ public final class Laws {
     }
 
     /**
-     * Loads a library outside PHYSICS in place of a loaded one of the same name, because the laws
-     * of both cannot be loaded together. If the new one is refused, nothing changes.
+     * Replaces a loaded library between two frames. The new one takes the id and the place of the
+     * old one, the SCRATCH memory of its laws where the layout is the same, and the budget of its
+     * name. If it is refused or fails, nothing changes. Outside PHYSICS.
      *
-     * @param old id of the loaded library
-     * @return id of the new library
-     * @throws PhysicsException if the engine refuses the new library
+     * @param libraryId id of the loaded library
+     * @param check of the new laws; may throw PhysicsException
+     * @throws PhysicsException if the engine, the {@link NameGuard} or {@code check} refuses it, or
+     *     it is quarantined; the caller then closes {@code prepared}
      */
-    public int replace(
+    public void replace(
             long frame,
-            int old,
+            int libraryId,
             PreparedLibrary prepared,
             Map<String, Double> parameters,
-            Path file) {
+            Path file,
+            Consumer<List<PhysicsLaw>> check) {
+        byte[] bytes = prepared.bytes();
         attempt(
-                frame,
-                (made, memory) -> {
-                    unload(frame, old);
-                    load(frame, prepared, parameters, file);
+                made -> {
+                    refuseQuarantined(prepared);
+                    guard.check(prepared.name(), file, bytes);
+                    replaceBy(
+                            frame,
+                            libraryId,
+                            prepared,
+                            LawLibrary.of(prepared, parameters)
+                                    .withBudget(Optional.ofNullable(budgets.get(prepared.name()))));
+                    List<PhysicsLaw> laws = lawsOf(libraryId);
+                    laws.forEach(law -> guard.check(law.name(), file, bytes));
+                    check.accept(laws);
                 });
-        return latest().orElseThrow().getKey();
+    }
+
+    private void replaceBy(long frame, int id, PreparedLibrary prepared, LawLibrary by) {
+        exchange(frame, id, prepared, by);
+        tell(new LawChange.Replaced(List.copyOf(loaded.keySet()).indexOf(id), by));
     }
 
     /**
@@ -276,26 +306,24 @@ public final class Laws {
     private interface Attempt {
         /**
          * @param made receives the changes
-         * @param memory the engine's state before the attempt
          */
-        void make(List<LawChange> made, byte[] memory);
+        void make(List<LawChange> made);
     }
 
     /** Runs an action whole: if one of its changes is refused, nothing has changed. */
-    private void attempt(long frame, Attempt attempt) {
+    private void attempt(Attempt attempt) {
         Map<Integer, LawLibrary> before = new LinkedHashMap<>(loaded);
         Set<Integer> adoptable = Set.copyOf(forFolder);
         Map<String, Quarantined> out = new LinkedHashMap<>(quarantined);
         Map<String, TimeBudget> allowed = new HashMap<>(budgets);
         boolean wasUnmoved = unmoved;
         List<LawChange> made = new ArrayList<>();
-        byte[] memory = engine.saveState();
         engine.beginChanges();
         attempted = made;
         events.hold();
         boolean whole = false;
         try {
-            attempt.make(made, memory);
+            attempt.make(made);
             whole = true;
         } finally {
             attempted = null;
@@ -421,6 +449,14 @@ public final class Laws {
                     leaveToFolder(id);
                 }
             }
+            case LawChange.Replaced replaced -> {
+                int id = idAt(replaced.place());
+                try (PreparedLibrary prepared = engine.prepare(replaced.library().bytes())) {
+                    replaceBy(frame, id, prepared, replaced.library());
+                }
+                apply(id, replaced.library().budget(), replaced.library().interval());
+                leaveToFolder(id);
+            }
             case LawChange.Unloaded gone -> unload(frame, idAt(gone.place()));
             case LawChange.ParametersSet set -> {
                 idAt(set.place());
@@ -468,8 +504,7 @@ public final class Laws {
      */
     void restore(long frame, PhysicsImage image, Runnable columns) {
         attempt(
-                frame,
-                (made, memory) -> {
+                made -> {
                     restore(frame, image.libraries(), image.quarantined());
                     engine.loadState(image.engineState()); // refuses a state that is damaged
                     columns.run();

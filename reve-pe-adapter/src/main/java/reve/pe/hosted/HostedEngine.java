@@ -174,6 +174,34 @@ public final class HostedEngine implements PhysicsEngine {
 
     @Override
     public int loadPhysicsLaw(PreparedLibrary prepared, Map<String, Double> parameters) {
+        HostedLibrary library = own(prepared);
+        Loaded added = new Loaded(nextId, library, parameters);
+        give(
+                added,
+                calls -> {
+                    added.load(calls);
+                    return calls;
+                });
+        libraries.add(added);
+        nextId++;
+        return added.id;
+    }
+
+    @Override
+    public void replacePhysicsLaw(
+            int libraryId, PreparedLibrary prepared, Map<String, Double> parameters) {
+        HostedLibrary library = own(prepared);
+        Loaded old = require(libraryId);
+        Loaded added = new Loaded(libraryId, library, parameters);
+        int threads = give(added, calls -> added.replace(calls, old));
+        libraries.set(libraries.indexOf(old), added);
+        if (changes == null && threads > added.threads && threads > old.threads) {
+            lose(); // a thread that the old library left might still write
+        }
+        free(old);
+    }
+
+    private HostedLibrary own(PreparedLibrary prepared) {
         checkOpen();
         if (!(prepared instanceof HostedLibrary library)) {
             throw new IllegalArgumentException(
@@ -182,17 +210,24 @@ public final class HostedEngine implements PhysicsEngine {
                             + "' was prepared by another kind of engine");
         }
         library.requireFree();
-        Loaded added = new Loaded(nextId, library, parameters);
+        return library;
+    }
+
+    /** Gives a library to the host; the refusal of a text has all its problems. */
+    private <T> T give(Loaded added, Exchange<T> exchange) {
+        HostedLibrary library = added.library;
         try {
             Calls calls = connected();
-            loadWithReport(calls, added);
+            T reply = exchange.with(calls);
             keep(calls); // before it counts as loaded: a new host needs its state
             library.taken();
-            libraries.add(added);
             accepted = null;
-            nextId++;
             expectBuilding();
-            return added.id;
+            return reply;
+        } catch (PhysicsException refused) {
+            throw PreparedLibrary.isText(library.bytes())
+                    ? LawText.withReport(prototype, library.source(), library.bytes(), refused)
+                    : refused;
         } catch (HostLost lost) {
             lose();
             throw new PhysicsException(
@@ -203,18 +238,6 @@ public final class HostedEngine implements PhysicsEngine {
                             + lost.getMessage()
                             + " while it was loaded"
                             + (lost.isLate() ? "" : "; the engine goes on in a new process"));
-        }
-    }
-
-    /** Loads a library; the refusal of a text has all its problems. */
-    private void loadWithReport(Calls calls, Loaded added) throws HostLost {
-        try {
-            added.load(calls);
-        } catch (PhysicsException refused) {
-            throw PreparedLibrary.isText(added.library.bytes())
-                    ? LawText.withReport(
-                            prototype, added.library.source(), added.library.bytes(), refused)
-                    : refused;
         }
     }
 
@@ -259,6 +282,11 @@ public final class HostedEngine implements PhysicsEngine {
             state.leave(old.library.name());
         }
         libraries.remove(old);
+        free(old);
+    }
+
+    /** Frees a library that is no longer loaded, unless changes in progress may bring it back. */
+    private void free(Loaded old) {
         accepted = null;
         if (changes == null || !changes.setAside(old)) {
             old.library.free();

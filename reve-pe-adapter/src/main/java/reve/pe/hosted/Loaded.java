@@ -42,20 +42,32 @@ final class Loaded {
 
     /** Loads the library into a host. */
     void load(Calls host) throws HostLost {
-        Mailbox reply =
-                host.call(
-                        to -> {
-                            Mailbox request =
-                                    library.put(to.begin(Request.LOAD)).putInt(parameters.size());
-                            parameters.forEach(
-                                    (name, value) -> request.putText(name).putDouble(value));
-                        });
+        Mailbox reply = host.call(to -> put(to.begin(Request.LOAD)));
         threads = reply.getInt();
         hostId = reply.getInt();
         read(reply);
         if (interval != 1) {
             host.call(to -> to.begin(Request.SET_INTERVAL).putInt(hostId).putInt(interval));
         }
+    }
+
+    /**
+     * Loads the library into a host in place of another one, whose id there it takes.
+     *
+     * @return number of threads of the host afterwards
+     */
+    int replace(Calls host, Loaded old) throws HostLost {
+        hostId = old.hostId;
+        Mailbox reply = host.call(to -> put(to.begin(Request.REPLACE).putInt(hostId)));
+        threads = reply.getInt();
+        int after = reply.getInt();
+        read(reply);
+        return after;
+    }
+
+    private void put(Mailbox to) {
+        Mailbox request = library.put(to).putInt(parameters.size());
+        parameters.forEach((name, value) -> request.putText(name).putDouble(value));
     }
 
     /** Reads the laws as the current host describes them. */

@@ -26,7 +26,8 @@ enum Request {
     BIND_ALL,
     SET_INTERVAL,
     BEGIN_CHANGES,
-    END_CHANGES;
+    END_CHANGES,
+    REPLACE;
 
     int number() {
         return ordinal() + 1;

@@ -23,7 +23,6 @@ import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.PythonLaw;
 import reve.pe.Status;
-import reve.pe.posix.RegularFile;
 import reve.pe.vesper.VesperErrors.LibraryNames;
 
 import java.io.IOException;
@@ -35,6 +34,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.TreeMap;
+import java.util.function.ToIntFunction;
 import java.util.stream.Collectors;
 
 /**
@@ -151,11 +151,22 @@ public final class VesperEngine implements PhysicsEngine {
             if (file.getFileName().toString().endsWith(PreparedLibrary.PYTHON_ENDING)) {
                 throw PythonLaw.refusedHere(file.getFileName().toString());
             }
-            return prepareUnchanged(file.toAbsolutePath());
+            return prepareNative(file.toAbsolutePath().toString(), LibraryFile.read(file));
         } catch (IOException e) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED, file + " cannot be read: " + e.getMessage());
         }
+    }
+
+    @Override
+    public PreparedLibrary prepare(byte[] library) {
+        checkOpen();
+        if (PreparedLibrary.isPython(library)) {
+            throw PythonLaw.refusedHere("a law");
+        }
+        return PreparedLibrary.isText(library)
+                ? prepareText("text", library)
+                : prepareNative("a law library.so", library);
     }
 
     @Override
@@ -172,22 +183,59 @@ public final class VesperEngine implements PhysicsEngine {
 
     @Override
     public int loadPhysicsLaw(PreparedLibrary prepared, Map<String, Double> parameters) {
+        VesperPreparedLibrary library = own(prepared);
+        give(
+                library,
+                parameters,
+                values ->
+                        VesperLibrary.engineLoadPrepared(
+                                engine,
+                                library.handle(),
+                                values,
+                                parameters.size(),
+                                out,
+                                errors.segment()));
+        int id = out.get(JAVA_INT, 0);
+        list(id, library);
+        return id;
+    }
+
+    @Override
+    public void replacePhysicsLaw(
+            int libraryId, PreparedLibrary prepared, Map<String, Double> parameters) {
+        VesperPreparedLibrary library = own(prepared);
+        give(
+                library,
+                parameters,
+                values ->
+                        VesperLibrary.engineReplaceLibrary(
+                                engine,
+                                libraryId,
+                                library.handle(),
+                                values,
+                                parameters.size(),
+                                errors.segment()));
+        list(libraryId, library);
+    }
+
+    private VesperPreparedLibrary own(PreparedLibrary prepared) {
         checkOpen();
-        if (!(prepared instanceof VesperPreparedLibrary library)) {
-            throw new IllegalArgumentException(
-                    "prepared library '"
-                            + prepared.name()
-                            + "' was prepared by another kind of engine");
+        if (prepared instanceof VesperPreparedLibrary library) {
+            return library;
         }
+        throw new IllegalArgumentException(
+                "prepared library '"
+                        + prepared.name()
+                        + "' was prepared by another kind of engine");
+    }
+
+    /** Gives a library to the engine; the refusal of a text has all its problems. */
+    private void give(
+            VesperPreparedLibrary library,
+            Map<String, Double> parameters,
+            ToIntFunction<MemorySegment> give) {
         try (Arena call = Arena.ofConfined()) {
-            int status =
-                    VesperLibrary.engineLoadPrepared(
-                            engine,
-                            library.handle(),
-                            writeParameters(call, parameters),
-                            parameters.size(),
-                            out,
-                            errors.segment());
+            int status = give.applyAsInt(writeParameters(call, parameters));
             if (status != 0 && library.source() != null) {
                 throw LawText.withReport(
                         prototype, library.source(), library.bytes(), errors.exception(status));
@@ -195,12 +243,13 @@ public final class VesperEngine implements PhysicsEngine {
             errors.check(status);
         }
         library.taken();
-        int id = out.get(JAVA_INT, 0);
+    }
+
+    private void list(int id, VesperPreparedLibrary library) {
         libraries.put(
                 id,
                 new LibraryNames(library.name(), laws(id).stream().map(PhysicsLaw::name).toList()));
         listLibraries();
-        return id;
     }
 
     @Override
@@ -397,35 +446,18 @@ public final class VesperEngine implements PhysicsEngine {
         return struct;
     }
 
-    /**
-     * Prepares a file. Equal stamps before and after show that the bytes read here are those that C
-     * code copied.
-     */
-    private PreparedLibrary prepareUnchanged(Path file) throws IOException {
-        LibraryFile.Stamp before = LibraryFile.stamp(file);
-        LibraryFile.requireSize(file);
-        MemorySegment prepared = prepareCopy(file);
-        try {
-            byte[] bytes = RegularFile.read(file, PreparedLibrary.MAX_BYTES);
-            LibraryFile.requireUnchanged(file, before);
-            return new VesperPreparedLibrary(prepared, bytes, null);
-        } catch (IOException | RuntimeException e) {
-            VesperLibrary.libraryDiscard(prepared);
-            throw e;
-        }
-    }
-
-    private MemorySegment prepareCopy(Path file) {
+    private PreparedLibrary prepareNative(String source, byte[] bytes) {
         try (Arena call = Arena.ofConfined()) {
             VesperErrors failure = new VesperErrors(call, id -> null);
             MemorySegment handle = call.allocate(ADDRESS);
             failure.check(
-                    VesperLibrary.libraryPrepare(
+                    VesperLibrary.libraryPrepareBytes(
                             config,
-                            VesperStrings.write(call, file.toString()),
+                            call.allocateFrom(JAVA_BYTE, bytes),
+                            VesperStrings.write(call, source),
                             handle,
                             failure.segment()));
-            return handle.get(ADDRESS, 0);
+            return new VesperPreparedLibrary(handle.get(ADDRESS, 0), bytes, null);
         }
     }
 

@@ -76,8 +76,16 @@ final class VesperLibrary {
                     ADDRESS);
     private static final MethodHandle TOUCH =
             function("vesper_provider_touch", JAVA_INT, ADDRESS, ADDRESS, JAVA_INT, ADDRESS);
-    private static final MethodHandle LIBRARY_PREPARE =
-            function("vesper_library_prepare", JAVA_INT, ADDRESS, ADDRESS, ADDRESS, ADDRESS);
+    private static final MethodHandle LIBRARY_PREPARE_BYTES =
+            function(
+                    "vesper_library_prepare_bytes",
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS,
+                    JAVA_LONG,
+                    ADDRESS,
+                    ADDRESS,
+                    ADDRESS);
     private static final MethodHandle LIBRARY_PREPARE_TEXT =
             function(
                     "vesper_library_prepare_text",
@@ -114,6 +122,16 @@ final class VesperLibrary {
                     ADDRESS);
     private static final MethodHandle UNLOAD_LAW =
             function("vesper_engine_unload_physics_law", JAVA_INT, ADDRESS, JAVA_INT, ADDRESS);
+    private static final MethodHandle REPLACE_LIBRARY =
+            function(
+                    "vesper_engine_replace_library",
+                    JAVA_INT,
+                    ADDRESS,
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS,
+                    JAVA_INT,
+                    ADDRESS);
     private static final MethodHandle BEGIN_CHANGES =
             function("vesper_engine_begin_changes", JAVA_INT, ADDRESS, ADDRESS);
     private static final MethodHandle END_CHANGES =
@@ -300,10 +318,16 @@ final class VesperLibrary {
         }
     }
 
-    static int libraryPrepare(
-            MemorySegment config, MemorySegment library, MemorySegment out, MemorySegment error) {
+    static int libraryPrepareBytes(
+            MemorySegment config,
+            MemorySegment bytes,
+            MemorySegment source,
+            MemorySegment out,
+            MemorySegment error) {
         try {
-            return (int) LIBRARY_PREPARE.invokeExact(config, library, out, error);
+            return (int)
+                    LIBRARY_PREPARE_BYTES.invokeExact(
+                            config, bytes, bytes.byteSize(), source, out, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }
@@ -382,6 +406,22 @@ final class VesperLibrary {
     static int engineUnloadPhysicsLaw(MemorySegment engine, int library, MemorySegment error) {
         try {
             return (int) UNLOAD_LAW.invokeExact(engine, library, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineReplaceLibrary(
+            MemorySegment engine,
+            int library,
+            MemorySegment prepared,
+            MemorySegment parameters,
+            int count,
+            MemorySegment error) {
+        try {
+            return (int)
+                    REPLACE_LIBRARY.invokeExact(
+                            engine, library, prepared, parameters, count, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }

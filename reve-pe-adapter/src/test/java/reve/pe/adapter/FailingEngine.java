@@ -78,13 +78,29 @@ final class FailingEngine implements PhysicsEngine {
 
     @Override
     public int loadPhysicsLaw(PreparedLibrary prepared, Map<String, Double> parameters) {
+        refuse(prepared);
+        return engine.loadPhysicsLaw(prepared, parameters);
+    }
+
+    @Override
+    public void replacePhysicsLaw(
+            int libraryId, PreparedLibrary prepared, Map<String, Double> parameters) {
+        refuse(prepared);
+        engine.replacePhysicsLaw(libraryId, prepared, parameters);
+    }
+
+    @Override
+    public PreparedLibrary prepare(byte[] library) {
+        return engine.prepare(library);
+    }
+
+    private void refuse(PreparedLibrary prepared) {
         if (refusals > 0) {
             throw new PhysicsException(Status.INTERNAL, "refusals left: " + --refusals);
         }
         if (refuseAfter >= 0 && refuseAfter-- == 0) {
             throw new PhysicsException(Status.INTERNAL, "refused " + prepared.name());
         }
-        return engine.loadPhysicsLaw(prepared, parameters);
     }
 
     @Override

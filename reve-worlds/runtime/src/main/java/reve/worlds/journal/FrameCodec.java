@@ -127,6 +127,10 @@ public final class FrameCodec {
                                     case "loaded" ->
                                             new LawChange.Loaded(
                                                     ImageCodec.library(change, libraries));
+                                    case "replaced" ->
+                                            new LawChange.Replaced(
+                                                    (int) Trees.integer(change, "place"),
+                                                    ImageCodec.library(change, libraries));
                                     case "unloaded" ->
                                             new LawChange.Unloaded(
                                                     (int) Trees.integer(change, "place"));
@@ -166,6 +170,11 @@ public final class FrameCodec {
             case LawChange.Loaded added -> {
                 tree.put("law", "loaded");
                 tree.putAll(ImageCodec.tree(added.library()));
+            }
+            case LawChange.Replaced replaced -> {
+                tree.put("law", "replaced");
+                tree.put("place", replaced.place());
+                tree.putAll(ImageCodec.tree(replaced.library()));
             }
             case LawChange.Unloaded gone -> {
                 tree.put("law", "unloaded");

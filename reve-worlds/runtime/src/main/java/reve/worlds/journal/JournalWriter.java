@@ -382,8 +382,9 @@ final class JournalWriter {
 
     private void addFrame(Entry entry) throws IOException {
         for (LawChange change : entry.laws) {
-            if (change instanceof LawChange.Loaded added) {
-                sink.write(record(added.library()));
+            Optional<LawLibrary> brought = change.brought();
+            if (brought.isPresent()) {
+                sink.write(record(brought.get()));
             }
         }
         sink.write(new JournalRecord.Frame(entry.frame, frames.write(entry)));

@@ -346,9 +346,7 @@ public final class Replay implements AutoCloseable {
                         compare(input(), "before");
                     }
                     for (LawChange change : FrameCodec.laws(input(), this::library)) {
-                        if (change instanceof LawChange.Loaded loaded) {
-                            laws.requireKnown(loaded.library());
-                        }
+                        change.brought().ifPresent(laws::requireKnown);
                         made().physics().laws().apply(event.frame(), change);
                     }
                     lawChanges.clear();

@@ -372,7 +372,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
 
     /**
      * Loads a library, in place of a loaded text of the same name if both are texts. If the engine
-     * refuses it, loads the old text again. World's thread, outside PHYSICS.
+     * refuses it, the old text stays. World's thread, outside PHYSICS.
      *
      * @return id of the library
      */
@@ -391,9 +391,11 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 laws.libraries().stream()
                         .filter(library -> library.name().equals(prepared.name()))
                         .anyMatch(LawLibrary::isText);
-        return old.isEmpty() || !isText || !PreparedLibrary.isText(prepared.bytes())
-                ? laws.load(frame, prepared, parameters, file)
-                : laws.replace(frame, old.getAsInt(), prepared, parameters, file);
+        if (old.isEmpty() || !isText || !PreparedLibrary.isText(prepared.bytes())) {
+            return laws.load(frame, prepared, parameters, file);
+        }
+        laws.replace(frame, old.getAsInt(), prepared, parameters, file, made -> {});
+        return old.getAsInt();
     }
 
     private static ActionRefused refusal(PhysicsException refused) {

@@ -25,7 +25,6 @@ import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.Status;
-import reve.pe.adapter.LawChange;
 import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.PropertyNames;
@@ -512,15 +511,17 @@ public final class Simulation implements AutoCloseable {
         lawPath.remember(physics.laws().libraries());
         physics.laws()
                 .addListener(
-                        change -> {
-                            if (change
-                                    instanceof
-                                    // reading the file here would delay the world
-                                    LawChange.Loaded added) {
-                                Thread.ofVirtual()
-                                        .start(() -> lawPath.remember(List.of(added.library())));
-                            }
-                        });
+                        change ->
+                                change.brought()
+                                        .ifPresent(
+                                                library -> // reading its file here would delay
+                                                        // the world
+                                                        Thread.ofVirtual()
+                                                                .start(
+                                                                        () ->
+                                                                                lawPath.remember(
+                                                                                        List.of(
+                                                                                                library)))));
         return new Journal(header, world, physics, bus, members, plan, sink, problems);
     }
 
