@@ -10,6 +10,7 @@ import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -55,24 +56,107 @@ final class FolderLaws {
         this.laws = laws;
     }
 
+    /** A library that was read from a file, with the parameters of the file beside it. */
+    record Put(Path file, PreparedLibrary library, FolderParameters parameters) {
+        String name() {
+            return file.getFileName().toString();
+        }
+    }
+
     /**
-     * Activates the library of a file, in place of the file's previous library if there is one. If
-     * it is refused, the previous one stays.
+     * Activates the libraries of files that changed together, in place of their previous libraries.
+     * Files may have exchanged their contents. What is refused at first is tried again after the
+     * others, on which it may depend; if it is refused then, its previous library stays.
      *
-     * @param library closed here unless the engine takes it
+     * @param puts their libraries are closed here unless the engine takes them
      */
-    void put(long frame, Path file, PreparedLibrary library, FolderParameters parameters) {
-        String name = file.getFileName().toString();
-        try (library) {
+    void put(long frame, List<Put> puts) {
+        try {
+            exchangeOwners(puts);
+            List<Put> again = new ArrayList<>();
+            for (Put put : puts) {
+                if (refusal(frame, put).isPresent()) {
+                    again.add(put);
+                }
+            }
+            for (Put put : again) {
+                refusal(frame, put).ifPresent(why -> refuse(frame, put.name(), why));
+            }
+        } finally {
+            puts.forEach(put -> put.library.close());
+        }
+    }
+
+    /**
+     * Lets each of the files own the loaded library of the name that it contains now, if this
+     * library belongs to one of the files.
+     */
+    private void exchangeOwners(List<Put> puts) {
+        Map<String, ActiveFile> owned = new LinkedHashMap<>();
+        for (Put put : puts) {
+            ActiveFile active = byName.get(put.name());
+            if (active != null) {
+                owned.put(put.name(), followed(put.name(), active));
+            }
+        }
+        Map<String, ActiveFile> left = new LinkedHashMap<>(owned);
+        Map<String, ActiveFile> next = new LinkedHashMap<>();
+        for (Put put : puts) {
+            left.entrySet().stream()
+                    .filter(one -> nameOf(one.getValue()).equals(put.library.name()))
+                    .findFirst()
+                    .map(Map.Entry::getKey)
+                    .ifPresent(owner -> next.put(put.name(), left.remove(owner)));
+        }
+        for (Put put : puts) { // the others keep their own one, or one that its owner gave away
+            boolean isLeft = owned.containsKey(put.name()) && !next.containsKey(put.name());
+            if (isLeft && !left.isEmpty()) {
+                String owner =
+                        left.containsKey(put.name()) ? put.name() : left.keySet().iterator().next();
+                next.put(put.name(), left.remove(owner));
+            }
+        }
+        byName.keySet().removeAll(owned.keySet());
+        byName.putAll(next);
+        for (ActiveFile one : left.values()) {
+            laws.leaveToFolder(one.libraryId);
+        }
+    }
+
+    private String nameOf(ActiveFile file) {
+        LawLibrary library = laws.byId().get(file.libraryId);
+        return library == null ? "" : library.name();
+    }
+
+    /** Gives libraries to files that were renamed, by the new name; they stay as they are. */
+    void rename(Map<String, String> oldByNew) {
+        Map<String, ActiveFile> moved = new LinkedHashMap<>();
+        oldByNew.forEach(
+                (name, old) -> {
+                    ActiveFile file = byName.get(old);
+                    if (file != null) {
+                        moved.put(name, file);
+                    }
+                });
+        byName.keySet().removeAll(oldByNew.values());
+        byName.putAll(moved);
+    }
+
+    /** Activates the library of a file; returns why it was refused. */
+    private Optional<PhysicsException> refusal(long frame, Put put) {
+        String name = put.name();
+        PreparedLibrary library = put.library;
+        FolderParameters parameters = put.parameters;
+        try {
             ActiveFile old = byName.get(name);
             if (old == null && adopted(name, library, parameters)) {
-                return;
+                return Optional.empty();
             }
             if (old != null) {
                 old = followed(name, old);
             }
             if (old == null || !laws.isLoaded(old.libraryId)) {
-                int id = load(frame, file, library, parameters);
+                int id = load(frame, put.file, library, parameters);
                 byName.put(name, new ActiveFile(id, library.sha256(), parameters.values()));
             } else if (!old.sha256.equals(library.sha256())) {
                 laws.replace(
@@ -80,7 +164,7 @@ final class FolderLaws {
                         old.libraryId,
                         library,
                         parameters.values(),
-                        file,
+                        put.file,
                         parameters.check()::check);
                 byName.put(
                         name, new ActiveFile(old.libraryId, library.sha256(), parameters.values()));
@@ -88,8 +172,9 @@ final class FolderLaws {
             } else if (!old.parameters.equals(parameters.values())) {
                 change(frame, name, old, parameters);
             }
+            return Optional.empty();
         } catch (PhysicsException refusal) {
-            refuse(frame, name, refusal);
+            return Optional.of(refusal);
         }
     }
 

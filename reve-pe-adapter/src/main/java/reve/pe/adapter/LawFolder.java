@@ -22,9 +22,11 @@ import java.nio.file.attribute.BasicFileAttributes;
 import java.nio.file.attribute.PosixFilePermission;
 import java.time.Duration;
 import java.util.ArrayList;
+import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Objects;
+import java.util.Optional;
 import java.util.TreeMap;
 import java.util.TreeSet;
 import java.util.concurrent.TimeUnit;
@@ -32,9 +34,10 @@ import java.util.stream.Stream;
 
 /**
  * A watched folder of law libraries. The laws of an added file act from the next frame on; those of
- * a removed file are unloaded; those of a replaced file are exchanged between two frames. A
- * separate thread scans the folder and checks libraries; the world's thread only activates prepared
- * ones, as commands of the folder's origin. Each refusal becomes one "fault" event.
+ * a removed file are unloaded; those of a replaced file are exchanged between two frames. Files
+ * that are found ready in the same scan change together. Renamed files keep their laws. A separate
+ * thread scans the folder and checks libraries; the world's thread only activates prepared ones, as
+ * commands of the folder's origin. Each refusal becomes one "fault" event.
  *
  * <p>Only files whose name ends in ".so", ".law" or ".py" count, as soon as two scans have found
  * the same size and time of change. A file that cannot be loaded may still be incomplete, so it is
@@ -76,6 +79,9 @@ public final class LawFolder implements AutoCloseable {
     /** Libraries in commands that the world has perhaps not executed yet. */
     private final List<Offered> pending = new ArrayList<>();
 
+    /** Files that this scan has found ready; all of them become one change. */
+    private final List<Ready> ready = new ArrayList<>();
+
     private long sequence;
     private @Nullable Thread thread;
     private @Nullable String lastWarning;
@@ -90,15 +96,22 @@ public final class LawFolder implements AutoCloseable {
         }
     }
 
-    /** A library in a command to the world. */
-    private static final class Offered {
-        final PreparedLibrary library;
+    /** A file that is to be passed to the world. */
+    private record Ready(WatchedFile file, FolderLaws.Put put) {}
 
-        /** True if the world has executed the command, and has closed or loaded the library. */
+    /** The libraries in a command to the world. */
+    private static final class Offered {
+        private final List<FolderLaws.Put> puts;
+
+        /** True if the world has executed the command, and has closed or loaded the libraries. */
         volatile boolean isTaken;
 
-        Offered(PreparedLibrary library) {
-            this.library = library;
+        Offered(List<FolderLaws.Put> puts) {
+            this.puts = puts;
+        }
+
+        void close() {
+            puts.forEach(put -> put.library().close());
         }
     }
 
@@ -166,6 +179,7 @@ public final class LawFolder implements AutoCloseable {
     public void look() {
         try {
             Map<String, Path> present = list();
+            followRenames(present);
             for (String name : new TreeSet<>(files.keySet())) {
                 if (!present.containsKey(name)) {
                     lookAtMissing(name, files.get(name));
@@ -178,6 +192,7 @@ public final class LawFolder implements AutoCloseable {
                                     name,
                                     file,
                                     files.computeIfAbsent(name, n -> new WatchedFile())));
+            offerReady();
         } catch (IOException | UncheckedIOException e) {
             warnOnce(folder + " cannot be read, laws stay as they are: " + e);
         }
@@ -194,7 +209,7 @@ public final class LawFolder implements AutoCloseable {
             looking.interrupt();
             joinUninterruptibly(looking);
         }
-        pending.forEach(offered -> offered.library.close());
+        pending.forEach(Offered::close);
     }
 
     private static void joinUninterruptibly(Thread looking) {
@@ -328,7 +343,7 @@ public final class LawFolder implements AutoCloseable {
                                                     ? "a folder"
                                                     : "a special file")),
                     0);
-        } else if (!file.accepted && acceptedCount() >= MAX_LIBRARIES) {
+        } else if (!file.accepted && acceptedCount() + readyCount() >= MAX_LIBRARIES) {
             file.refuse(
                     new PhysicsException(
                             Status.INVALID_ARGUMENT,
@@ -339,7 +354,7 @@ public final class LawFolder implements AutoCloseable {
                     0);
         } else {
             try {
-                prepareAndOffer(name, path, file);
+                prepare(name, path, file);
             } catch (PhysicsException e) {
                 file.refuse(e, e.status() == Status.LIBRARY_LOAD_FAILED ? LOOKS_UNTIL_TOLD : 0);
             } catch (RuntimeException e) {
@@ -351,21 +366,82 @@ public final class LawFolder implements AutoCloseable {
         }
     }
 
-    private void prepareAndOffer(String name, Path path, WatchedFile file) throws IOException {
+    private void prepare(String name, Path path, WatchedFile file) throws IOException {
         FolderParameters given = parametersOf(name);
-        Offered offered = new Offered(engine.prepare(path));
-        file.settled =
+        ready.add(new Ready(file, new FolderLaws.Put(path, engine.prepare(path), given)));
+        file.settled = true;
+    }
+
+    /** Passes the files that were found ready in this scan to the world, as one change. */
+    private void offerReady() {
+        if (ready.isEmpty()) {
+            return;
+        }
+        List<FolderLaws.Put> puts = ready.stream().map(Ready::put).toList();
+        Offered offered = new Offered(puts);
+        boolean isOffered =
                 offer(
                         frame -> {
                             offered.isTaken = true;
-                            active.put(frame, path, offered.library, given);
+                            active.put(frame, puts);
                         });
-        if (file.settled) {
-            file.accepted = true;
+        if (isOffered) {
             pending.add(offered);
         } else {
-            offered.library.close();
+            offered.close();
         }
+        for (Ready one : ready) {
+            one.file.settled = isOffered;
+            one.file.accepted |= isOffered;
+        }
+        ready.clear();
+    }
+
+    /**
+     * Finds files that were renamed: a present file is the one that another name had in the last
+     * scan. Their libraries keep their place and act on.
+     */
+    private void followRenames(Map<String, Path> present) {
+        Map<Stamp, String> known = new HashMap<>();
+        files.forEach(
+                (name, file) -> {
+                    if (file.accepted && file.settled && file.stamp != null) {
+                        known.put(file.stamp, name);
+                    }
+                });
+        Map<String, String> oldByNew = new TreeMap<>();
+        present.forEach(
+                (name, path) -> {
+                    String old = stampIfAny(path).map(known::get).orElse(name);
+                    if (!old.equals(name) && endingOf(old).equals(endingOf(name))) {
+                        oldByNew.put(name, old);
+                    }
+                });
+        // A file that still has its name was not renamed, such as one of two hard links.
+        oldByNew.values().removeIf(old -> present.containsKey(old) && !oldByNew.containsKey(old));
+        if (oldByNew.isEmpty() || !offer(frame -> active.rename(oldByNew))) {
+            return;
+        }
+        Map<String, WatchedFile> moved = new HashMap<>();
+        oldByNew.forEach((name, old) -> moved.put(name, files.get(old)));
+        files.keySet().removeAll(oldByNew.values());
+        files.putAll(moved);
+    }
+
+    private static Optional<Stamp> stampIfAny(Path file) {
+        try {
+            return Optional.ofNullable(stampOf(file)).filter(stamp -> stamp.key() != null);
+        } catch (IOException e) {
+            return Optional.empty(); // lookAt reports it
+        }
+    }
+
+    private static String endingOf(String name) {
+        return name.substring(name.lastIndexOf('.'));
+    }
+
+    private long readyCount() {
+        return ready.stream().filter(one -> !one.file.accepted).count();
     }
 
     private long acceptedCount() {

@@ -360,6 +360,80 @@ class LawFolderNativeTest {
     }
 
     @Test
+    void renamedFilesKeepTheirLaws() throws IOException {
+        drop("wind", "wind.so");
+        push("push.law", "push", 4);
+        push("pull.law", "pull", -1);
+        lookAndRun(2);
+        List<Integer> ids = List.copyOf(world.adapter.laws().byId().keySet());
+        double before = speed();
+        Files.move(folder.resolve("wind.so"), folder.resolve("breeze.so"));
+        Files.move(folder.resolve("push.law"), folder.resolve("third"));
+        Files.move(folder.resolve("pull.law"), folder.resolve("push.law"));
+        Files.move(folder.resolve("third"), folder.resolve("pull.law"));
+        lookAndRun(3);
+        assertThat(speed() - before).isCloseTo(3 * 4 * GAIN, offset(1e-13));
+        assertThat(world.adapter.laws().byId().keySet()).containsExactlyElementsOf(ids);
+        assertThat(world.events("law-unloaded")).isEmpty();
+        assertThat(world.events("law-loaded")).hasSize(4);
+        assertThat(world.events("fault")).isEmpty();
+        Files.delete(folder.resolve("pull.law")); // which contains the law push now
+        lookAndRun(1);
+        assertThat(loaded()).containsExactlyInAnyOrder("newton_motion", "wind", "pull");
+    }
+
+    @Test
+    void filesExchangeTheirContents() throws IOException {
+        push("a.law", "push", 4);
+        push("b.law", "pull", -1);
+        lookAndRun(2);
+        double before = speed();
+        for (int i = 1; i <= 4; i++) {
+            push(i % 2 == 0 ? "a.law" : "b.law", "push", 4 + i);
+            push(i % 2 == 0 ? "b.law" : "a.law", "pull", -1 - i);
+            laws.look();
+            laws.look();
+            world.run(1);
+            assertThat(speed() - before)
+                    .as("exchange %d", i)
+                    .isCloseTo(3 * i * GAIN, offset(1e-13));
+            assertThat(loaded()).containsExactly("newton_motion", "push", "pull");
+        }
+        assertThat(world.events("fault")).isEmpty();
+        push("a.law", "pull", -5); // and back, with the same bytes as in b.law
+        push("b.law", "push", 8);
+        int events = world.events.size();
+        lookAndRun(3);
+        assertThat(world.events).hasSize(events);
+        assertThat(loaded()).containsExactly("newton_motion", "push", "pull");
+    }
+
+    /** One of two is refused; then one of them has a new name, and the other one's old name. */
+    @Test
+    void filesThatChangeTogetherActTogetherFromOneFrameOn() throws IOException {
+        push("a.law", "push", 4);
+        push("b.law", "pull", -1);
+        lookAndRun(2);
+        push("a.law", "push", 10);
+        push("b.law", "broken velocity", 1);
+        lookAndRun(2);
+        double before = speed();
+        lookAndRun(1);
+        assertThat(speed() - before).as("old pull, new push").isCloseTo(9 * GAIN, offset(1e-13));
+        push("a.law", "pull", -2);
+        push("b.law", "pushes", 20);
+        lookAndRun(2);
+        assertThat(speed() - before).isCloseTo((9 + 9 + 18) * GAIN, offset(1e-13));
+        assertThat(loaded()).containsExactly("newton_motion", "pushes", "pull");
+    }
+
+    private void push(String file, String law, int newtons) throws IOException {
+        Files.writeString(
+                folder.resolve(file),
+                "law " + law + "\n  each body:\n    force += (" + newtons + ", 0, 0) N\n");
+    }
+
+    @Test
     void aFileThatTheEngineStumblesOverHarmsNoOther() throws IOException {
         drop("wind", "odd.so");
         drop("wind", "wind.so");
