@@ -71,7 +71,8 @@ class McapTest(unittest.TestCase):
         log = cls.folder / "run.log"
         cls.mcap = cls.folder / "run.mcap"
         reve("run", cls.folder, "--seconds", "3", "--record", log)
-        reve("export", log, "--mcap", cls.mcap, "--csv", cls.folder / "csv")
+        pictures = ("--pictures", 1, "--world", cls.folder, "--size", "160x120")
+        reve("export", log, "--mcap", cls.mcap, "--csv", cls.folder / "csv", *pictures)
 
     def messages(self, *topics, **limits):
         from mcap.reader import make_reader
@@ -167,6 +168,22 @@ class McapTest(unittest.TestCase):
         last = {row["item"]: row for row in self.table("body")[-6:]}
         for point, item in zip(connections.triangles[0].points, ("ball", "crate", "pill")):
             self.assertEqual(point.x, float(last[item]["position.x [m]"]))
+
+    def test_the_pictures_are_those_of_snapshot(self):
+        from foxglove_schemas_protobuf import CompressedImage_pb2
+        from google.protobuf import json_format
+
+        times = []
+        for _, message, data in self.messages("/picture"):
+            picture = json_format.ParseDict(
+                for_protobuf(data), CompressedImage_pb2.CompressedImage()
+            )
+            self.assertEqual(picture.format, "png")
+            times.append(message.log_time // 10**9)
+            taken = self.folder / "taken.png"
+            reve(*f"snapshot {self.folder} --at {times[-1]} --size 160x120 --out {taken}".split())
+            self.assertEqual(picture.data, taken.read_bytes())
+        self.assertEqual(times, [0, 1, 2, 3])
 
     def test_the_schemas_describe_every_field(self):
         from mcap.reader import make_reader

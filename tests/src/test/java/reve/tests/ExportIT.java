@@ -199,6 +199,10 @@ class ExportIT {
         Outcome world = export(Path.of(WORLD, "world.yaml"), "--mcap", out.toString());
         assertThat(world.code()).isEqualTo(1);
         assertThat(world.err()).contains("world.yaml is no recording");
+        assertThat(export(log, "--csv", folder + "/c", "--pictures", "1").err())
+                .contains("expected a time above 0, beside --mcap FILE");
+        assertThat(export(log, "--mcap", out.toString(), "--camera", "side").err())
+                .contains("are for pictures; expected --pictures S");
         Path letter = Files.writeString(folder.resolve("letter"), "to a friend");
         assertThat(export(log, "--mcap", letter.toString()).err())
                 .contains("exists and is not an MCAP file");

@@ -9,12 +9,17 @@ import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFileException;
 import reve.core.image.CorruptException;
 import reve.core.world.WorldSnapshot;
+import reve.worlds.Product;
 import reve.worlds.export.CsvExport;
 import reve.worlds.export.Export;
 import reve.worlds.export.ExportedFrame;
 import reve.worlds.export.McapExport;
+import reve.worlds.render.ImageFormat;
+import reve.worlds.render.Renderer;
 import reve.worlds.server.History;
 
 import java.io.IOException;
@@ -71,6 +76,35 @@ public final class ExportCommand implements Callable<Integer> {
             description = "Write each N-th frame of the world, and all events (default: all).")
     private int every;
 
+    @Option(
+            names = "--pictures",
+            paramLabel = "S",
+            description =
+                    "Also draw a picture each S seconds of world time into the MCAP file (default:"
+                            + " none).")
+    private Optional<Double> pictures = Optional.empty();
+
+    @Option(
+            names = "--size",
+            paramLabel = "WxH",
+            defaultValue = "960x640",
+            converter = SizeConverter.class,
+            description = "Width and height of the pictures [px] (default: ${DEFAULT-VALUE}).")
+    private ImageFormat format = ImageFormat.of(960, 640);
+
+    @Option(
+            names = "--world",
+            paramLabel = "WORLD",
+            description = "World file with the camera of the pictures (default: the whole scene).")
+    private Optional<Path> cameraWorld = Optional.empty();
+
+    @Option(
+            names = "--camera",
+            paramLabel = "NAME",
+            description =
+                    "A camera of the key `cameras` in that world file (default: its `camera`).")
+    private Optional<String> camera = Optional.empty();
+
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
 
@@ -81,6 +115,18 @@ public final class ExportCommand implements Callable<Integer> {
         }
         if (every < 1) {
             throw wrong("--every is " + every + ", expected 1 or more");
+        }
+        if (pictures.isPresent() && (mcap.isEmpty() || !(pictures.get() > 0))) {
+            throw wrong(
+                    "--pictures is "
+                            + pictures.get()
+                            + ", expected a time above 0, beside --mcap FILE");
+        }
+        if (pictures.isEmpty() && (camera.isPresent() || cameraWorld.isPresent())) {
+            throw wrong("--camera and --world are for pictures; expected --pictures S");
+        }
+        if (camera.isPresent() && cameraWorld.isEmpty()) {
+            throw wrong("--camera: expected the world file that has the camera, --world WORLD");
         }
         if (mcap.isPresent()) {
             mcap =
@@ -103,10 +149,49 @@ public final class ExportCommand implements Callable<Integer> {
         return new ParameterException(spec.commandLine(), message);
     }
 
-    private int write(History history) throws IOException {
+    /** The drawing of pictures into an MCAP file. */
+    private final class Drawing implements AutoCloseable {
+        private final Renderer renderer =
+                new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE);
+        private final Viewpoint viewpoint;
+        private final McapExport file;
+        private final double frames;
+        private long drawn;
+
+        Drawing(Viewpoint viewpoint, McapExport file, double frames) {
+            this.viewpoint = viewpoint;
+            this.file = file;
+            this.frames = frames;
+        }
+
+        /** Draws a state if the next picture is due. */
+        void draw(WorldSnapshot snapshot, long sinceFirst) throws IOException {
+            if (sinceFirst >= Math.round(drawn * frames)) {
+                drawn = (long) Math.floor(sinceFirst / frames) + 1;
+                file.addPicture(snapshot.frame(), renderer.render(viewpoint.scene(snapshot)));
+            }
+        }
+
+        @Override
+        public void close() {
+            renderer.close();
+        }
+    }
+
+    private Viewpoint viewpoint() throws IOException, WorldFileException {
+        Optional<WorldDescription> description =
+                cameraWorld.isEmpty()
+                        ? Optional.empty()
+                        : Optional.of(new WorldArgument(cameraWorld.get()).read());
+        return Viewpoint.of(spec, camera, description, format);
+    }
+
+    private int write(History history) throws IOException, WorldFileException {
+        Viewpoint viewpoint = viewpoint();
         Set<String> wanted = kinds(history);
         List<Path> written = new ArrayList<>();
         List<Export> exports = new ArrayList<>();
+        Optional<Drawing> drawing = Optional.empty();
         long frames;
         try {
             if (csv.isPresent()) {
@@ -120,19 +205,23 @@ public final class ExportCommand implements Callable<Integer> {
             }
             if (mcap.isPresent()) {
                 written.add(mcap.get());
-                exports.add(
+                McapExport export =
                         new McapExport(
                                 mcap.get(),
                                 history.world(),
                                 history.prototype(),
                                 history.timing(),
-                                wanted));
+                                wanted);
+                exports.add(export);
+                double rate = history.timing().framesPerSecond();
+                drawing = pictures.map(s -> new Drawing(viewpoint, export, s * rate));
             }
-            frames = write(history, exports);
+            frames = write(history, exports, drawing);
             for (Export export : exports) {
                 export.finish();
             }
         } finally {
+            drawing.ifPresent(Drawing::close);
             for (Export export : exports) {
                 export.close();
             }
@@ -156,7 +245,8 @@ public final class ExportCommand implements Callable<Integer> {
     }
 
     /** Gives the frames to the exports, and returns their number. */
-    private long write(History history, List<Export> exports) throws IOException {
+    private long write(History history, List<Export> exports, Optional<Drawing> drawing)
+            throws IOException {
         Progress progress = new Progress(System.err, 0);
         long first = history.frame();
         long frames = 0;
@@ -172,6 +262,9 @@ public final class ExportCommand implements Callable<Integer> {
                     ExportedFrame frame = new ExportedFrame(snapshot, List.copyOf(events));
                     for (Export export : exports) {
                         export.add(frame);
+                    }
+                    if (drawing.isPresent()) {
+                        drawing.get().draw(snapshot, history.frame() - first);
                     }
                 }
                 events.clear();

@@ -57,8 +57,11 @@ public final class ReplayCommand implements Callable<Integer> {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws.path(spec));
                 RunLog.Reader records = RunLog.open(file)) {
             Progress progress = new Progress(System.err, 0);
+            long last = Math.min(until, records.lastFrame());
             while (records.hasNext() && take(replay, records.next())) {
-                progress.at("frame " + replay.frame(), part(replay, records));
+                long left = Math.max(0, last - replay.frame());
+                double all = Math.max(1, replay.frames() + left);
+                progress.at("frame " + replay.frame(), replay.frames() / all);
             }
             progress.done();
             boolean same = replay.divergence().isEmpty();
@@ -73,11 +76,6 @@ public final class ReplayCommand implements Callable<Integer> {
             }
             return same ? ExitCode.OK : ExitCode.FAILURE;
         }
-    }
-
-    /** Returns the part of the frames that are repeated, as far as it is known. */
-    private double part(Replay replay, RunLog.Reader records) {
-        return Math.max(records.part(), Math.min(1, (double) replay.frame() / until));
     }
 
     private boolean take(Replay replay, JournalRecord record) {

@@ -12,6 +12,7 @@ import reve.worlds.Product;
 
 import java.io.IOException;
 import java.nio.file.Path;
+import java.util.Base64;
 import java.util.Collection;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -30,6 +31,7 @@ import java.util.Set;
  *       that a program can begin anywhere in the file;
  *   <li>{@code /connections}: springs and surfaces;
  *   <li>{@code /log}: events;
+ *   <li>{@code /picture}: pictures that the caller drew;
  *   <li>{@code /properties/KIND}: all properties of the items of a kind.
  * </ul>
  */
@@ -57,6 +59,9 @@ public final class McapExport implements Export {
     private final int shapes;
     private final int connections;
     private final int log;
+
+    /** The channel of pictures; 0 before the first one. */
+    private int pictures;
 
     /**
      * Creates the file.
@@ -122,6 +127,27 @@ public final class McapExport implements Export {
                 writer.message(channel, nanos, properties(table, snapshot, nanos));
             }
         }
+    }
+
+    /**
+     * Adds a picture of a frame, after the frame.
+     *
+     * @throws IOException if it cannot be written
+     */
+    public void addPicture(long frame, byte[] png) throws IOException {
+        if (pictures == 0) {
+            pictures = channel("/picture", "foxglove.CompressedImage", Schemas.compressedImage());
+        }
+        long nanos = nanos(frame);
+        writer.message(
+                pictures,
+                nanos,
+                new JsonText()
+                        .time("timestamp", nanos)
+                        .put("frame_id", "picture")
+                        .put("data", Base64.getEncoder().encodeToString(png))
+                        .put("format", "png")
+                        .done());
     }
 
     private void write(int channel, long nanos, byte @Nullable [] message) throws IOException {

@@ -105,6 +105,15 @@ final class Schemas {
         return bytes(object("foxglove.Log", fields));
     }
 
+    /** Returns the schema of pictures. */
+    static byte[] compressedImage() {
+        Map<String, Object> data = fields("type", "string", "contentEncoding", "base64");
+        return bytes(
+                object(
+                        "foxglove.CompressedImage",
+                        fields("timestamp", TIME, "frame_id", TEXT, "data", data, "format", TEXT)));
+    }
+
     /** Returns the schema of the properties of a kind, with their units. */
     static byte[] properties(TableSnapshot table) {
         Map<String, Object> item = fields("id", INTEGER, "name", TEXT);

@@ -385,9 +385,25 @@ public final class RunLog {
             return Optional.ofNullable(link);
         }
 
-        /** Returns the part of the file that was read, 0 to 1; for a progress message. */
-        public double part() {
-            return Math.min(1, (double) at / Math.max(1, size));
+        /**
+         * Returns the number of the last frame that the file seems to have, for a progress message;
+         * -1 for none. Reads the heads of the records only, and does not check them.
+         */
+        public long lastFrame() throws IOException {
+            ByteBuffer head = ByteBuffer.allocate(HEAD_BYTES).order(ByteOrder.LITTLE_ENDIAN);
+            long last = -1;
+            long next = at;
+            while (next + HEAD_BYTES + 2 * SUM_BYTES <= size) {
+                fill(head.clear(), next);
+                int length = head.getInt();
+                char letter = (char) head.get();
+                if (length < 0 || "LIF".indexOf(letter) < 0) {
+                    break;
+                }
+                last = letter == 'L' ? last : Math.max(last, head.getLong());
+                next += HEAD_BYTES + (long) length + 2 * SUM_BYTES;
+            }
+            return last;
         }
 
         /**

@@ -40,8 +40,8 @@ public final class History implements AutoCloseable {
     private final Replay replay;
     private final Iterator<JournalRecord> records;
     private final RunLog.@Nullable Reader recording;
-    private final int count;
-    private int taken;
+    private final long last;
+    private long first = -1;
     private List<Happening> happenings = List.of();
 
     /**
@@ -56,12 +56,12 @@ public final class History implements AutoCloseable {
             Replay replay,
             Iterator<JournalRecord> records,
             RunLog.@Nullable Reader recording,
-            int count) {
+            long last) {
         this.file = file;
         this.replay = replay;
         this.records = records;
         this.recording = recording;
-        this.count = count;
+        this.last = last;
     }
 
     /** Returns whether a file begins like a recording or a store. */
@@ -105,11 +105,20 @@ public final class History implements AutoCloseable {
                     new Replay(Optional.empty(), Pacing.FAST, laws, found::find),
                     records.iterator(),
                     null,
-                    records.size());
+                    contents.frame());
         }
         RunLog.Reader recording = RunLog.open(file);
-        return new History(
-                file, new Replay(Optional.empty(), Pacing.FAST, laws), recording, recording, 0);
+        try {
+            return new History(
+                    file,
+                    new Replay(Optional.empty(), Pacing.FAST, laws),
+                    recording,
+                    recording,
+                    recording.lastFrame());
+        } catch (IOException e) {
+            recording.close();
+            throw e;
+        }
     }
 
     /**
@@ -124,8 +133,8 @@ public final class History implements AutoCloseable {
     public boolean next() {
         while (records.hasNext()) {
             JournalRecord record = records.next();
-            taken++;
             take(record);
+            first = first < 0 ? replay.frame() : first;
             switch (record) {
                 case JournalRecord.Library _ -> {}
                 case JournalRecord.Image _ -> {
@@ -215,9 +224,9 @@ public final class History implements AutoCloseable {
         return replay.frame();
     }
 
-    /** Returns the part of the journal that was read, 0 to 1; for a progress message. */
+    /** Returns the part of the frames that was made, 0 to 1; for a progress message. */
     public double part() {
-        return recording == null ? (double) taken / Math.max(1, count) : recording.part();
+        return last <= first ? 1 : Math.min(1, (double) (frame() - first) / (last - first));
     }
 
     /** Returns whether a recording ends within a record; known after its last frame. */

@@ -70,6 +70,31 @@ class RunLogTest {
                 .withMessageContaining("damaged in the record at byte 15");
     }
 
+    @Test
+    void theLastFrameIsKnownBeforeTheRecordsAreRead() throws IOException {
+        Path file = folder.resolve("run.log");
+        try (Recording recording = new Recording(RecordingPlan.of(file))) {
+            for (int frame = 1; frame <= 40; frame++) {
+                recording.write(new JournalRecord.Frame(frame, new byte[100 * frame]));
+            }
+        }
+        try (RunLog.Reader reader = RunLog.open(file)) {
+            assertThat(reader.lastFrame()).isEqualTo(40);
+            reader.forEachRemaining(read -> {});
+        }
+        try (FileChannel channel = FileChannel.open(file, StandardOpenOption.WRITE)) {
+            channel.truncate(channel.size() - 1); // as after a crash
+            channel.write(ByteBuffer.allocate(1), channel.size() + MEBIBYTE);
+        }
+        try (RunLog.Reader reader = RunLog.open(file)) {
+            assertThat(reader.lastFrame()).isEqualTo(40);
+        }
+        Path damaged = sparse('I', Integer.MAX_VALUE - 15);
+        try (RunLog.Reader reader = RunLog.open(damaged)) {
+            assertThat(reader.lastFrame()).isZero();
+        }
+    }
+
     private Path sparse(char letter, int length) throws IOException {
         Path file = folder.resolve(letter + "-" + length + ".log");
         ByteBuffer head =
