@@ -28,7 +28,6 @@ class ReplacementNativeTest {
     /** Replacements after which caches are full. */
     private static final int SETTLED = 10;
 
-
     @Test
     void noFrameHasNeitherOrBothVersionsAndNothingIsLeft() throws IOException {
         try (HostedFixture hosted = new HostedFixture()) {
@@ -80,9 +79,7 @@ class ReplacementNativeTest {
                         .filter(child -> child.info().command().orElse("").endsWith("vesper-host"))
                         .toList();
         return hosts.stream()
-                .collect(
-                        Collectors.toMap(
-                                ProcessHandle::pid, host -> descriptors(host.pid())));
+                .collect(Collectors.toMap(ProcessHandle::pid, host -> descriptors(host.pid())));
     }
 
     private static long descriptors(long process) {
