@@ -13,6 +13,7 @@ import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Locale;
@@ -23,6 +24,7 @@ import java.util.Optional;
 public final class Ffmpeg implements FrameSink {
     private static final String PROGRAM = "ffmpeg";
     private static final int MESSAGE_CHARACTERS = 2000;
+    private static final Duration PATIENCE = Duration.ofSeconds(5);
 
     /** The options of the encoder and the format, by the ending of the file's name. */
     private static final Map<String, String> FORMATS =
@@ -136,9 +138,8 @@ public final class Ffmpeg implements FrameSink {
     }
 
     private IOException failed(@Nullable IOException cause) {
-        process.destroyForcibly();
         try {
-            reader.join();
+            reader.join(PATIENCE); // before the end of the process, which closes the stream
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
         }
