@@ -10,7 +10,6 @@ import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 
 import java.nio.file.Path;
-import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -73,17 +72,29 @@ final class FolderLaws {
     void put(long frame, List<Put> puts) {
         try {
             exchangeOwners(puts);
-            List<Put> again = new ArrayList<>();
+            Map<Put, PhysicsException> again = new LinkedHashMap<>();
             for (Put put : puts) {
-                if (refusal(frame, put).isPresent()) {
-                    again.add(put);
-                }
+                refusal(frame, put).ifPresent(why -> again.put(put, why));
             }
-            for (Put put : again) {
-                refusal(frame, put).ifPresent(why -> refuse(frame, put.name(), why));
-            }
+            again.forEach(
+                    (put, first) ->
+                            secondRefusal(frame, put, puts.size() > 1, first)
+                                    .ifPresent(why -> refuse(frame, put.name(), why)));
         } finally {
             puts.forEach(put -> put.library.close());
+        }
+    }
+
+    /** Tries a refused file again if it may depend on others; returns why it stays refused. */
+    private Optional<PhysicsException> secondRefusal(
+            long frame, Put put, boolean dependsOnOthers, PhysicsException first) {
+        if (!dependsOnOthers) {
+            return Optional.of(first);
+        }
+        try {
+            return refusal(frame, put);
+        } catch (IllegalStateException taken) { // the engine had taken it before it was refused
+            return Optional.of(first);
         }
     }
 
