@@ -63,6 +63,9 @@ public interface PreparedLibrary extends AutoCloseable {
     /** Returns the library's bytes; the caller must not change them. */
     byte[] bytes();
 
+    /** Returns whether an engine may take it: none has, and it is not closed. For any thread. */
+    boolean isFree();
+
     /** Frees the library if no engine took it. Idempotent. */
     @Override
     void close();

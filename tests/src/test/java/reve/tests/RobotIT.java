@@ -53,7 +53,8 @@ class RobotIT {
         Outcome refused = Reve.run("import", file.toString(), "--out", out.toString());
         assertThat(refused.code()).isEqualTo(3);
         assertThat(refused.err())
-                .isEqualTo(file + ":2: <link> has no attribute name, which it must have\n");
+                .isEqualTo(
+                        "reve: " + file + ":2: <link> has no attribute name, which it must have\n");
         assertThat(out).doesNotExist();
         Outcome missing =
                 Reve.run("import", folder.resolve("none.urdf").toString(), "--out", out.toString());

@@ -214,7 +214,7 @@ class UsageIT {
                         "0",
                         "--json",
                         "--seconds",
-                        "2",
+                        "5",
                         "--laws",
                         laws.toString());
         Outcome outcome = inC(command);

@@ -77,24 +77,15 @@ final class FolderLaws {
                 refusal(frame, put).ifPresent(why -> again.put(put, why));
             }
             again.forEach(
-                    (put, first) ->
-                            secondRefusal(frame, put, puts.size() > 1, first)
-                                    .ifPresent(why -> refuse(frame, put.name(), why)));
+                    (put, first) -> {
+                        // The names of laws are known after an engine took the library.
+                        boolean mayDependOnOthers = puts.size() > 1 && put.library.isFree();
+                        Optional<PhysicsException> why =
+                                mayDependOnOthers ? refusal(frame, put) : Optional.of(first);
+                        why.ifPresent(each -> refuse(frame, put.name(), each));
+                    });
         } finally {
             puts.forEach(put -> put.library.close());
-        }
-    }
-
-    /** Tries a refused file again if it may depend on others; returns why it stays refused. */
-    private Optional<PhysicsException> secondRefusal(
-            long frame, Put put, boolean dependsOnOthers, PhysicsException first) {
-        if (!dependsOnOthers) {
-            return Optional.of(first);
-        }
-        try {
-            return refusal(frame, put);
-        } catch (IllegalStateException taken) { // the engine had taken it before it was refused
-            return Optional.of(first);
         }
     }
 

@@ -90,6 +90,11 @@ final class HostedLibrary implements PreparedLibrary {
         return bytes;
     }
 
+    @Override
+    public synchronized boolean isFree() {
+        return !gone;
+    }
+
     /** Refuses a library that an engine has taken, or that was closed. */
     synchronized void requireFree() {
         if (gone) {

@@ -41,6 +41,11 @@ final class VesperPreparedLibrary implements PreparedLibrary {
         return bytes;
     }
 
+    @Override
+    public synchronized boolean isFree() {
+        return prepared != null;
+    }
+
     /** Returns the name of a text for messages; null for a compiled library. */
     @Nullable String source() {
         return source;

@@ -30,8 +30,10 @@ import java.nio.file.attribute.PosixFilePermissions;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.HashSet;
 import java.util.List;
 import java.util.Map;
+import java.util.Set;
 
 class LawFolderNativeTest {
     /** Gain of speed per frame under a force of 1 N on 1 kg [m/s]. */
@@ -406,6 +408,28 @@ class LawFolderNativeTest {
         lookAndRun(3);
         assertThat(world.events).hasSize(events);
         assertThat(loaded()).containsExactly("newton_motion", "push", "pull");
+    }
+
+    /** The names of its laws are checked after the engine took the library. */
+    @Test
+    void aFileThatIsRefusedAfterItWasTakenIsReportedWithTheReason() throws IOException {
+        Set<String> checked = new HashSet<>();
+        world.adapter
+                .laws()
+                .guardNames(
+                        (name, file, bytes) -> {
+                            if (file.endsWith("b.law") && !checked.add(name)) {
+                                throw new PhysicsException(
+                                        Status.ALREADY_EXISTS, name + " is another law's name");
+                            }
+                        });
+        push("a.law", "push", 4);
+        push("b.law", "pull", -1);
+        lookAndRun(3);
+        assertThat(loaded()).containsExactly("newton_motion", "push");
+        assertThat(world.events("fault"))
+                .extracting(event -> event.fields().get("message"))
+                .containsExactly("pull is another law's name");
     }
 
     /** One of two is refused; then one of them has a new name, and the other one's old name. */

@@ -22,6 +22,7 @@ import java.util.TreeMap;
 
 /** Reader of URDF files (Unified Robot Description Format, https://wiki.ros.org/urdf/XML). */
 final class UrdfReader {
+    private static final int MAX_LINKS = 1000;
     private static final Set<String> KNOWN = Set.of("link", "joint", "material");
 
     private final XmlElement robot;
@@ -75,6 +76,10 @@ final class UrdfReader {
             if (links.put(link.name(), link) != null) {
                 throw element.problem("a second link has the name " + link.name());
             }
+        }
+        if (links.size() > MAX_LINKS) {
+            throw robot.problem(
+                    "the robot has " + links.size() + " links, expected at most " + MAX_LINKS);
         }
         List<Joint> joints = new ArrayList<>();
         for (XmlElement element : robot.all("joint")) {

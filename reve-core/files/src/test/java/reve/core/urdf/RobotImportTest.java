@@ -438,6 +438,18 @@ class RobotImportTest {
                 .hasMessageContaining(message);
     }
 
+    @Test
+    void aRobotOfTooManyLinksIsRefused() {
+        StringBuilder robot = new StringBuilder("<robot>");
+        for (int i = 0; i < 1001; i++) {
+            robot.append("<link name='").append(i).append("'/>");
+        }
+        assertThatThrownBy(() -> imported(robot.append("</robot>").toString(), USUAL))
+                .isInstanceOf(UrdfException.class)
+                .hasMessageEndingWith(
+                        "robot.urdf:1: the robot has 1001 links, expected at most 1000");
+    }
+
     /** The bytes of a robot with one byte changed are imported or refused. */
     @Test
     void damagedFilesAreImportedOrRefused() throws Exception {

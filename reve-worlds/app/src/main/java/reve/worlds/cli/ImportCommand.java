@@ -10,7 +10,6 @@ import picocli.CommandLine.Spec;
 
 import reve.core.file.WorldFile;
 import reve.core.urdf.RobotImport;
-import reve.core.urdf.UrdfException;
 import reve.worlds.Product;
 
 import java.io.IOException;
@@ -18,7 +17,6 @@ import java.io.PrintWriter;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.LinkedHashMap;
-import java.util.List;
 import java.util.Map;
 import java.util.concurrent.Callable;
 import java.util.stream.Stream;
@@ -58,7 +56,7 @@ public final class ImportCommand implements Callable<Integer> {
             names = "--hold",
             description =
                     "The motors hold the joints with their largest torque from the start (default:"
-                            + " the robot falls until somebody drives it).")
+                            + " the robot falls until an agent drives its joints).")
     private boolean hold;
 
     @Option(
@@ -75,16 +73,9 @@ public final class ImportCommand implements Callable<Integer> {
     @Override
     public Integer call() throws Exception {
         requireNew();
-        RobotImport robot;
-        try {
-            robot =
-                    RobotImport.read(
-                            file,
-                            new RobotImport.Options(base, !yUp, selfCollision, hold, packages));
-        } catch (UrdfException invalid) {
-            LinePrinter.message(spec.commandLine().getErr(), List.of(invalid.getMessage()));
-            return ExitCode.INVALID_WORLD;
-        }
+        RobotImport robot =
+                RobotImport.read(
+                        file, new RobotImport.Options(base, !yUp, selfCollision, hold, packages));
         robot.write(out);
         Path world = out.resolve(WorldFile.NAME);
         new WorldArgument(world).load(spec.commandLine().getErr());

@@ -22,23 +22,36 @@ final class HeapRoom {
     /** Percentage of the heap by which its use grows before the next collection is requested. */
     private static final long GROWTH = 5;
 
+    /**
+     * Time after which a collection is requested also without growth, because items may have been
+     * removed meanwhile [ns].
+     */
+    private static final long AGAIN_NANOS = 10_000_000_000L;
+
     private static final long HUNDRED = 100;
     private static final long MEBIBYTE = 1 << 20;
 
     private final LongSupplier used;
     private final long max;
     private final Runnable collect;
+    private final LongSupplier nanoTime;
+
+    /** What the last collection left [bytes], and its time [ns]. */
     private long reachable;
+
+    private long collected;
 
     /**
      * @param used the bytes that are used, with unreachable objects
      * @param max the maximum of {@code used}
      * @param collect removes unreachable objects
+     * @param nanoTime the time [ns]
      */
-    HeapRoom(LongSupplier used, long max, Runnable collect) {
+    HeapRoom(LongSupplier used, long max, Runnable collect, LongSupplier nanoTime) {
         this.used = used;
         this.max = max;
         this.collect = collect;
+        this.nanoTime = nanoTime;
     }
 
     private static HeapRoom ofProcess() {
@@ -53,7 +66,8 @@ final class HeapRoom {
         return new HeapRoom(
                 () -> old.getUsage().getUsed(),
                 max < 0 ? Runtime.getRuntime().maxMemory() : max,
-                System::gc);
+                System::gc,
+                System::nanoTime);
     }
 
     /**
@@ -66,9 +80,11 @@ final class HeapRoom {
             return;
         }
         // The heap fills with unreachable objects, too; only a collection tells them apart.
-        if (now - reachable > max / HUNDRED * GROWTH) {
+        if (now - reachable > max / HUNDRED * GROWTH
+                || nanoTime.getAsLong() - collected > AGAIN_NANOS) {
             collect.run();
             reachable = used.getAsLong();
+            collected = nanoTime.getAsLong();
         }
         if (isTooMuch(reachable)) {
             throw new ActionRefused(

@@ -16,6 +16,7 @@ class HeapRoomTest {
     private long used;
     private long unreachable;
     private int collections;
+    private long time;
 
     private final HeapRoom room =
             new HeapRoom(
@@ -25,7 +26,8 @@ class HeapRoomTest {
                         used -= unreachable;
                         unreachable = 0;
                         collections++;
-                    });
+                    },
+                    () -> time);
 
     @Test
     void changesAreRefusedIfReachableObjectsFillTheHeap() {
@@ -54,11 +56,23 @@ class HeapRoomTest {
     void changesContinueWhenItemsWereRemoved() throws ActionRefused {
         used = 960 * MIB;
         assertThatThrownBy(room::require).isInstanceOf(ActionRefused.class);
+        unreachable = 700 * MIB; // which only a collection finds
+        time = 9_000_000_000L;
+        assertThatThrownBy(room::require).isInstanceOf(ActionRefused.class);
+        assertThat(collections).isEqualTo(1);
+        time = 11_000_000_000L;
+        room.require();
+        assertThat(collections).isEqualTo(2);
+    }
+
+    @Test
+    void anEarlierCollectionSaysNothingAfterTheHeapWasSmaller() throws ActionRefused {
+        used = 960 * MIB;
+        assertThatThrownBy(room::require).isInstanceOf(ActionRefused.class);
         used = 300 * MIB;
         room.require();
         used = 790 * MIB;
         unreachable = 400 * MIB;
-        // The last collection found 960 MiB, which is no longer true.
         room.require();
         assertThat(collections).isEqualTo(2);
     }
