@@ -44,7 +44,21 @@ class ControlCommandIT {
             assertThat(control(port, "step", "frames=5", "--json").out())
                     .contains("\"frame\" : " + (frame + 5));
             assertThat(control(port, "save", "file=later").code()).isZero();
-            assertThat(Reve.run("check", folder.resolve("later.yaml").toString()).code()).isZero();
+            Reve.Outcome ofOther =
+                    Reve.run(
+                            "control",
+                            "save",
+                            "file=later",
+                            "--port",
+                            port,
+                            "--world",
+                            "icosahedron");
+            assertThat(ofOther.code()).as(ofOther.err()).isZero();
+            for (String world : List.of("spring-orbit", "icosahedron")) {
+                Path saved = folder.resolve(world).resolve("later.yaml");
+                assertThat(saved).content().contains("name: " + world);
+                assertThat(Reve.run("check", saved.toString()).code()).isZero();
+            }
             Reve.Outcome refused = control(port, "rewind", "image=never");
             assertThat(refused.code()).isEqualTo(1);
             assertThat(refused.err()).contains("no-such-image", "never");

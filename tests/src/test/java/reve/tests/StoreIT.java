@@ -46,7 +46,7 @@ class StoreIT {
     private static final long SEED = Long.getLong("reve.test.seed", 20261121);
 
     /** 200 in a long run. */
-    private static final int KILLS = Integer.getInteger("reve.test.kills", 8);
+    private static final int KILLS = Integer.getInteger("reve.test.kills", 6);
 
     /** 100 in a long run. */
     private static final int DAMAGES = Integer.getInteger("reve.test.served.damages", 1);

@@ -253,7 +253,7 @@ class VideoIT {
     @Test
     void theReasonOfAFailingFfmpegIsTold() throws Exception {
         Path fake = Files.createDirectory(folder.resolve("bin")).resolve("ffmpeg");
-        Files.writeString(fake, "#!/bin/sh\nread line\necho no encoder libx264 >&2\nexit 3\n");
+        Files.writeString(fake, "#!/bin/sh\necho no encoder libx264 >&2\nexit 3\n");
         assertThat(fake.toFile().setExecutable(true)).isTrue();
         List<String> command = new ArrayList<>(List.of("env", "PATH=" + fake.getParent()));
         command.addAll(

@@ -27,7 +27,7 @@ import java.util.Random;
 class HostLossNativeTest {
     private static final int BAD_FRAME = 13; // whose steps are 48 to 51
     private static final int FRAMES = 20;
-    private static final int REWINDS = 40;
+    private static final int REWINDS = Integer.getInteger("reve.test.rewinds", 15);
     private static final long SEED = 20261128;
 
     /** Frames after which laws have built what they need. */

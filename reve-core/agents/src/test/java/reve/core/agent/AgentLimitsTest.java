@@ -170,6 +170,17 @@ class AgentLimitsTest {
     }
 
     @Test
+    void aRefusedLineNamesNoMethodOfALibrary() throws IOException {
+        try (AgentRoom room = new AgentRoom();
+                TestClient ada = room.join("ada")) {
+            ada.say("{'" + "n".repeat(50_001) + "':1}");
+            assertThat(ada.expect("error", "bad-json").get("message").stringValue())
+                    .contains("50000")
+                    .doesNotContain("Constraints", "get");
+        }
+    }
+
+    @Test
     void eightRefusedLinesEndTheConnection() throws IOException {
         try (AgentRoom room = new AgentRoom();
                 TestClient ada = room.join("ada")) {

@@ -87,6 +87,16 @@ class ArgumentsTest {
     }
 
     @Test
+    void refusesAnUnknownArgumentByTheBeginningOfItsName() {
+        Map<String, Object> given = good();
+        given.put("f".repeat(50_000), 1);
+        refused(
+                given,
+                "unknown-argument",
+                "action act has no `" + "f".repeat(64) + "…`; it takes `impulse`, `count`, `label`, `loud`");
+    }
+
+    @Test
     void refusesTheWrongNumberOfComponents() {
         refused(
                 "impulse",

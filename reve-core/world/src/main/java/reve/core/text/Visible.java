@@ -14,12 +14,23 @@ public final class Visible {
     private static final int JOINER = 0x200d;
     private static final int NON_JOINER = 0x200c;
     private static final int LAST_ASCII = 0x7e;
+    private static final int SHOWN = 64;
 
     private Visible() {}
 
     /** Returns the text as one line; unsafe characters become a backslash and {@code u{HEX}}. */
     public static String line(String text) {
         return isSafe(text, ' ') ? text : escaped(text);
+    }
+
+    /**
+     * Returns at most the first 64 characters of the text as one line, then "…" if it is longer.
+     */
+    public static String shortened(String text) {
+        int length = text.codePointCount(0, text.length());
+        return length <= SHOWN
+                ? line(text)
+                : line(text.substring(0, text.offsetByCodePoints(0, SHOWN))) + "…";
     }
 
     private static String escaped(String text) {

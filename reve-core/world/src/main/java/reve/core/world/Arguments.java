@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
+import reve.core.text.Visible;
+
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -51,7 +53,7 @@ public final class Arguments {
                         "action "
                                 + action.name()
                                 + " has no `"
-                                + name
+                                + Visible.shortened(name)
                                 + "`; it takes "
                                 + parameterNames(action));
             }

@@ -386,7 +386,7 @@ public final class ServeCommand implements Callable<Integer> {
                         folder,
                         recording(description.name()),
                         fileOf(store, description.name() + ".db"),
-                        saves,
+                        saves.map(all -> paths.size() > 1 ? all.resolve(description.name()) : all),
                         storeEvery.orElse((double) STORE_EVERY),
                         durability.orElse(SqliteStore.Durability.NORMAL)),
                 new Pictures(snapshots, pictureFrames),

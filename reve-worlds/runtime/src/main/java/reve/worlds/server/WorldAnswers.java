@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.frame.FrameEvent;
 import reve.core.space.Box;
+import reve.core.text.Visible;
 import reve.core.world.ActionRefused;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
@@ -107,7 +108,12 @@ final class WorldAnswers {
             return number;
         }
         throw new ActionRefused(
-                BAD, name + " is " + value + ", expected a number from 0 to " + most);
+                BAD,
+                name
+                        + " is "
+                        + Visible.shortened(String.valueOf(value))
+                        + ", expected a number from 0 to "
+                        + most);
     }
 
     /** Returns the changes since the last question, and collects further changes from now on. */

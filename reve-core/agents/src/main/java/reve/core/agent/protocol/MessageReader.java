@@ -19,6 +19,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.Set;
+import java.util.regex.Pattern;
 
 /** Parser of clients' messages. For any thread. */
 public final class MessageReader {
@@ -32,6 +33,10 @@ public final class MessageReader {
     private static final double DEFAULT_DEADLINE_SECONDS = 1;
     private static final long MAX_ID = (1L << 53) - 1;
     private static final int MAX_REASON = 200;
+
+    /** The JSON library names the method that returns a limit. */
+    private static final Pattern METHOD = Pattern.compile(", from `[^`]*`");
+
     private static final int MAX_IMAGE_NAME = 64;
     private static final String EXAMPLE =
             "send one JSON object per line, such as "
@@ -81,7 +86,7 @@ public final class MessageReader {
             requireSound(node);
             return node;
         } catch (JacksonException e) {
-            String reason = e.getOriginalMessage();
+            String reason = METHOD.matcher(e.getOriginalMessage()).replaceAll("");
             throw badJson(
                     "the line is not JSON: "
                             + (reason.length() > MAX_REASON

@@ -75,8 +75,32 @@ public sealed interface ServerMessage {
      */
     record Answer(long id, long frame, Object value) implements ServerMessage {}
 
-    /** A command was refused. */
-    record Refused(long id, String code, String reason) implements ServerMessage {}
+    /**
+     * A command was refused.
+     *
+     * @param reason cut after {@value #MAX_REASON} characters
+     */
+    record Refused(long id, String code, String reason) implements ServerMessage {
+
+        static final int MAX_REASON = 8192;
+
+        public Refused {
+            if (reason.length() > MAX_REASON) {
+                int end =
+                        MAX_REASON
+                                - (Character.isHighSurrogate(reason.charAt(MAX_REASON - 1))
+                                        ? 1
+                                        : 0);
+                reason =
+                        reason.substring(0, end)
+                                + "… (the first "
+                                + end
+                                + " of "
+                                + reason.length()
+                                + " characters)";
+            }
+        }
+    }
 
     /**
      * The answer to a query.

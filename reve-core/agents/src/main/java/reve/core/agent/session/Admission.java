@@ -55,7 +55,7 @@ public final class Admission implements Door {
         requireRecord();
         Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
         ServedWorld world = requireWorld(hello.world(), rights);
-        requireOpen(hello, role, token, world);
+        requireOpen(hello, role, token);
         int clients = worlds.stream().mapToInt(ServedWorld::clients).sum();
         if (clients >= maxClients) { // the number includes sessions that wait for a new connection
             throw CloseReason.serverFull(maxClients);
@@ -100,7 +100,14 @@ public final class Admission implements Door {
                 meant(Optional.empty()).stream()
                         .filter(world -> rights.opensWorld(world.name()))
                         .toList();
-        List<ServedWorld> meant = name.isPresent() || open.isEmpty() ? meant(name) : open;
+        if (name.map(wanted -> !rights.opensWorld(wanted)).orElse(open.isEmpty())) {
+            throw CloseReason.refused( // must not reveal which worlds exist
+                    "not-permitted",
+                    name.map(wanted -> "your token does not open the world " + Text.quote(wanted))
+                            .orElse("your token opens no world of this server"),
+                    "ask whoever runs the server for one that does");
+        }
+        List<ServedWorld> meant = name.isPresent() ? meant(name) : open;
         if (meant.size() == 1) {
             return meant.getFirst();
         }
@@ -154,8 +161,7 @@ public final class Admission implements Door {
     }
 
     private static void requireOpen(
-            ClientMessage.Hello hello, Role role, Optional<AgentToken> token, ServedWorld world)
-            throws CloseReason {
+            ClientMessage.Hello hello, Role role, Optional<AgentToken> token) throws CloseReason {
         Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
         if (token.isPresent() && !token.get().name().equals(hello.name())) {
             throw CloseReason.refused(
@@ -174,12 +180,6 @@ public final class Admission implements Door {
                     "not-permitted",
                     "your token does not let the world wait for you",
                     "leave out time, or ask for a token with lock-step");
-        }
-        if (!rights.opensWorld(world.name())) {
-            throw CloseReason.refused(
-                    "not-permitted",
-                    "your token does not open the world " + world.name(),
-                    "ask whoever runs the server for one that does");
         }
     }
 

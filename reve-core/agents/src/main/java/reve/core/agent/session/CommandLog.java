@@ -6,11 +6,13 @@ import org.jspecify.annotations.Nullable;
 import reve.core.agent.protocol.ServerMessage;
 
 import java.util.Arrays;
+import java.util.Map;
 
 /**
  * The ids and results of a client's commands, so that a command which the client repeats is
- * executed once. Stores the results of the last {@value #REMEMBERED} commands; an unknown id that
- * may belong to an older command is {@link Known.Forgotten}. Guarded by its session.
+ * executed once. Stores the results of the last {@value #REMEMBERED} commands, or of fewer if these
+ * contain more than {@value #CHARACTERS} characters; an unknown id that may belong to an older
+ * command is {@link Known.Forgotten}. Guarded by its session.
  *
  * <p>Most results only contain a frame. They are stored as numbers, which takes little memory and
  * no work of the garbage collector.
@@ -18,6 +20,12 @@ import java.util.Arrays;
 final class CommandLog {
 
     static final int REMEMBERED = 1024;
+
+    /** Maximum size of all stored results except the last one [characters]. */
+    static final int CHARACTERS = 1 << 18;
+
+    /** Counted for a number, a truth value, and the frame of a list or map [characters]. */
+    private static final int FRAME = 16;
 
     private static final int FEW = 16;
 
@@ -31,8 +39,11 @@ final class CommandLog {
     /** Results other than {@link ServerMessage.Accepted}; null for these. */
     private @Nullable ServerMessage[] others = new ServerMessage[FEW];
 
+    private int[] sizes = new int[FEW];
+
     private int count;
     private int oldest;
+    private long characters;
 
     private long highest = -1;
     private long highestForgotten = -1;
@@ -60,10 +71,11 @@ final class CommandLog {
             return new Known.Pending();
         }
         for (int i = 0; i < count; i++) {
-            if (ids[i] == id) {
-                ServerMessage other = others[i];
+            int place = (oldest + i) % ids.length;
+            if (ids[place] == id) {
+                ServerMessage other = others[place];
                 return new Known.Done(
-                        other != null ? other : new ServerMessage.Accepted(id, frames[i]));
+                        other != null ? other : new ServerMessage.Accepted(id, frames[place]));
             }
         }
         return id > highestForgotten ? new Known.Fresh() : new Known.Forgotten();
@@ -88,27 +100,78 @@ final class CommandLog {
 
     void finish(long id, ServerMessage result) {
         cancel(id);
-        int place = placeOfNext();
+        int size = size(result);
+        while (count == REMEMBERED || count > 0 && characters + size > CHARACTERS) {
+            forgetOldest();
+        }
+        if (count == ids.length) {
+            grow();
+        }
+        int place = (oldest + count++) % ids.length;
         ids[place] = id;
         frames[place] = result instanceof ServerMessage.Accepted accepted ? accepted.frame() : 0;
         others[place] = result instanceof ServerMessage.Accepted ? null : result;
+        sizes[place] = size;
+        characters += size;
         highest = Math.max(highest, id);
     }
 
-    private int placeOfNext() {
-        if (count == REMEMBERED) {
-            int place = oldest;
-            highestForgotten = Math.max(highestForgotten, ids[place]);
-            oldest = (oldest + 1) % REMEMBERED;
-            return place;
+    private void forgetOldest() {
+        highestForgotten = Math.max(highestForgotten, ids[oldest]);
+        characters -= sizes[oldest];
+        others[oldest] = null;
+        oldest = (oldest + 1) % ids.length;
+        count--;
+    }
+
+    /** Makes room for twice as many results; the oldest of them becomes the first. */
+    private void grow() {
+        int room = Math.min(2 * count, REMEMBERED);
+        var grownIds = new long[room];
+        var grownFrames = new long[room];
+        var grownOthers = new ServerMessage[room];
+        var grownSizes = new int[room];
+        for (int i = 0; i < count; i++) {
+            int place = (oldest + i) % ids.length;
+            grownIds[i] = ids[place];
+            grownFrames[i] = frames[place];
+            grownOthers[i] = others[place];
+            grownSizes[i] = sizes[place];
         }
-        if (count == ids.length) {
-            int room = Math.min(2 * count, REMEMBERED);
-            ids = Arrays.copyOf(ids, room);
-            frames = Arrays.copyOf(frames, room);
-            others = Arrays.copyOf(others, room);
-        }
-        return count++;
+        ids = grownIds;
+        frames = grownFrames;
+        others = grownOthers;
+        sizes = grownSizes;
+        oldest = 0;
+    }
+
+    /** Returns the approximate size of what a result stores beside numbers [characters]. */
+    private static int size(ServerMessage result) {
+        return switch (result) {
+            case ServerMessage.Refused refused -> refused.reason().length();
+            case ServerMessage.Answer answer ->
+                    (int) Math.min(size(answer.value()), Integer.MAX_VALUE);
+            default -> 0;
+        };
+    }
+
+    private static long size(Object value) {
+        return switch (value) {
+            case String text -> text.length();
+            case Map<?, ?> map ->
+                    FRAME
+                            + map.entrySet().stream()
+                                    .mapToLong(e -> size(e.getKey()) + size(e.getValue()))
+                                    .sum();
+            case Iterable<?> list -> {
+                long sum = FRAME;
+                for (Object element : list) {
+                    sum += size(element);
+                }
+                yield sum;
+            }
+            default -> FRAME;
+        };
     }
 
     private int pendingPlace(long id) {

@@ -137,6 +137,16 @@ class RightsTest {
         welcomed("ada", ada).close();
     }
 
+    /** Otherwise the holder of a token could try names of worlds that it hides. */
+    @Test
+    void theAnswerDoesNotTellWhichWorldsExist() throws IOException {
+        String bob = ",'token':'" + issue("bob", agent(Optional.of(Set.of("sea")), ANY, ANY)) + "'";
+        JsonNode exists = refused("bob", ",'world':'pond'" + bob, "not-permitted");
+        JsonNode invented = refused("bob", ",'world':'lake'" + bob, "not-permitted");
+        assertThat(exists.toString().replace("pond", "lake")).isEqualTo(invented.toString());
+        assertThat(refused("bob", bob, "not-permitted").toString()).doesNotContain("pond");
+    }
+
     @Test
     void controlTakesATokenThatSaysSo() throws IOException {
         String token = issue("boss", new Rights(Set.of(Role.CONTROL), ANY, ANY, ANY, false));

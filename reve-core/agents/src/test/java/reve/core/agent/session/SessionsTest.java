@@ -323,6 +323,47 @@ class SessionsTest {
         assertThat(log.look(5000)).isInstanceOf(CommandLog.Known.Fresh.class);
     }
 
+    /** A client could otherwise fill the memory of the server with results. */
+    @Test
+    void theResultsOfASessionTakeLimitedMemory() {
+        var log = new CommandLog();
+        var long1 = new ServerMessage.Refused(0, "no", "x".repeat(8000));
+        var answer =
+                new ServerMessage.Answer(0, 1, Map.of("items", List.of("y".repeat(300_000), 2.0)));
+        for (long id = 0; id < 100; id++) {
+            log.begin(id);
+            log.finish(id, long1);
+        }
+        int stored = CommandLog.CHARACTERS / 8000;
+        assertThat(log.look(99 - stored)).isInstanceOf(CommandLog.Known.Forgotten.class);
+        for (long id = 100 - stored; id < 100; id++) {
+            assertThat(log.look(id)).isEqualTo(new CommandLog.Known.Done(long1));
+        }
+
+        log.begin(100);
+        log.finish(100, answer);
+        assertThat(log.look(99)).isInstanceOf(CommandLog.Known.Forgotten.class);
+        assertThat(log.look(100)).isEqualTo(new CommandLog.Known.Done(answer));
+
+        for (long id = 101; id < 140; id++) {
+            log.begin(id);
+            log.finish(id, new ServerMessage.Accepted(id, id));
+        }
+        assertThat(log.look(100)).isInstanceOf(CommandLog.Known.Forgotten.class);
+        for (long id = 101; id < 140; id++) {
+            assertThat(log.look(id))
+                    .isEqualTo(new CommandLog.Known.Done(new ServerMessage.Accepted(id, id)));
+        }
+    }
+
+    @Test
+    void aReasonIsCut() {
+        var refused = new ServerMessage.Refused(1, "no", "a".repeat(8191) + "\ud83e\udd86" + "b");
+        assertThat(refused.reason())
+                .endsWith("aa… (the first 8191 of 8194 characters)")
+                .hasSizeLessThan(8250);
+    }
+
     // broken connections
 
     @Test
