@@ -21,9 +21,6 @@ import java.util.Set;
  * YAML. The texts cannot refer to files. For any thread.
  */
 public final class EditReader {
-    /** Maximum number of items that one edit adds. */
-    static final int MAX_ITEMS = 10_000;
-
     private static final Set<String> CHANGEABLE =
             Set.of("name", "parent", "physical", "physics", "semantic", "access");
     private static final Set<String> SHAPE =
@@ -36,14 +33,20 @@ public final class EditReader {
         this.prototype = prototype;
     }
 
+    /** What the changes of one message may still add. For one thread. */
+    public static final class Room {
+        private final Expansion.Limits limits = Expansion.Limits.ofMessage();
+    }
+
     /**
      * Reads items to add.
      *
      * @param text a mapping with {@code items} and, if the items are {@code like} prefabs, {@code
      *     prefabs}
+     * @param room of the message, from which the items, values and formulas are taken
      * @throws WorldFileException with all problems of the text
      */
-    public WorldEdit add(String text) throws WorldFileException {
+    public WorldEdit add(String text, Room room) throws WorldFileException {
         var problems = new Problems("add");
         Node part = YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
         SchemaCheck.checkPart(part, problems);
@@ -56,19 +59,10 @@ public final class EditReader {
         problems.throwIfAny();
         WorldSource source =
                 new WorldSource(part, List.of(part), new SourceFiles(WorldFolder.none(), "add"));
-        var expansion = new Expansion(source, problems);
+        var expansion = new Expansion(source, room.limits, problems);
         ItemReader reader = reader(expansion::complete, problems);
         reader.names().permitOthers();
         List<ItemDefinition> items = reader.readAll(source.all("items"), expansion);
-        if (items.size() > MAX_ITEMS) {
-            problems.add(
-                    part,
-                    "items: found "
-                            + items.size()
-                            + " with their repetitions, expected at most "
-                            + MAX_ITEMS
-                            + " in one message");
-        }
         problems.throwIfAny();
         return new WorldEdit.Add(items);
     }

@@ -15,6 +15,12 @@ final class Expansion {
     /** Maximum number of formula evaluations for all repetitions. */
     static final int MAX_FORMULAS = 10_000_000;
 
+    /** Maximum number of items, including repetitions, of one message. */
+    static final int MAX_ITEMS_OF_MESSAGE = 10_000;
+
+    /** A message may create this part of the values and formulas of a world file. */
+    private static final int PART_OF_MESSAGE = 10;
+
     private final Problems problems;
     private final SourceFiles files;
     private final Room values;
@@ -23,12 +29,13 @@ final class Expansion {
 
     /**
      * @param source the file with the prefabs
+     * @param limits of what may be created, which this expansion uses up
      */
-    Expansion(WorldSource source, Problems problems) throws WorldFileException {
+    Expansion(WorldSource source, Limits limits, Problems problems) throws WorldFileException {
         this.problems = problems;
         this.files = source.files();
         this.firstNumber = source.firstNumber();
-        this.values = new Room(problems);
+        this.values = new Room(limits, problems);
         this.prefabs = new Prefabs(source.named("prefabs"), problems, values);
     }
 
@@ -40,14 +47,48 @@ final class Expansion {
         void accept(Template item, Repetition repetition) throws WorldFileException;
     }
 
+    /** The numbers of items, values and formulas that a world file, or a message, may create. */
+    static final class Limits {
+        private final long items;
+        private final long values;
+        private final long formulas;
+        private final String where;
+        private final Allowance itemsLeft;
+        private final Allowance valuesLeft;
+        private final Allowance formulasLeft;
+
+        private Limits(long items, long values, long formulas, String where) {
+            this.items = items;
+            this.values = values;
+            this.formulas = formulas;
+            this.where = where;
+            itemsLeft = new Allowance(items);
+            valuesLeft = new Allowance(values);
+            formulasLeft = new Allowance(formulas);
+        }
+
+        /** Returns the limits of a world file with all files that it includes. */
+        static Limits ofWorld() {
+            return new Limits(MAX_ITEMS, MAX_VALUES, MAX_FORMULAS, "");
+        }
+
+        /** Returns the limits of one message, which may contain several changes. */
+        static Limits ofMessage() {
+            return new Limits(
+                    MAX_ITEMS_OF_MESSAGE,
+                    MAX_VALUES / PART_OF_MESSAGE,
+                    MAX_FORMULAS / PART_OF_MESSAGE,
+                    " in one message");
+        }
+    }
+
     /** The numbers of items, values and formulas that may still be created. */
     static final class Room {
         private final Problems problems;
-        private final Allowance left = new Allowance(MAX_VALUES);
-        private final Allowance itemsLeft = new Allowance(MAX_ITEMS);
-        private final Allowance formulasLeft = new Allowance(MAX_FORMULAS);
+        private final Limits limits;
 
-        private Room(Problems problems) {
+        private Room(Limits limits, Problems problems) {
+            this.limits = limits;
             this.problems = problems;
         }
 
@@ -57,12 +98,15 @@ final class Expansion {
          * @throws WorldFileException at the item if there is no room for it and its repetitions
          */
         void requireItems(long count, Node item) throws WorldFileException {
-            if (!itemsLeft.take(count)) {
+            if (!limits.itemsLeft.take(count)) {
                 throw problems.of(item.file())
                         .fatal(
                                 item.line(),
                                 item.column(),
-                                "more than " + MAX_ITEMS + " items with their repetitions");
+                                "more than "
+                                        + limits.items
+                                        + " items with their repetitions"
+                                        + limits.where);
             }
         }
 
@@ -72,14 +116,16 @@ final class Expansion {
          * @throws WorldFileException at the item if its repetitions evaluate too many formulas
          */
         void requireFormulas(long count, Node item) throws WorldFileException {
-            if (!formulasLeft.take(count)) {
+            if (!limits.formulasLeft.take(count)) {
                 throw problems.of(item.file())
                         .fatal(
                                 item.line(),
                                 item.column(),
                                 "more than "
-                                        + MAX_FORMULAS
-                                        + " formulas in all items with their repetitions; a text "
+                                        + limits.formulas
+                                        + " formulas in all items with their repetitions"
+                                        + limits.where
+                                        + "; a text "
                                         + "counts as one more for each 64 characters");
             }
         }
@@ -90,15 +136,16 @@ final class Expansion {
          * @throws WorldFileException at the item if there is no room for its values
          */
         void require(long count, Node item) throws WorldFileException {
-            if (!left.take(count)) {
+            if (!limits.valuesLeft.take(count)) {
                 throw problems.of(item.file())
                         .fatal(
                                 item.line(),
                                 item.column(),
                                 "more than "
-                                        + MAX_VALUES
+                                        + limits.values
                                         + " values in all items with what they are like and their "
-                                        + "repetitions");
+                                        + "repetitions"
+                                        + limits.where);
             }
         }
     }

@@ -139,8 +139,10 @@ public sealed interface WorldEdit {
     private static void make(World world, WorldEdit edit) throws ActionRefused {
         try {
             switch (edit) {
-                case Add add ->
-                        world.addAll(add.items).forEach(item -> world.arrests().suspect(item.id()));
+                case Add add -> {
+                    requireRoom(world.itemCount(), add.items.size());
+                    world.addAll(add.items).forEach(item -> world.arrests().suspect(item.id()));
+                }
                 case Remove remove -> {
                     ItemId id = find(world, remove.item).id();
                     if (remove.cascade) {
@@ -153,6 +155,20 @@ public sealed interface WorldEdit {
             }
         } catch (IllegalArgumentException | IllegalStateException refused) {
             throw new ActionRefused(REFUSED, String.valueOf(refused.getMessage()));
+        }
+    }
+
+    /** A world with more items could be saved, but not read again. */
+    static void requireRoom(int count, int more) throws ActionRefused {
+        if (count + more > Expansion.MAX_ITEMS) {
+            throw new ActionRefused(
+                    REFUSED,
+                    "the world has "
+                            + count
+                            + " items; with "
+                            + more
+                            + " more it would exceed the limit of "
+                            + Expansion.MAX_ITEMS);
         }
     }
 

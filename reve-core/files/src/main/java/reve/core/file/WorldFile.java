@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
+import reve.core.disk.PartFile;
 import reve.core.disk.Reason;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.Assets;
@@ -115,14 +116,16 @@ public final class WorldFile {
                             + " are read");
         }
         Path target = path.toAbsolutePath();
-        Path part = target.resolveSibling(target.getFileName() + ".part");
         try {
-            Files.write(part, text);
-            Files.move(part, target, StandardCopyOption.ATOMIC_MOVE);
+            Path part = PartFile.create(target);
+            try {
+                Files.write(part, text);
+                Files.move(part, target, StandardCopyOption.ATOMIC_MOVE);
+            } finally {
+                Files.deleteIfExists(part);
+            }
         } catch (IOException e) {
             throw Reason.naming(path, e);
-        } finally {
-            Files.deleteIfExists(part);
         }
     }
 

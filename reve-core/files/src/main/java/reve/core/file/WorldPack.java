@@ -3,6 +3,8 @@ package reve.core.file;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.disk.PartFile;
+
 import java.io.EOFException;
 import java.io.IOException;
 import java.io.InputStream;
@@ -86,7 +88,7 @@ public final class WorldPack {
             names.take(file.getKey(), Files.size(file.getValue()));
         }
         Path target = pack.toAbsolutePath();
-        Path part = target.resolveSibling(target.getFileName() + ".part");
+        Path part = PartFile.create(target);
         try {
             try (OutputStream out = Files.newOutputStream(part);
                     ZipOutputStream zip = new ZipOutputStream(out, StandardCharsets.UTF_8)) {

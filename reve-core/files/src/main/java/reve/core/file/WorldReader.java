@@ -60,7 +60,7 @@ final class WorldReader {
                                                 source.named("rules"))
                                         .flatMap(List::stream)
                                         .toList()));
-        var expansion = new Expansion(source, problems);
+        var expansion = new Expansion(source, Expansion.Limits.ofWorld(), problems);
         long age = wholeNumber(root.get("frame"), "age", 0);
         Doubts doubts = Doubts.of(age > 0);
         var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), doubts, problems);

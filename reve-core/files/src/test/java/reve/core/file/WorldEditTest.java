@@ -44,12 +44,14 @@ class WorldEditTest {
     private OffHeapArena arena;
     private World world;
     private EditReader reader;
+    private EditReader.Room room;
 
     @BeforeEach
     void build() throws WorldFileException {
         arena = new OffHeapArena();
         world = WorldFile.parse("w", WORLD.getBytes(StandardCharsets.UTF_8)).build(arena);
         reader = new EditReader(world.prototype());
+        room = new EditReader.Room();
     }
 
     @AfterEach
@@ -100,7 +102,8 @@ class WorldEditTest {
                                     "physics": {"mass": "300 g"}},
                                    {"name": "rope", "kind": "spring",
                                     "physics": {"end1": "ball 0", "end2": "a", "length": "1 m"}}]}
-                        """));
+                        """,
+                        room));
         assertThat(item("ball 2").physics().scalar("mass")).isEqualTo(0.3);
         assertThat(item("ball 2").physical().location()).containsExactly(2, 0, 0);
         assertThat(item("ball 1").physical().shape()).isEqualTo(Shape.sphere(0.05));
@@ -194,7 +197,7 @@ class WorldEditTest {
     void aBatchHappensInItsOrder() throws Exception {
         make(
                 new WorldEdit.Remove("s", false),
-                reader.add("{\"items\": [{\"name\": \"s\", \"physics\": {\"mass\": 7}}]}"),
+                reader.add("{\"items\": [{\"name\": \"s\", \"physics\": {\"mass\": 7}}]}", room),
                 reader.change("s", "body", "{\"name\": \"weight\"}"));
         assertThat(item("weight").physics().scalar("mass")).isEqualTo(7);
     }
@@ -205,7 +208,7 @@ class WorldEditTest {
         WorldEdit[] edits = {
             new WorldEdit.Remove("s", false),
             change("a", "{\"physics\": {\"mass\": 9}}"),
-            reader.add("{\"items\": [{\"name\": \"d\", \"physics\": {\"mass\": 7}}]}"),
+            reader.add("{\"items\": [{\"name\": \"d\", \"physics\": {\"mass\": 7}}]}", room),
             new WorldEdit.Remove("nothing", false)
         };
         ActionRefused refused = catchThrowableOfType(ActionRefused.class, () -> make(edits));
@@ -284,7 +287,7 @@ class WorldEditTest {
                     """)
     void itemsThatDoNotFitTheWorldAreRefused(String items, String reason) throws Exception {
         List<Object> before = state();
-        WorldEdit edit = reader.add(items);
+        WorldEdit edit = reader.add(items, room);
         assertThatThrownBy(() -> make(edit))
                 .isInstanceOf(ActionRefused.class)
                 .hasMessageContaining(reason.strip());
@@ -296,16 +299,42 @@ class WorldEditTest {
             delimiter = '!',
             textBlock =
                     """
-                    {"items": [{"name": "x{i}", "repeat": 10001}]}  ! expected at most 10000 in one message
+                    {"items": [{"name": "x{i}", "repeat": 10001}]}  ! more than 10000 items with their repetitions in one message
                     {"items": [], "laws": ["drag"]}              ! `laws` cannot be added
                     {"items": [{"nam": "x"}]}                    ! nam
                     {"items": [{"name": "x", "like": "ball"}]}   ! ball
                     """)
     void itemsThatAreNotValidAreRefused(String items, String reason) {
         WorldFileException refused =
-                catchThrowableOfType(WorldFileException.class, () -> reader.add(items));
+                catchThrowableOfType(WorldFileException.class, () -> reader.add(items, room));
         assertThat(refused).as(items).isNotNull();
         assertThat(refused.problems().toString()).contains(reason.strip());
+    }
+
+    @Test
+    void aWorldHasAMillionItemsAtMost() throws Exception {
+        WorldEdit.requireRoom(990_000, 10_000);
+        assertThatThrownBy(() -> WorldEdit.requireRoom(990_001, 10_000))
+                .isInstanceOf(ActionRefused.class)
+                .hasMessage(
+                        "the world has 990001 items; with 10000 more it would exceed the limit of"
+                                + " 1000000");
+    }
+
+    /** The limits of a message hold for all its changes together. */
+    @Test
+    void changesOfOneMessageAddATenThousandItemsAtMost() throws Exception {
+        reader.add("{\"items\": [{\"name\": \"x{i}\", \"repeat\": 6000}]}", room);
+        WorldFileException refused =
+                catchThrowableOfType(
+                        WorldFileException.class,
+                        () ->
+                                reader.add(
+                                        "{\"items\": [{\"name\": \"y{i}\", \"repeat\": 6000}]}",
+                                        room));
+        assertThat(refused.problems().getFirst().message())
+                .isEqualTo("more than 10000 items with their repetitions in one message");
+        reader.add("{\"items\": [{\"name\": \"y{i}\", \"repeat\": 4000}]}", room);
     }
 
     @Test

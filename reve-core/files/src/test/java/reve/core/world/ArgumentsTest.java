@@ -93,7 +93,9 @@ class ArgumentsTest {
         refused(
                 given,
                 "unknown-argument",
-                "action act has no `" + "f".repeat(64) + "…`; it takes `impulse`, `count`, `label`, `loud`");
+                "action act has no `"
+                        + "f".repeat(64)
+                        + "…`; it takes `impulse`, `count`, `label`, `loud`");
     }
 
     @Test

@@ -329,6 +329,12 @@ public final class World {
         return items.of(data.symbols.with(symbol, value));
     }
 
+    /** Returns the number of items, including the item {@code world}. */
+    public int itemCount() {
+        data.guard.checkOwner();
+        return data.symbols.all().size();
+    }
+
     /** Returns all items in the order of their ids, the item {@code world} first; a copy. */
     public List<Item> items() {
         data.guard.checkOwner();

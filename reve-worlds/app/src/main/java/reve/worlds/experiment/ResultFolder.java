@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.experiment;
 
+import reve.core.disk.PartFile;
 import reve.core.disk.Reason;
 import reve.core.file.Experiment;
 import reve.worlds.Product;
@@ -193,7 +194,7 @@ public final class ResultFolder {
         write(RUNS, table.runs());
         write(SERIES, table.series());
         List<String> plots = Plots.write(folder, experiment, results);
-        Path part = folder.resolve(RESULT + ".part");
+        Path part = PartFile.create(folder.resolve(RESULT));
         Files.writeString(
                 part,
                 MAPPER.writerWithDefaultPrettyPrinter()
@@ -204,7 +205,7 @@ public final class ResultFolder {
     }
 
     private void write(String name, List<List<String>> rows) throws IOException {
-        Path part = folder.resolve(name + ".part");
+        Path part = PartFile.create(folder.resolve(name));
         try (BufferedWriter out = Files.newBufferedWriter(part)) {
             for (List<String> row : rows) {
                 out.write(ResultTable.line(row));

@@ -3,6 +3,8 @@ package reve.worlds.picture;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.disk.PartFile;
+
 import java.awt.image.BufferedImage;
 import java.io.BufferedOutputStream;
 import java.io.File;
@@ -59,7 +61,7 @@ public final class Ffmpeg implements FrameSink {
      */
     public Ffmpeg(Path program, Path place, int width, int height, int fps) throws IOException {
         this.place = place;
-        part = place.resolveSibling(place.getFileName() + ".part");
+        part = PartFile.create(place);
         List<String> command = new ArrayList<>(List.of(program.toString()));
         command.addAll(List.of("-hide_banner", "-loglevel", "error", "-y"));
         command.addAll(List.of("-f", "rawvideo", "-pix_fmt", "rgb24"));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.picture;
 
+import reve.core.disk.PartFile;
+
 import java.awt.image.BufferedImage;
 import java.awt.image.IndexColorModel;
 import java.io.BufferedInputStream;
@@ -55,7 +57,7 @@ public final class Gif implements FrameSink {
     public Gif(Path place, int fps) throws IOException {
         this.place = place;
         this.fps = fps;
-        part = place.resolveSibling(place.getFileName() + ".part");
+        part = PartFile.create(place);
         Path file = Files.createTempFile("reve-gif", ".rgb");
         // on Linux the file has no name any more once it is open, so a killed process leaves none
         waiting =
@@ -94,7 +96,6 @@ public final class Gif implements FrameSink {
         spool.flush();
         waiting.position(0);
         var palette = new Palette(histogram);
-        Files.deleteIfExists(part); // of a killed process
         ImageWriter writer = ImageIO.getImageWritersByFormatName("gif").next();
         try (var in =
                         new DataInputStream(

@@ -38,12 +38,12 @@ public final class CsvExport implements Export {
 
     /** A table that is being written. */
     private static final class Table {
-        private final PartFile file;
+        private final WholeFile file;
         private final Writer out;
         private boolean begun;
 
         Table(Path folder, String name) throws IOException {
-            file = new PartFile(CsvExport.file(folder, name));
+            file = new WholeFile(CsvExport.file(folder, name));
             out = new OutputStreamWriter(file.out(), StandardCharsets.UTF_8);
         }
 

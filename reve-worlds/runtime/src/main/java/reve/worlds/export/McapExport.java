@@ -48,7 +48,7 @@ public final class McapExport implements Export {
     /** The rotation by 90° about the x axis, as xyzw: it turns +Y to +Z. */
     private static final double[] Y_TO_Z = {Math.sqrt(0.5), 0, 0, Math.sqrt(0.5)};
 
-    private final PartFile file;
+    private final WholeFile file;
     private final McapWriter writer;
     private final String world;
     private final Timing timing;
@@ -80,7 +80,7 @@ public final class McapExport implements Export {
         this.world = world;
         this.timing = timing;
         this.kinds = List.copyOf(kinds);
-        file = new PartFile(place);
+        file = new WholeFile(place);
         try {
             writer = new McapWriter(file.out(), "REVE x Vesper " + Product.version());
             Map<String, String> about = new LinkedHashMap<>();

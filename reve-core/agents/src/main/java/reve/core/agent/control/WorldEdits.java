@@ -57,13 +57,14 @@ final class WorldEdits {
             HeapRoom.OF_PROCESS.require();
         }
         List<Reading> readings = new ArrayList<>();
+        var room = new EditReader.Room();
         Map<String, Optional<String>> rules = new LinkedHashMap<>();
         List<ClientMessage.WorldChange> all =
                 message instanceof ClientMessage.Batch batch ? batch.changes() : List.of(message);
         for (ClientMessage.WorldChange each : all) {
             switch (each) {
                 case ClientMessage.Add add -> {
-                    WorldEdit items = add(add);
+                    WorldEdit items = add(add, room);
                     readings.add((world, before) -> items);
                 }
                 case ClientMessage.Change change ->
@@ -119,9 +120,9 @@ final class WorldEdits {
                 });
     }
 
-    private WorldEdit add(ClientMessage.Add add) throws ActionRefused {
+    private WorldEdit add(ClientMessage.Add add, EditReader.Room room) throws ActionRefused {
         try {
-            return reader.add(add.items());
+            return reader.add(add.items(), room);
         } catch (WorldFileException invalid) {
             throw refusal(invalid);
         }

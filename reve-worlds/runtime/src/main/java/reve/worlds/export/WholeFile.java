@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.export;
 
+import reve.core.disk.PartFile;
+
 import java.io.BufferedOutputStream;
 import java.io.IOException;
 import java.io.OutputStream;
@@ -9,7 +11,7 @@ import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
 
 /** A file that is written beside its place, and moved to it when it is complete. For one thread. */
-final class PartFile implements AutoCloseable {
+final class WholeFile implements AutoCloseable {
     private static final int BUFFER_BYTES = 1 << 16;
 
     private final Path place;
@@ -18,13 +20,13 @@ final class PartFile implements AutoCloseable {
     private boolean closed;
 
     /**
-     * Creates the file, or empties the one that a killed process left.
+     * Creates the file.
      *
      * @throws IOException if it cannot be created
      */
-    PartFile(Path place) throws IOException {
+    WholeFile(Path place) throws IOException {
         this.place = place;
-        this.part = place.resolveSibling(place.getFileName() + ".part");
+        this.part = PartFile.create(place);
         this.out = new BufferedOutputStream(Files.newOutputStream(part), BUFFER_BYTES);
     }
 

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.disk;
+
+import java.io.IOException;
+import java.nio.file.FileAlreadyExistsException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+
+/**
+ * Names of incomplete files. A program writes a file beside its place and moves it there when it is
+ * complete, so that nobody reads a part of it. For any thread.
+ */
+public final class PartFile {
+    private static final int MOST = 1000;
+
+    private PartFile() {}
+
+    /**
+     * Creates an empty file beside {@code place}, with the ending {@code .part} or, if such a file,
+     * link or pipe exists, {@code .part2} and so on. What exists stays as it is, because it may
+     * belong to somebody else.
+     *
+     * @throws IOException if the file cannot be created
+     */
+    public static Path create(Path place) throws IOException {
+        String name = place.getFileName() + ".part";
+        for (int number = 1; ; number++) {
+            Path part = place.resolveSibling(number == 1 ? name : name + number);
+            try {
+                return Files.createFile(part);
+            } catch (FileAlreadyExistsException taken) {
+                if (number == MOST) {
+                    throw taken;
+                }
+            }
+        }
+    }
+}
