@@ -27,7 +27,7 @@ class DiskFaultIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
 
     /** No file may grow beyond this [KiB]: a law library fits, the frames of 300 s do not. */
-    private static final int LIMIT = 2400;
+    private static final int LIMIT = 1200;
 
     @TempDir private Path folder;
     private Path store;
@@ -40,17 +40,17 @@ class DiskFaultIT {
     @Test
     void aWorldGoesOnWithoutRoomOnItsDiskAndIsKeptAgainFromTheNextImageOn() throws Exception {
         JsonNode end;
-        try (Server server = limited("--store-every", "300", "--seconds", "310")) {
+        try (Server server = limited("--store-every", "150", "--seconds", "160")) {
             JsonNode fault = server.events().await("fault", event -> true);
             assertThat(fault.path("source").asString()).isEqualTo("store");
             assertThat(fault.path("message").asString())
                     .contains(store + "-frames-1", "could not be written: File too large");
             end = server.events().await("end", event -> true);
-            assertThat(end.path("frames").asLong()).isEqualTo(310 * 60);
+            assertThat(end.path("frames").asLong()).isEqualTo(160 * 60);
             assertThat(server.exitCode()).isZero();
         }
         JsonNode resumed = resumed();
-        assertThat(resumed.path("frame").asLong()).isEqualTo(310 * 60);
+        assertThat(resumed.path("frame").asLong()).isEqualTo(160 * 60);
         assertThat(resumed.path("stateHash").asString())
                 .isEqualTo(end.path("stateHash").asString());
     }
@@ -135,7 +135,7 @@ class DiskFaultIT {
                                         "run",
                                         WORLD,
                                         "--seconds",
-                                        "310",
+                                        "160",
                                         "--record",
                                         recording.toString())));
         assertThat(outcome.code()).as(outcome.err()).isEqualTo(1);
@@ -267,23 +267,23 @@ class DiskFaultIT {
                         "--json",
                         "--fast",
                         "--seconds",
-                        "310",
+                        "160",
                         "--record",
                         recording.toString(),
                         "--record-limit",
-                        "2")) {
+                        "1")) {
             JsonNode fault = server.events().await("fault", event -> true);
             assertThat(fault.path("source").asString()).isEqualTo("recording");
             assertThat(fault.path("message").asString())
                     .contains(
                             recording.toString(),
-                            "has its limit of 2097152 bytes; the recording ends before frame ");
+                            "has its limit of 1048576 bytes; the recording ends before frame ");
             end = server.events().await("end", event -> true);
-            assertThat(end.path("frames").asLong()).isEqualTo(310 * 60);
+            assertThat(end.path("frames").asLong()).isEqualTo(160 * 60);
             assertThat(server.exitCode()).isZero();
         }
         assertThat(recording).isRegularFile();
-        assertThat(Files.size(recording)).isBetween(2_000_000L, 2L << 20);
+        assertThat(Files.size(recording)).isBetween(1_000_000L, 1L << 20);
         assertThat(Reve.run("replay", recording.toString()).out()).startsWith("identical: ");
     }
 
