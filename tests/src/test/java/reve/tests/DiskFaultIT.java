@@ -45,6 +45,15 @@ class DiskFaultIT {
             assertThat(fault.path("source").asString()).isEqualTo("store");
             assertThat(fault.path("message").asString())
                     .contains(store + "-frames-1", "could not be written: File too large");
+            server.events()
+                    .await(
+                            "fault",
+                            event ->
+                                    event.path("message")
+                                            .asString()
+                                            .equals(
+                                                    "the store is complete again from the image of"
+                                                            + " frame 9000 on"));
             end = server.events().await("end", event -> true);
             assertThat(end.path("frames").asLong()).isEqualTo(160 * 60);
             assertThat(server.exitCode()).isZero();

@@ -10,6 +10,7 @@ import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
 import reve.pe.Status;
+import reve.pe.posix.FolderFiles;
 
 import java.io.IOException;
 import java.io.UncheckedIOException;
@@ -30,7 +31,6 @@ import java.util.Optional;
 import java.util.TreeMap;
 import java.util.TreeSet;
 import java.util.concurrent.TimeUnit;
-import java.util.stream.Stream;
 
 /**
  * A watched folder of law libraries. The laws of an added file act from the next frame on; those of
@@ -239,9 +239,11 @@ public final class LawFolder implements AutoCloseable {
 
     private Map<String, Path> list() throws IOException {
         Map<String, Path> present = new TreeMap<>();
-        try (Stream<Path> entries = Files.list(folder)) {
-            entries.filter(file -> isLaw(file.getFileName().toString()))
-                    .forEach(file -> present.put(file.getFileName().toString(), file));
+        for (Path file : FolderFiles.in(folder)) {
+            String name = file.getFileName().toString();
+            if (isLaw(name)) {
+                present.put(name, file);
+            }
         }
         return present;
     }

@@ -10,6 +10,8 @@ import org.junit.jupiter.api.io.TempDir;
 
 import java.io.IOException;
 import java.nio.file.Files;
+import java.nio.file.NoSuchFileException;
+import java.nio.file.NotDirectoryException;
 import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
 import java.util.concurrent.atomic.AtomicBoolean;
@@ -58,6 +60,22 @@ class RegularFileTest {
     private static String withoutFound(String reason, Path file) {
         String kind = reason.substring("found ".length());
         return Files.isSymbolicLink(file) ? kind + "; copy the file itself here" : kind;
+    }
+
+    @Test
+    void onlyFoldersAreListed() throws Exception {
+        Path laws = Files.createDirectory(folder.resolve("laws"));
+        Files.createFile(laws.resolve("b.law"));
+        Files.createFile(laws.resolve("a.law"));
+        Path link = Files.createSymbolicLink(folder.resolve("link"), laws);
+        assertThat(FolderFiles.in(laws))
+                .containsExactly(laws.resolve("a.law"), laws.resolve("b.law"));
+        assertThat(FolderFiles.in(link))
+                .containsExactly(link.resolve("a.law"), link.resolve("b.law"));
+        assertThatThrownBy(() -> FolderFiles.in(pipe("pipe")))
+                .isInstanceOf(NotDirectoryException.class);
+        assertThatThrownBy(() -> FolderFiles.in(folder.resolve("none")))
+                .isInstanceOf(NoSuchFileException.class);
     }
 
     @Test

@@ -4,12 +4,16 @@ package reve.core.file;
 import reve.core.mesh.Assets;
 import reve.core.mesh.WorldFolder;
 import reve.core.rule.Rule;
+import reve.core.rule.Scope;
+import reve.core.text.Visible;
+import reve.core.world.ActionRefused;
 import reve.core.world.ItemDefinition;
 import reve.core.world.WorldPrototype;
 
 import tools.jackson.databind.json.JsonMapper;
 
 import java.util.ArrayList;
+import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -183,49 +187,70 @@ public final class EditReader {
     }
 
     /**
-     * Returns rules with one of them replaced, added at the end, or removed.
+     * Returns rules with some of them replaced, added at the end, or removed.
      *
-     * @param name the symbol that the rule computes
-     * @param text the rule as in a world file, an expression or a mapping with {@code is}; empty
-     *     removes the rule
-     * @throws WorldFileException with all problems of the text
+     * @param changes by the symbol that each rule computes: the rule as in a world file, an
+     *     expression or a mapping with {@code is}; empty removes the rule
+     * @throws ActionRefused naming the first rule that is wrong
      */
-    public List<Rule> rules(List<Rule> rules, String name, Optional<String> text)
-            throws WorldFileException {
-        List<Rule> changed = new ArrayList<>(rules);
-        int at = 0;
-        while (at < rules.size() && !rules.get(at).symbol().equals(name)) {
-            at++;
-        }
-        if (text.isEmpty()) {
-            if (at < rules.size()) {
-                changed.remove(at);
+    public List<Rule> rules(List<Rule> rules, Map<String, Optional<String>> changes)
+            throws ActionRefused {
+        Map<String, Rule> changed = new LinkedHashMap<>();
+        rules.forEach(rule -> changed.put(rule.symbol(), rule));
+        Map<String, Scope> scopes = new HashMap<>();
+        for (Map.Entry<String, Optional<String>> change : changes.entrySet()) {
+            String name = change.getKey();
+            if (change.getValue().isEmpty()) {
+                changed.remove(name);
+                continue;
             }
-            return List.copyOf(changed);
+            try {
+                changed.put(name, rule(name, change.getValue().get(), scopes));
+            } catch (WorldFileException invalid) {
+                throw refused(name, invalid.problems().getFirst().message());
+            }
         }
+        List<Rule> all = List.copyOf(changed.values());
+        if (all.size() > RuleReader.MAX_RULES && all.size() > rules.size()) {
+            throw new ActionRefused(
+                    WorldEdit.REFUSED,
+                    "the world would have "
+                            + all.size()
+                            + " rules, expected at most "
+                            + RuleReader.MAX_RULES);
+        }
+        for (RuleReader.Misplaced misplaced : RuleReader.misplaced(all)) {
+            for (Rule rule : List.of(misplaced.rule(), misplaced.later())) {
+                if (changes.containsKey(rule.symbol())) {
+                    throw refused(rule.symbol(), misplaced.message());
+                }
+            }
+        }
+        return all;
+    }
+
+    private static ActionRefused refused(String rule, String reason) {
+        return new ActionRefused(
+                WorldEdit.REFUSED, "rule " + Visible.shortened(rule) + ": " + reason);
+    }
+
+    private Rule rule(String name, String text, Map<String, Scope> scopes)
+            throws WorldFileException {
         var problems = new Problems("rule");
         Node part =
                 YamlReader.read(
                         "{\"rules\":{"
                                 + JsonMapper.shared().writeValueAsString(name)
                                 + ":"
-                                + text.get()
+                                + text
                                 + "}}",
                         problems,
                         new Allowance(YamlReader.MAX_VALUES));
         SchemaCheck.checkPart(part, problems);
         problems.throwIfAny();
-        List<Node> nodes =
-                part.get("rules").map(Node::children).map(List::copyOf).orElse(List.of());
-        List<Rule> read = new RuleReader(problems).readRules(nodes, prototype);
+        Node node = part.get("rules").orElseThrow().children().iterator().next();
+        Optional<Rule> rule = new RuleReader(problems).readChange(node, prototype, scopes);
         problems.throwIfAny();
-        if (at < rules.size()) {
-            changed.set(at, read.getFirst());
-        } else {
-            changed.add(read.getFirst());
-        }
-        RuleReader.requireOrder(changed, nodes.getFirst(), problems);
-        problems.throwIfAny();
-        return List.copyOf(changed);
+        return rule.orElseThrow();
     }
 }

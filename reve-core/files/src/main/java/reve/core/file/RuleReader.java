@@ -164,32 +164,48 @@ final class RuleReader {
      * Requires that a rule reads only symbols of earlier rules, not its own or those of later ones.
      */
     private void requireOrder(List<Rule> rules, Map<String, Node> nodes) {
-        for (int i = 0; i < rules.size(); i++) {
-            Rule rule = rules.get(i);
-            for (Rule later : rules.subList(i, rules.size())) {
-                if (rule.expression().uses().contains("semantic." + later.symbol())) {
-                    problems.addAtKey(
-                            nodes.get(rule.symbol()),
-                            "rule "
-                                    + rule.symbol()
-                                    + " reads "
-                                    + (rule == later
-                                            ? "what it gives itself"
-                                            : "what rule "
-                                                    + later.symbol()
-                                                    + " gives, which comes later"));
-                }
-            }
+        misplaced(rules)
+                .forEach(each -> problems.addAtKey(nodes.get(each.rule.symbol()), each.message()));
+    }
+
+    /** A rule that reads its own symbol, or the symbol of a later rule. */
+    record Misplaced(Rule rule, Rule later) {
+        String message() {
+            return "rule "
+                    + rule.symbol()
+                    + " reads "
+                    + (rule == later
+                            ? "what it gives itself"
+                            : "what rule " + later.symbol() + " gives, which comes later");
         }
     }
 
+    static List<Misplaced> misplaced(List<Rule> rules) {
+        Map<String, Integer> places = new HashMap<>();
+        for (int i = 0; i < rules.size(); i++) {
+            places.put("semantic." + rules.get(i).symbol(), i);
+        }
+        List<Misplaced> found = new ArrayList<>();
+        for (int i = 0; i < rules.size(); i++) {
+            Rule rule = rules.get(i);
+            int place = i;
+            rule.expression().uses().stream()
+                    .map(name -> places.getOrDefault(name, -1))
+                    .filter(later -> later >= place)
+                    .sorted()
+                    .forEach(later -> found.add(new Misplaced(rule, rules.get(later))));
+        }
+        return found;
+    }
+
     /**
-     * Requires the same after a change of one rule, and notes the problem at the node of this rule.
+     * Reads one rule of a change.
+     *
+     * @param scopes by kind, for all rules of the change, because creating a scope takes longer
+     *     than reading a rule
      */
-    static void requireOrder(List<Rule> rules, Node changed, Problems problems) {
-        Map<String, Node> nodes = new HashMap<>();
-        rules.forEach(rule -> nodes.put(rule.symbol(), changed));
-        new RuleReader(problems).requireOrder(rules, nodes);
+    Optional<Rule> readChange(Node node, WorldPrototype prototype, Map<String, Scope> scopes) {
+        return rule(node, prototype, scopes);
     }
 
     private static String doc(Node node) {

@@ -68,6 +68,9 @@ public record RobotImport(
      * @throws UrdfException if it is no valid URDF
      */
     public static RobotImport read(Path file, Options options) throws IOException, UrdfException {
+        if (Files.exists(file) && !Files.isRegularFile(file)) {
+            throw new UrdfException(file + ": expected a regular file");
+        }
         if (Files.size(file) > MAX_BYTES) {
             throw new UrdfException(file + ": the file is larger than 16 MiB");
         }

@@ -23,7 +23,9 @@ import reve.core.world.World;
 import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
@@ -337,23 +339,39 @@ class WorldEditTest {
         reader.add("{\"items\": [{\"name\": \"y{i}\", \"repeat\": 4000}]}", room);
     }
 
+    private List<Rule> rules(List<Rule> before, String name, String text) throws ActionRefused {
+        return reader.rules(before, Map.of(name, Optional.ofNullable(text)));
+    }
+
     @Test
     void rulesAreAddedReplacedAndRemoved() throws Exception {
-        List<Rule> one = reader.rules(List.of(), "heavy", Optional.of("\"physics.mass > 1.0\""));
-        List<Rule> two =
-                reader.rules(
-                        one,
-                        "lazy",
-                        Optional.of("{\"is\": \"semantic.heavy\", \"doc\": \"At rest.\"}"));
+        List<Rule> one = rules(List.of(), "heavy", "\"physics.mass > 1.0\"");
+        List<Rule> two = rules(one, "lazy", "{\"is\": \"semantic.heavy\", \"doc\": \"At rest.\"}");
         assertThat(two).extracting(Rule::symbol).containsExactly("heavy", "lazy");
-        List<Rule> changed = reader.rules(two, "heavy", Optional.of("\"physics.mass > 5.0\""));
+        List<Rule> changed = rules(two, "heavy", "\"physics.mass > 5.0\"");
         assertThat(changed).extracting(Rule::symbol).containsExactly("heavy", "lazy");
-        assertThat(reader.rules(changed, "heavy", Optional.empty()))
-                .extracting(Rule::symbol)
-                .containsExactly("lazy");
-        assertThatThrownBy(() -> reader.rules(two, "heavy", Optional.of("\"semantic.lazy\"")))
-                .hasMessageContaining("comes later");
-        assertThatThrownBy(() -> reader.rules(two, "x", Optional.of("\"physics.mas > 1\"")))
-                .isInstanceOf(WorldFileException.class);
+        assertThat(changed.getFirst().expression()).isNotEqualTo(two.getFirst().expression());
+        assertThat(rules(changed, "heavy", null)).extracting(Rule::symbol).containsExactly("lazy");
+        assertThatThrownBy(() -> rules(two, "heavy", "\"semantic.lazy\""))
+                .isInstanceOf(ActionRefused.class)
+                .hasMessage("rule heavy: rule heavy reads what rule lazy gives, which comes later");
+        assertThatThrownBy(() -> rules(two, "x", "\"physics.mas > 1\""))
+                .isInstanceOf(ActionRefused.class)
+                .hasMessageStartingWith("rule x: ");
+    }
+
+    /** The order is checked once for all changes, so a rule may read one that follows it. */
+    @Test
+    void rulesOfOneMessageChangeTogetherUpToAThousand() throws Exception {
+        Map<String, Optional<String>> many = new LinkedHashMap<>();
+        for (int i = 0; i < 1000; i++) {
+            many.put("r" + i, Optional.of("\"physics.mass > " + i + ".0\""));
+        }
+        List<Rule> thousand = reader.rules(List.of(), many);
+        assertThat(thousand).hasSize(1000);
+        assertThatThrownBy(() -> rules(thousand, "more", "\"physics.mass > 1.0\""))
+                .hasMessage("the world would have 1001 rules, expected at most 1000");
+        assertThat(rules(thousand, "r7", null)).hasSize(999);
+        assertThat(rules(thousand, "r9", "\"semantic.r8\"")).hasSize(1000);
     }
 }

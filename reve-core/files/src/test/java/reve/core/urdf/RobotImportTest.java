@@ -58,6 +58,15 @@ class RobotImportTest {
         return world.items().stream().collect(Collectors.toMap(ItemDefinition::name, item -> item));
     }
 
+    /** A device would fill the memory, and a pipe would block. */
+    @Test
+    void onlyARegularFileIsRead() throws Exception {
+        Path zeros = Files.createSymbolicLink(folder.resolve("x.urdf"), Path.of("/dev/zero"));
+        assertThatThrownBy(() -> RobotImport.read(zeros, USUAL))
+                .isInstanceOf(UrdfException.class)
+                .hasMessage(zeros + ": expected a regular file");
+    }
+
     private static Pose pose(ItemDefinition item) {
         return Pose.of(item.location(), item.orientation());
     }

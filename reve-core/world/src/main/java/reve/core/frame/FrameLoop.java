@@ -66,6 +66,9 @@ public final class FrameLoop {
      */
     private final AtomicLong waitEnd = new AtomicLong(AT_WORK);
 
+    /** Time for errands between two frames, without the last one of them [ns]. */
+    private static final long ERRANDS_NANOSECONDS = 10_000_000;
+
     private final Queue<Runnable> errands = new ConcurrentLinkedQueue<>();
     private final BooleanSupplier disturbed = this::isDisturbed;
     private boolean begun;
@@ -365,16 +368,27 @@ public final class FrameLoop {
     }
 
     /**
-     * Runs the errands queued at the start of the call, so that a fast sender cannot prevent
-     * frames.
+     * Runs errands until they have used their time, at least one. Runs only those queued at the
+     * start of the call, so that a fast sender cannot prevent frames.
      */
     private void runErrands() {
         if (errands.isEmpty()) {
             return;
         }
+        long start = clock.nanoTime();
         for (int waiting = errands.size(); waiting > 0; waiting--) {
             errands.remove().run();
             begin();
+            if (clock.nanoTime() - start >= ERRANDS_NANOSECONDS) {
+                return;
+            }
+        }
+    }
+
+    /** Waits unless an errand waits. */
+    private void park(long nanoseconds) {
+        if (errands.isEmpty()) {
+            clock.park(nanoseconds);
         }
     }
 
@@ -429,7 +443,7 @@ public final class FrameLoop {
     private void await(long nanoseconds) {
         waitEnd.setRelease(clock.nanoTime() + nanoseconds);
         if (isPaused()) {
-            clock.park(nanoseconds);
+            park(nanoseconds);
         } else {
             gate.await(nanoseconds, disturbed, clock);
         }
@@ -476,7 +490,7 @@ public final class FrameLoop {
         long wait = pacer.nanosecondsToWait();
         while (wait > 0 && isWanted()) {
             waitEnd.setRelease(clock.nanoTime() + wait);
-            clock.park(wait);
+            park(wait);
             waitEnd.setRelease(AT_WORK);
             runErrands();
             wait = pacer.nanosecondsToWait();

@@ -306,6 +306,28 @@ class FrameLoopTest {
         assertThat(loop.frame()).isEqualTo(3);
     }
 
+    /** Otherwise clients that ask much would stop the world. */
+    @Test
+    void manyErrandsDelayAFrameByTheirTimeOnly() {
+        FrameLoop loop = loop(new Timing(60, 1), Pacing.REAL_TIME);
+        noteStarts();
+        var done = new int[1];
+        for (int errand = 0; errand < 200; errand++) {
+            loop.betweenFrames(
+                    () -> {
+                        clock.now += 4 * MILLISECOND;
+                        done[0]++;
+                    });
+        }
+        loop.run(40);
+        for (int frame = 1; frame < starts.size(); frame++) {
+            assertThat(starts.get(frame) - starts.get(frame - 1)).isLessThan(30 * MILLISECOND);
+        }
+        assertThat(done[0]).isBetween(100, 199);
+        loop.run(60);
+        assertThat(done[0]).isEqualTo(200);
+    }
+
     @Test
     void aWorldThatAnErrandChangedIsPublishedThoughTheLoopIsPaused() {
         List<Long> published = new ArrayList<>();

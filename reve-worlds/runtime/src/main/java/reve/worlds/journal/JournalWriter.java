@@ -12,12 +12,14 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.ScheduledThreadPoolExecutor;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
 import java.util.function.Supplier;
+import java.util.regex.Pattern;
 
 /**
  * The two threads that write a journal: one appends each frame as soon as the world's thread passes
@@ -33,6 +35,11 @@ final class JournalWriter {
 
     private static final String NOTHING_KEPT = "; nothing is kept until an image can be written";
     private static final long BETWEEN_TRIES_NANOSECONDS = 200_000_000;
+
+    /** Time after which the same failure is reported again [ns]. */
+    private static final long AGAIN_NANOSECONDS = 60_000_000_000L;
+
+    private static final Pattern NUMBER = Pattern.compile("[0-9]+");
 
     private final EntryRing ring;
     private final Queue<SimulationImage> rooms;
@@ -71,6 +78,14 @@ final class JournalWriter {
 
     /** True if it was already reported why the recording cannot continue in another file. */
     private boolean toldStay;
+
+    /**
+     * The time of the last report of each failure [ns]; emptied when the journal is whole again.
+     */
+    private final Map<String, Long> reported = new ConcurrentHashMap<>();
+
+    /** True while a store lacks frames, because writing failed. */
+    private volatile boolean incomplete;
 
     /** The replacement file, for messages; empty if there is none. */
     private String place = "";
@@ -305,9 +320,19 @@ final class JournalWriter {
             return true;
         } catch (Throwable e) {
             if (!refused) { // otherwise this was already reported
-                problems.accept(reason(e) + consequence.get());
+                report(reason(e) + consequence.get());
             }
             return false;
+        }
+    }
+
+    /** Reports a failure, unless the same failure was reported less than a minute ago. */
+    private void report(String problem) {
+        long now = System.nanoTime();
+        Long before = reported.get(NUMBER.matcher(problem).replaceAll("#"));
+        if (before == null || now - before > AGAIN_NANOSECONDS) {
+            reported.put(NUMBER.matcher(problem).replaceAll("#"), now);
+            problems.accept(problem);
         }
     }
 
@@ -343,6 +368,7 @@ final class JournalWriter {
                 reached = entry.frame;
             } else {
                 refused = isRecordingRefused();
+                incomplete = plan.imageFrames() != 0;
             }
         }
         lastImageKept &= !entry.last || entry.image != null;
@@ -449,10 +475,19 @@ final class JournalWriter {
                 LockSupport.parkNanos(BETWEEN_TRIES_NANOSECONDS);
                 done = attempt(step, otherwise);
             }
+            reportWhole(done, image.frame());
             return done;
         } finally {
             rooms.add(image);
         }
+    }
+
+    private void reportWhole(boolean imageKept, long frame) {
+        if (imageKept && incomplete) {
+            reported.clear();
+            problems.accept("the store is complete again from the image of frame " + frame + " on");
+        }
+        incomplete = !imageKept && plan.imageFrames() != 0;
     }
 
     private void write(

@@ -15,9 +15,11 @@ import reve.pe.PreparedLibrary;
 import reve.pe.SiUnit;
 import reve.pe.Status;
 import reve.pe.adapter.FolderParameters;
+import reve.pe.posix.RegularFile;
 
 import java.io.IOException;
-import java.nio.file.Files;
+import java.nio.ByteBuffer;
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.Arrays;
@@ -140,22 +142,19 @@ final class LawParameters {
     }
 
     /**
-     * Reads the file with the parameters of a library in a watched folder.
+     * Reads the file with the parameters of a library in a watched folder, which others may
+     * replace.
      *
      * @throws PhysicsException with the places of all mistakes
      */
     static FolderParameters inFile(String library, Path file) {
         try {
-            if (Files.size(file) > MOST_BYTES) {
-                throw new PhysicsException(
-                        Status.INVALID_ARGUMENT,
-                        file
-                                + ": more than "
-                                + MOST_BYTES
-                                + " bytes; expected parameters of a law");
-            }
-            LawReference read =
-                    ParameterFile.read(library, Files.readString(file), file.toString());
+            String text =
+                    StandardCharsets.UTF_8
+                            .newDecoder()
+                            .decode(ByteBuffer.wrap(RegularFile.read(file, MOST_BYTES)))
+                            .toString();
+            LawReference read = ParameterFile.read(library, text, file.toString());
             return new FolderParameters(
                     read.parameters(),
                     laws -> {

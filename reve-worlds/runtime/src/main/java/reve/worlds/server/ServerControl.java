@@ -8,11 +8,8 @@ import org.slf4j.LoggerFactory;
 import reve.core.agent.port.WorldControl;
 import reve.core.disk.Reason;
 import reve.core.file.EditReader;
-import reve.core.file.WorldEdit;
 import reve.core.file.WorldFile;
-import reve.core.file.WorldFileException;
 import reve.core.frame.TimeBudget;
-import reve.core.rule.Rule;
 import reve.core.world.ActionRefused;
 import reve.core.world.Departure;
 import reve.core.world.ItemId;
@@ -231,23 +228,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
 
     @Override
     public Change changeRules(Map<String, Optional<String>> rules) {
-        return (world, frame) -> {
-            EditReader reader = new EditReader(world.prototype());
-            List<Rule> changed = simulation.description().rules();
-            for (Map.Entry<String, Optional<String>> rule : rules.entrySet()) {
-                try {
-                    changed = reader.rules(changed, rule.getKey(), rule.getValue());
-                } catch (WorldFileException invalid) {
-                    throw new ActionRefused(
-                            WorldEdit.REFUSED,
-                            "rule "
-                                    + rule.getKey()
-                                    + ": "
-                                    + invalid.problems().getFirst().message());
-                }
-            }
-            simulation.setRules(changed);
-        };
+        return (world, frame) ->
+                simulation.setRules(
+                        new EditReader(world.prototype())
+                                .rules(simulation.description().rules(), rules));
     }
 
     @Override

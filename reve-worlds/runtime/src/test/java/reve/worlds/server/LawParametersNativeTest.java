@@ -120,4 +120,16 @@ class LawParametersNativeTest {
                     .containsEntry("dampingRatio", 0.3);
         }
     }
+
+    /** The folder may belong to others, who could exchange the file after it was checked. */
+    @Test
+    void aLinkInThePlaceOfTheFileIsNotFollowed(@TempDir Path folder) throws Exception {
+        Path secret = Files.writeString(folder.resolve("secret"), "password: hunter2\n");
+        Path file = Files.createSymbolicLink(folder.resolve("drag.yaml"), secret);
+        assertThatThrownBy(() -> LawParameters.inFile("drag", file))
+                .isInstanceOf(PhysicsException.class)
+                .hasMessageContaining("expected a regular file, found a symbolic link")
+                .message()
+                .doesNotContain("password", "hunter2");
+    }
 }

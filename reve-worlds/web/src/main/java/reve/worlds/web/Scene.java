@@ -81,6 +81,7 @@ final class Scene {
 
     private final Map<Object, Integer> assetIds = new IdentityHashMap<>();
     private final Map<Integer, ByteBuffer> assets = new TreeMap<>();
+    private int lastAsset;
 
     /** The values of one column, by slot; for colours, a float holds the bits of an integer. */
     private static final class Column {
@@ -270,6 +271,7 @@ final class Scene {
         mapping++;
         symbols = snapshot.symbols();
         boolean[] seen = new boolean[slots + symbols.size()];
+        boolean mayLoseAssets = false;
         for (ItemSymbols item : symbols.values()) {
             int slot = slotById.computeIfAbsent(item.id(), id -> newSlot());
             seen[slot] = true;
@@ -278,6 +280,7 @@ final class Scene {
                 if (before == null || looksOther(before, item)) {
                     noteStructure(slot);
                 }
+                mayLoseAssets |= before != null && hasAssets(before);
                 items[slot] = item;
                 addAssets(item);
             }
@@ -285,12 +288,16 @@ final class Scene {
         for (int slot = 0; slot < slots; slot++) {
             ItemSymbols gone = items[slot];
             if (gone != null && !seen[slot]) {
+                mayLoseAssets |= hasAssets(gone);
                 slotById.remove(gone.id());
                 items[slot] = null;
                 references[slot] = NO_REFERENCES;
                 noteStructure(slot);
                 freeSlots.add(slot);
             }
+        }
+        if (mayLoseAssets) {
+            dropUnusedAssets();
         }
         if (slotOfRow.length < ids.length) {
             slotOfRow = new int[ids.length + ids.length / 4];
@@ -441,22 +448,47 @@ final class Scene {
         return any;
     }
 
+    private static boolean hasAssets(ItemSymbols item) {
+        return item.shape() instanceof Mesh
+                || item.material().flatMap(material -> material.texture()).isPresent();
+    }
+
     private void addAssets(ItemSymbols item) {
-        item.material().flatMap(material -> material.texture()).ifPresent(this::addTexture);
+        for (Texture texture : textures(item)) {
+            if (!assetIds.containsKey(texture)) {
+                assetIds.put(texture, ++lastAsset);
+                assets.put(lastAsset, AssetWriter.texture(lastAsset, texture));
+            }
+        }
         if (item.shape() instanceof Mesh mesh && !assetIds.containsKey(mesh)) {
-            var parts = new ArrayList<>(mesh.parts());
-            parts.forEach(part -> part.material().texture().ifPresent(this::addTexture));
-            int id = assetIds.size() + 1;
-            assetIds.put(mesh, id);
-            assets.put(id, AssetWriter.mesh(id, mesh, this::assetId));
+            assetIds.put(mesh, ++lastAsset);
+            assets.put(lastAsset, AssetWriter.mesh(lastAsset, mesh, this::assetId));
         }
     }
 
-    private void addTexture(Texture texture) {
-        if (!assetIds.containsKey(texture)) {
-            int id = assetIds.size() + 1;
-            assetIds.put(texture, id);
-            assets.put(id, AssetWriter.texture(id, texture));
+    /** Returns the textures of an item and of the parts of its mesh. */
+    private static List<Texture> textures(ItemSymbols item) {
+        List<Texture> textures = new ArrayList<>();
+        item.material().flatMap(material -> material.texture()).ifPresent(textures::add);
+        if (item.shape() instanceof Mesh mesh) {
+            mesh.parts().forEach(part -> part.material().texture().ifPresent(textures::add));
         }
+        return textures;
+    }
+
+    /** Drops meshes and textures that no item has any more. Their ids are not used again. */
+    private void dropUnusedAssets() {
+        Map<Object, Integer> used = new IdentityHashMap<>();
+        for (int slot = 0; slot < slots; slot++) {
+            ItemSymbols item = items[slot];
+            if (item != null) {
+                textures(item).forEach(texture -> used.put(texture, assetId(texture)));
+                if (item.shape() instanceof Mesh mesh) {
+                    used.put(mesh, assetId(mesh));
+                }
+            }
+        }
+        assetIds.keySet().retainAll(used.keySet());
+        assets.keySet().retainAll(Set.copyOf(used.values()));
     }
 }

@@ -114,6 +114,9 @@ final class Watcher {
                 assets.add(scene.asset(id));
             }
         }
+        if (sent.size() > scene.assets().size()) {
+            sent.retainAll(scene.assets());
+        }
         ByteBuffer frame = writer.write(scene, version, columns, wanted);
         version = scene.version();
         columns = wanted;

@@ -79,6 +79,7 @@ export class View {
       if (structure.camera) this.camera = structure.camera;
       for (const slot of structure.left) this.#remove(slot);
       for (const item of structure.items) this.#put(item);
+      this.#dropUnused();
       this.version++;
     }
     let at = HEADER_BYTES + ((bytes + 3) & ~3);
@@ -113,6 +114,25 @@ export class View {
     const item = this.items[slot];
     if (item && this.byName.get(item.name) === item) this.byName.delete(item.name);
     this.items[slot] = undefined;
+  }
+
+  /** Drops the meshes and textures that no item has any more, as the server does. */
+  #dropUnused() {
+    if (this.meshes.size + this.textures.size === 0) return;
+    const meshes = new Set();
+    const textures = new Set();
+    for (const item of this.items) {
+      if (!item) continue;
+      meshes.add(item.mesh);
+      textures.add(item.material?.texture);
+      for (const part of this.meshes.get(item.mesh)?.parts ?? []) textures.add(part.material.texture);
+    }
+    for (const id of this.meshes.keys()) if (!meshes.has(id)) this.meshes.delete(id);
+    for (const [id, texture] of this.textures) {
+      if (textures.has(id)) continue;
+      texture.three?.dispose();
+      this.textures.delete(id);
+    }
   }
 
   #readMesh(buffer, data) {

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.posix;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.NoSuchFileException;
+import java.nio.file.NotDirectoryException;
+import java.nio.file.Path;
+import java.util.List;
+import java.util.stream.Stream;
+
+/**
+ * Lists of the files in folders that others may replace. A pipe or file in the place of the folder
+ * is refused, also if it takes this place meanwhile; opening it does not block. For any thread.
+ */
+public final class FolderFiles {
+    private static final int O_NONBLOCK = 0x800;
+    private static final int O_DIRECTORY = 0x10000;
+    private static final int O_CLOEXEC = 0x80000;
+    private static final int ENOENT = 2;
+    private static final int ENOTDIR = 20;
+
+    private FolderFiles() {}
+
+    /**
+     * Returns the paths of all files in a folder, in the order of their names. A link in the place
+     * of the folder is followed.
+     *
+     * @throws IOException with the reason, if it is not a folder, or cannot be read
+     */
+    public static List<Path> in(Path folder) throws IOException {
+        int descriptor = Posix.open(folder.toString(), O_NONBLOCK | O_DIRECTORY | O_CLOEXEC);
+        switch (-descriptor) {
+            case ENOENT -> throw new NoSuchFileException(folder.toString());
+            case ENOTDIR -> throw new NotDirectoryException(folder.toString());
+            default -> {
+                if (descriptor < 0) {
+                    throw new IOException(folder + ": " + Posix.words(-descriptor));
+                }
+            }
+        }
+        // The link in /proc leads to the opened folder, whatever its path leads to now.
+        try (Stream<Path> files = Files.list(Path.of("/proc/self/fd/" + descriptor))) {
+            return files.map(file -> folder.resolve(file.getFileName())).sorted().toList();
+        } finally {
+            Posix.close(descriptor);
+        }
+    }
+}
