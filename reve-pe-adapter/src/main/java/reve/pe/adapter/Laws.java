@@ -187,11 +187,16 @@ public final class Laws {
      * @throws PhysicsException if the engine refuses a parameter; then nothing changed
      */
     public void setParameters(long frame, String library, Map<String, Double> changed) {
+        setParameters(frame, placeOf(library), changed);
+    }
+
+    /** Returns the place of a library in the order of loading. */
+    private int placeOf(String library) {
         int place = libraries().stream().map(LawLibrary::name).toList().indexOf(library);
         if (place < 0) {
             throw new IllegalArgumentException("no library \"" + library + "\" is loaded");
         }
-        setParameters(frame, place, changed);
+        return place;
     }
 
     private void setParameters(long frame, int place, Map<String, Double> changed) {
@@ -228,10 +233,7 @@ public final class Laws {
      *     changed
      */
     public void setBudget(String library, Optional<TimeBudget> budget) {
-        int place = libraries().stream().map(LawLibrary::name).toList().indexOf(library);
-        if (place < 0) {
-            throw new IllegalArgumentException("no library \"" + library + "\" is loaded");
-        }
+        int place = placeOf(library);
         int id = idAt(place);
         if (budget.isPresent() && budget.get().response() == TimeBudget.Response.SKIP_STEPS) {
             engine.setInterval(id, budget.get().every()); // refuses laws that cannot skip steps
@@ -292,6 +294,46 @@ public final class Laws {
                     laws.forEach(law -> guard.check(law.name(), file, bytes));
                     check.accept(laws);
                 });
+    }
+
+    /**
+     * Returns a new version of a loaded library that has not replaced it yet; arguments as for
+     * {@link #replace}. It owns {@code prepared}.
+     */
+    public NewVersion newVersion(
+            int libraryId,
+            PreparedLibrary prepared,
+            Map<String, Double> parameters,
+            Path file,
+            Consumer<List<PhysicsLaw>> check) {
+        return new NewVersion(
+                libraryId,
+                LawLibrary.of(prepared, parameters)
+                        .withBudget(Optional.ofNullable(budgets.get(prepared.name()))),
+                file.getFileName().toString(),
+                false,
+                frame -> replace(frame, libraryId, prepared, parameters, file, check),
+                NewVersion.Ended.UNHEARD,
+                prepared::close);
+    }
+
+    /**
+     * Returns a loaded library with other parameters that do not act yet; arguments as for {@link
+     * #setParameters(long, String, Map)}.
+     *
+     * @throws IllegalArgumentException if no library has the name
+     */
+    public NewVersion newParameters(String library, Map<String, Double> changed) {
+        int id = idAt(placeOf(library));
+        LawLibrary present = Objects.requireNonNull(loaded.get(id));
+        return new NewVersion(
+                id,
+                present.with(changed),
+                library,
+                true,
+                frame -> setParameters(frame, placeOf(library), changed),
+                NewVersion.Ended.UNHEARD,
+                () -> {});
     }
 
     private void replaceBy(long frame, int id, PreparedLibrary prepared, LawLibrary by) {
