@@ -285,6 +285,7 @@ final class Shadow implements AutoCloseable {
     /** Notes a law that failed in the copy, and not in the world. */
     private void note(Simulation copy, LawChange change) {
         switch (change) {
+            case LawChange.RolledBack back -> fail(back.reason().status(), back.reason().message());
             case LawChange.Failed failed ->
                     fail(failed.reason().status(), failed.reason().message());
             case LawChange.Arrested arrested ->

@@ -54,6 +54,9 @@ final class Shadows implements Trials, AutoCloseable {
     /** Number of events about the divergence in a trial. */
     private static final int REPORTS = 10;
 
+    /** World time after a replacement in which the old version comes back [s]. */
+    private static final long PROBATION_SECONDS = 60;
+
     private static final long CLOSE_MILLISECONDS = 5_000;
 
     private final Simulation simulation;
@@ -95,6 +98,7 @@ final class Shadows implements Trials, AutoCloseable {
         this.frames =
                 Math.clamp(Math.round(plan.seconds() * framesPerSecond), 1, Integer.MAX_VALUE);
         simulation.physics().laws().addListener(lawListener);
+        simulation.physics().laws().keepPreviousFor(PROBATION_SECONDS * framesPerSecond);
     }
 
     /** Follows the frames. Called after all other listeners of ACT have subscribed. */

@@ -429,4 +429,70 @@ class ShadowNativeTest {
             }
         }
     }
+
+    /** To the bit, the world is one in which the old version acted from that frame on. */
+    @Test
+    void aVersionThatFailsSoonIsRolledBackAndReplayed() throws Exception {
+        Path log = folder.resolve("run.log");
+        start(WORLD, PLAN);
+        Laws laws = simulation.physics().laws();
+        String old = loaded("push").sha256();
+        long hash;
+        try (Journal _ =
+                simulation.journal(
+                        folder,
+                        Map.of(),
+                        new Journal.Plan(0, true),
+                        new Recording(RecordingPlan.of(log)),
+                        problem -> {
+                            throw new AssertionError(problem);
+                        })) {
+            shadows.start();
+            run(2);
+            version("push", push(NOT_FINITE)).take(3);
+            String failing = loaded("push").sha256();
+            run(10);
+            assertThat(loaded("push").sha256()).isEqualTo(old);
+            assertThat(laws.libraries())
+                    .extracting(LawLibrary::name)
+                    .containsExactly("newton_motion", "push");
+            assertThat(laws.quarantined())
+                    .singleElement()
+                    .satisfies(bad -> assertThat(bad.sha256()).isEqualTo(failing));
+            assertThat(events)
+                    .filteredOn(event -> event.type().equals("fault"))
+                    .singleElement()
+                    .satisfies(
+                            fault ->
+                                    assertThat(fault.fields())
+                                            .containsEntry("rolledBackTo", old)
+                                            .containsEntry("sha256", failing));
+            assertThat(vector("stone", "velocity")[0])
+                    .as("12 frames of 1 N on 1 kg")
+                    .isCloseTo(3 + 12 * DT, within(1e-9));
+            hash = simulation.physics().stateHash();
+        }
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
+                RunLog.Reader records = RunLog.open(log)) {
+            while (records.hasNext()) {
+                assertThat(replay.take(records.next())).as("%s", replay.divergence()).isTrue();
+            }
+            try (Simulation again = replay.release()) {
+                assertThat(again.physics().stateHash()).isEqualTo(hash);
+                assertThat(again.events().count("fault")).isZero();
+                assertThat(again.physics().laws().quarantined()).hasSize(1);
+            }
+        }
+    }
+
+    @Test
+    void aVersionThatFailsLaterIsUnloaded() throws Exception {
+        start(WORLD, PLAN);
+        Laws laws = simulation.physics().laws();
+        laws.keepPreviousFor(3);
+        version("push", push(NOT_FINITE)).take(1);
+        run(10);
+        assertThat(laws.libraries()).extracting(LawLibrary::name).containsExactly("newton_motion");
+        assertThat(laws.quarantined()).hasSize(1);
+    }
 }
