@@ -130,20 +130,31 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("region", **{"from": list(low), "to": list(high)})
 
     def load_law(
-        self, library: Optional[str] = None, *, text: Optional[str] = None, **parameters: float
+        self,
+        library: Optional[str] = None,
+        *,
+        text: Optional[str] = None,
+        swap: Optional[str] = None,
+        **parameters: float,
     ) -> R:
         """Loads a law library that the server knows by that name, or a law as text, which replaces
         a loaded text of the same name; parameters are in SI units. With a text, `library` names it
-        in messages.
+        in messages. `swap` is "shadow", if the text first acts in a copy of the world, or
+        "at-once".
         """
         fields: dict[str, Argument] = {} if library is None else {"library": library}
         if text is not None:
             fields["text"] = text
+        if swap is not None:
+            fields["swap"] = swap
         return self._command("load-law", **fields, parameters=parameters)
 
-    def set_law(self, library: str, **parameters: float) -> R:
-        """Changes parameters of a loaded law library, in SI units; the others keep their values."""
-        return self._command("set-law", library=library, parameters=parameters)
+    def set_law(self, library: str, *, swap: Optional[str] = None, **parameters: float) -> R:
+        """Changes parameters of a loaded law library, in SI units; the others keep their values.
+        With `swap="shadow"`, they first act in a copy of the world.
+        """
+        fields: dict[str, Argument] = {} if swap is None else {"swap": swap}
+        return self._command("set-law", library=library, **fields, parameters=parameters)
 
     def set_budget(
         self,

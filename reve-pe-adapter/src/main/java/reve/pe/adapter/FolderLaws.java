@@ -25,6 +25,7 @@ import java.util.stream.Collectors;
 final class FolderLaws {
     private final String origin;
     private final Laws laws;
+    private final Trials trials;
     private final Map<String, ActiveFile> byName = new HashMap<>();
 
     /** A change of the folder's laws, executed in ACT, the frame's phase for commands. */
@@ -50,9 +51,10 @@ final class FolderLaws {
         }
     }
 
-    FolderLaws(String origin, Laws laws) {
+    FolderLaws(String origin, Laws laws, Trials trials) {
         this.origin = origin;
         this.laws = laws;
+        this.trials = trials;
     }
 
     /** A library that was read from a file, with the parameters of the file beside it. */
@@ -65,16 +67,23 @@ final class FolderLaws {
     /**
      * Activates the libraries of files that changed together, in place of their previous libraries.
      * Files may have exchanged their contents. What is refused at first is tried again after the
-     * others, on which it may depend; if it is refused then, its previous library stays.
+     * others, on which it may depend; if it is refused then, its previous library stays. New
+     * versions that need a trial take over later, together.
      *
-     * @param puts their libraries are closed here unless the engine takes them
+     * @param puts their libraries are closed here unless the engine or a trial takes them
      */
     void put(long frame, List<Put> puts) {
+        Map<Put, NewVersion> tried = new LinkedHashMap<>();
         try {
             exchangeOwners(puts);
             Map<Put, PhysicsException> again = new LinkedHashMap<>();
             for (Put put : puts) {
-                refusal(frame, put).ifPresent(why -> again.put(put, why));
+                Optional<NewVersion> version = versionForTrial(put);
+                if (version.isPresent()) {
+                    tried.put(put, version.get());
+                } else {
+                    refusal(frame, put).ifPresent(why -> again.put(put, why));
+                }
             }
             again.forEach(
                     (put, first) -> {
@@ -84,9 +93,58 @@ final class FolderLaws {
                                 mayDependOnOthers ? refusal(frame, put) : Optional.of(first);
                         why.ifPresent(each -> refuse(frame, put.name(), each));
                     });
+            if (!tried.isEmpty()) {
+                trials.begin(frame, List.copyOf(tried.values()));
+            }
         } finally {
-            puts.forEach(put -> put.library.close());
+            puts.stream()
+                    .filter(put -> !tried.containsKey(put))
+                    .forEach(put -> put.library.close());
         }
+    }
+
+    /**
+     * Returns the new version of a loaded library if the file contains one that needs a trial. The
+     * file counts as changed only when the version takes over.
+     */
+    private Optional<NewVersion> versionForTrial(Put put) {
+        ActiveFile active = byName.get(put.name());
+        if (active == null) {
+            return Optional.empty();
+        }
+        ActiveFile old = followed(put.name(), active);
+        PreparedLibrary library = put.library;
+        FolderParameters parameters = put.parameters;
+        if (!laws.isLoaded(old.libraryId)
+                || old.sha256.equals(library.sha256())
+                || !trials.areDue(LawLibrary.of(library, parameters.values()))) {
+            return Optional.empty();
+        }
+        return Optional.of(
+                laws.newVersion(
+                                old.libraryId,
+                                library,
+                                parameters.values(),
+                                put.file,
+                                parameters.check()::check)
+                        .heardBy((at, refusal) -> tried(put.name(), old, put, refusal)));
+    }
+
+    /** Notes that the version of a file has taken over, unless the file has changed meanwhile. */
+    private void tried(String name, ActiveFile old, Put put, Optional<PhysicsException> refusal) {
+        if (refusal.isPresent()) {
+            return; // the trial has reported it
+        }
+        String owner =
+                byName.entrySet().stream()
+                        .filter(file -> file.getValue().libraryId == old.libraryId)
+                        .map(Map.Entry::getKey)
+                        .findFirst()
+                        .orElse(name);
+        byName.put(
+                owner,
+                new ActiveFile(old.libraryId, put.library.sha256(), put.parameters.values()));
+        laws.leaveToFolder(old.libraryId);
     }
 
     /**
@@ -156,6 +214,7 @@ final class FolderLaws {
             }
             if (old != null) {
                 old = followed(name, old);
+                trials.cancel(frame, old.libraryId); // the file has changed again
             }
             if (old == null || !laws.isLoaded(old.libraryId)) {
                 int id = load(frame, put.file, library, parameters);
@@ -259,6 +318,7 @@ final class FolderLaws {
         ActiveFile old = byName.get(name);
         if (old != null) {
             old = followed(name, old);
+            trials.cancel(frame, old.libraryId);
             byName.remove(name);
             if (laws.isLoaded(old.libraryId)) {
                 laws.unload(frame, old.libraryId);

@@ -14,6 +14,7 @@ public sealed interface LawChange {
         return switch (this) {
             case Loaded added -> Optional.of(added.library());
             case Replaced replaced -> Optional.of(replaced.library());
+            case RolledBack back -> Optional.of(back.library());
             case Unloaded _, ParametersSet _, BudgetSet _, IntervalSet _ -> Optional.empty();
             case Failed _, Arrested _, Released _, Unmoved _ -> Optional.empty();
         };
@@ -49,6 +50,14 @@ public sealed interface LawChange {
      * and is quarantined.
      */
     record Failed(int place, Quarantined reason) implements LawChange {}
+
+    /**
+     * The library at an index failed in PHYSICS soon after it had replaced another one. It is
+     * quarantined, and the other one has its place again.
+     *
+     * @param library the one that was there before
+     */
+    record RolledBack(int place, Quarantined reason, LawLibrary library) implements LawChange {}
 
     /** A law failed in PHYSICS at an item, which was arrested: laws no longer reach it. */
     record Arrested(ItemId item) implements LawChange {}

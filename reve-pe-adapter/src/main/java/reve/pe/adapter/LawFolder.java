@@ -159,12 +159,29 @@ public final class LawFolder implements AutoCloseable {
             Laws laws,
             CommandQueue commands,
             FolderParameters.Reader parameters) {
+        this(origin, folder, engine, laws, commands, parameters, Trials.NONE);
+    }
+
+    /**
+     * Like {@link #LawFolder(String, Path, PhysicsEngine, Laws, CommandQueue,
+     * FolderParameters.Reader)}.
+     *
+     * @param trials of new versions, before they take over
+     */
+    public LawFolder(
+            String origin,
+            Path folder,
+            PhysicsEngine engine,
+            Laws laws,
+            CommandQueue commands,
+            FolderParameters.Reader parameters,
+            Trials trials) {
         this.parameters = parameters;
         this.folder = require(folder);
         this.engine = engine;
         this.commands = commands;
         this.origin = origin;
-        this.active = new FolderLaws(origin, laws);
+        this.active = new FolderLaws(origin, laws, trials);
     }
 
     /** Starts a thread that scans every {@link #INTERVAL}. Called once. */

@@ -51,6 +51,12 @@ public final class Laws {
     /** The budgets by name of the library; a new version of a library keeps the budget. */
     private final Map<String, TimeBudget> budgets = new HashMap<>();
 
+    /** The versions that were replaced lately, by id of the library. */
+    private final Map<Integer, Previous> previous = new HashMap<>();
+
+    /** Number of frames in which a new version that fails is rolled back. */
+    private long probation;
+
     private NameGuard guard = (name, file, library) -> {};
     private long version;
     private boolean unmoved;
@@ -62,6 +68,21 @@ public final class Laws {
         this.world = world;
         this.engine = engine;
         this.events = new LawEvents(world, engine);
+    }
+
+    /**
+     * A version that was replaced.
+     *
+     * @param untilFrame last frame in which it comes back if the new version fails
+     */
+    private record Previous(LawLibrary library, long untilFrame) {}
+
+    /**
+     * Sets in how many frames after a replacement the old version comes back if the new one fails;
+     * 0 at first. A replay must not set it, because journals contain what came back.
+     */
+    public void keepPreviousFor(long frames) {
+        probation = frames;
     }
 
     /**
@@ -187,11 +208,16 @@ public final class Laws {
      * @throws PhysicsException if the engine refuses a parameter; then nothing changed
      */
     public void setParameters(long frame, String library, Map<String, Double> changed) {
+        setParameters(frame, placeOf(library), changed);
+    }
+
+    /** Returns the place of a library in the order of loading. */
+    private int placeOf(String library) {
         int place = libraries().stream().map(LawLibrary::name).toList().indexOf(library);
         if (place < 0) {
             throw new IllegalArgumentException("no library \"" + library + "\" is loaded");
         }
-        setParameters(frame, place, changed);
+        return place;
     }
 
     private void setParameters(long frame, int place, Map<String, Double> changed) {
@@ -228,10 +254,7 @@ public final class Laws {
      *     changed
      */
     public void setBudget(String library, Optional<TimeBudget> budget) {
-        int place = libraries().stream().map(LawLibrary::name).toList().indexOf(library);
-        if (place < 0) {
-            throw new IllegalArgumentException("no library \"" + library + "\" is loaded");
-        }
+        int place = placeOf(library);
         int id = idAt(place);
         if (budget.isPresent() && budget.get().response() == TimeBudget.Response.SKIP_STEPS) {
             engine.setInterval(id, budget.get().every()); // refuses laws that cannot skip steps
@@ -294,8 +317,52 @@ public final class Laws {
                 });
     }
 
+    /**
+     * Returns a new version of a loaded library that has not replaced it yet; arguments as for
+     * {@link #replace}. It owns {@code prepared}.
+     */
+    public NewVersion newVersion(
+            int libraryId,
+            PreparedLibrary prepared,
+            Map<String, Double> parameters,
+            Path file,
+            Consumer<List<PhysicsLaw>> check) {
+        return new NewVersion(
+                libraryId,
+                LawLibrary.of(prepared, parameters)
+                        .withBudget(Optional.ofNullable(budgets.get(prepared.name()))),
+                file.getFileName().toString(),
+                false,
+                frame -> replace(frame, libraryId, prepared, parameters, file, check),
+                NewVersion.Ended.UNHEARD,
+                prepared::close);
+    }
+
+    /**
+     * Returns a loaded library with other parameters that do not act yet; arguments as for {@link
+     * #setParameters(long, String, Map)}.
+     *
+     * @throws IllegalArgumentException if no library has the name
+     */
+    public NewVersion newParameters(String library, Map<String, Double> changed) {
+        int id = idAt(placeOf(library));
+        LawLibrary present = Objects.requireNonNull(loaded.get(id));
+        return new NewVersion(
+                id,
+                present.with(changed),
+                library,
+                true,
+                frame -> setParameters(frame, placeOf(library), changed),
+                NewVersion.Ended.UNHEARD,
+                () -> {});
+    }
+
     private void replaceBy(long frame, int id, PreparedLibrary prepared, LawLibrary by) {
+        LawLibrary old = Objects.requireNonNull(loaded.get(id));
         exchange(frame, id, prepared, by);
+        if (probation > 0) {
+            previous.put(id, new Previous(old, frame + probation));
+        }
         tell(new LawChange.Replaced(List.copyOf(loaded.keySet()).indexOf(id), by));
     }
 
@@ -471,6 +538,17 @@ public final class Laws {
                 unload(frame, idAt(failed.place()));
                 quarantined.put(failed.reason().sha256(), failed.reason());
             }
+            case LawChange.RolledBack back -> {
+                int id = idAt(back.place());
+                Map<String, Object> fields =
+                        events.fieldsWithCost(Objects.requireNonNull(loaded.get(id)), id);
+                putBack(id, back.library());
+                quarantined.put(back.reason().sha256(), back.reason());
+                leaveToFolder(id);
+                tell(change);
+                events.unloaded(frame, fields);
+                events.loaded(frame, back.library(), id);
+            }
             case LawChange.Arrested arrested ->
                     world.find(arrested.item()).ifPresent(world.arrests()::arrest);
             case LawChange.Released released -> release(released.sha256());
@@ -506,6 +584,7 @@ public final class Laws {
         attempt(
                 made -> {
                     restore(frame, image.libraries(), image.quarantined());
+                    previous.clear();
                     engine.loadState(image.engineState()); // refuses a state that is damaged
                     columns.run();
                 });
@@ -574,12 +653,13 @@ public final class Laws {
     }
 
     /**
-     * Unloads and quarantines the library that caused a step's failure.
+     * Unloads or rolls back, and quarantines, the library that caused a step's failure.
      *
      * @param item at whose row the law failed, if known
+     * @return true if the version before it took its place
      * @throws PhysicsException the failure itself, if no loaded library caused it
      */
-    void quarantine(long frame, PhysicsException failure, Optional<Item> item) {
+    boolean quarantine(long frame, PhysicsException failure, Optional<Item> item) {
         LawLibrary library = loaded.get(failure.libraryId());
         if (library == null) {
             throw failure;
@@ -593,10 +673,49 @@ public final class Laws {
                         failure.status(),
                         String.valueOf(failure.getMessage()));
         quarantined.put(library.sha256(), reason);
-        tell(new LawChange.Failed(drop(failure.libraryId()), reason));
         LawEvents.addPlace(fields, failure);
         item.ifPresent(i -> fields.put("item", i.name()));
+        Optional<LawLibrary> back = cameBack(frame, failure.libraryId());
+        back.ifPresent(old -> fields.put("rolledBackTo", old.sha256()));
+        if (back.isEmpty()) {
+            tell(new LawChange.Failed(drop(failure.libraryId()), reason));
+        } else {
+            tell(
+                    new LawChange.RolledBack(
+                            List.copyOf(loaded.keySet()).indexOf(failure.libraryId()),
+                            reason,
+                            back.get()));
+        }
         events.fault(frame, fields, failure);
+        back.ifPresent(old -> events.loaded(frame, old, failure.libraryId()));
+        return back.isPresent();
+    }
+
+    /**
+     * Puts the version back that the library replaced lately. Returns it; empty if there is none,
+     * or it cannot come back.
+     */
+    private Optional<LawLibrary> cameBack(long frame, int libraryId) {
+        Previous old = previous.remove(libraryId);
+        if (old == null
+                || frame > old.untilFrame
+                || quarantined.containsKey(old.library.sha256())) {
+            return Optional.empty();
+        }
+        try {
+            putBack(libraryId, old.library);
+            return Optional.of(old.library);
+        } catch (PhysicsException | IllegalStateException refused) {
+            return Optional.empty(); // the library is unloaded instead
+        }
+    }
+
+    private void putBack(int libraryId, LawLibrary old) {
+        try (PreparedLibrary prepared = engine.prepare(old.bytes())) {
+            engine.replacePhysicsLaw(libraryId, prepared, old.parameters());
+        }
+        loaded.put(libraryId, old);
+        apply(libraryId, old.budget(), old.interval());
     }
 
     /**
@@ -628,6 +747,7 @@ public final class Laws {
         engine.unloadPhysicsLaw(libraryId);
         int place = List.copyOf(loaded.keySet()).indexOf(libraryId);
         loaded.remove(libraryId);
+        previous.remove(libraryId);
         forFolder.remove(libraryId);
         version++;
         return place;

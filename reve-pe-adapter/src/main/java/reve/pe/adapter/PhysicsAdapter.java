@@ -278,7 +278,11 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
                 Optional<Item> item = itemOf(failure);
                 PhysicsException cause =
                         hasReadExtremes ? blame.cause(frame, failure) : blamed(failure);
-                laws.quarantine(frame.frame(), cause, item);
+                if (laws.quarantine(frame.frame(), cause, item)) {
+                    bind(); // the version before may use and write other columns
+                    keepWhatLawsMayWrite();
+                    rollback.save();
+                }
                 losses = 0;
             }
             return false;

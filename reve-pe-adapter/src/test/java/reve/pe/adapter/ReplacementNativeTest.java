@@ -12,6 +12,7 @@ import reve.pe.PreparedLibrary;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.stream.Collectors;
@@ -24,6 +25,9 @@ import java.util.stream.Stream;
 class ReplacementNativeTest {
     private static final int REPLACEMENTS =
             Integer.parseInt(System.getenv().getOrDefault("REVE_REPLACEMENTS", "60"));
+
+    /** After these, the steps of the world are too many for the laws that do harm. */
+    private static final int HARMLESS_FRAMES = 60;
 
     /** Replacements after which caches are full. */
     private static final int SETTLED = 10;
@@ -68,6 +72,48 @@ class ReplacementNativeTest {
                 assertThat(host.getValue()).isLessThanOrEqualTo(theirs + 2);
             }
             assertThat(world.events("fault")).isEmpty();
+        }
+    }
+
+    /** Its process is lost; the next one begins with the version before. */
+    @Test
+    void aVersionThatEndsTheProcessIsRolledBackToTheBit() {
+        try (HostedFixture hosted = new HostedFixture();
+                AdapterFixture clean = HostedFixture.inProcess()) {
+            AdapterFixture world = hosted.world;
+            for (AdapterFixture each : List.of(world, clean)) {
+                each.load("newton_motion", "wind", "greets").run(HARMLESS_FRAMES);
+            }
+            Laws laws = world.adapter.laws();
+            laws.keepPreviousFor(HARMLESS_FRAMES);
+            int wind = laws.byId().keySet().stream().skip(1).findFirst().orElseThrow();
+            Path bad = NativeFiles.testLaw("hostile_segfault");
+            List<LawChange> changes = new ArrayList<>();
+            laws.addListener(changes::add);
+            try (PreparedLibrary next = world.engine.prepare(bad)) {
+                laws.replace(world.loop.frame(), wind, next, Map.of(), bad, made -> {});
+            }
+            for (int frame = 0; frame < SETTLED; frame++) {
+                world.run(1);
+                clean.run(1);
+                assertThat(world.bytes()).as("frame %d", frame).isEqualTo(clean.bytes());
+            }
+            assertThat(changes)
+                    .extracting(change -> (Object) change.getClass())
+                    .containsExactly(LawChange.Replaced.class, LawChange.RolledBack.class);
+            assertThat(laws.libraries())
+                    .extracting(LawLibrary::name)
+                    .containsExactly("newton_motion", "wind", "greets");
+            assertThat(world.events("fault"))
+                    .singleElement()
+                    .satisfies(
+                            fault ->
+                                    assertThat(fault.fields())
+                                            .containsEntry("status", "LAW_CRASHED")
+                                            .containsEntry("library", "hostile")
+                                            .containsEntry(
+                                                    "rolledBackTo",
+                                                    laws.byId().get(wind).sha256()));
         }
     }
 

@@ -3,6 +3,7 @@ package reve.core.agent;
 
 import reve.core.agent.port.WorldControl;
 import reve.core.frame.FrameLoop;
+import reve.core.frame.LawSwap;
 import reve.core.frame.TimeBudget;
 import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
@@ -33,9 +34,10 @@ public record RoomControl(World world, FrameLoop loop, Image beginning) implemen
     }
 
     @Override
-    public Change loadText(String source, String text, Map<String, Double> parameters)
+    public Change loadText(
+            String source, String text, Map<String, Double> parameters, Optional<LawSwap> swap)
             throws ActionRefused {
-        return WorldControl.none().loadText(source, text, parameters);
+        return WorldControl.none().loadText(source, text, parameters, swap);
     }
 
     @Override
@@ -44,8 +46,9 @@ public record RoomControl(World world, FrameLoop loop, Image beginning) implemen
     }
 
     @Override
-    public Change setLaw(String library, Map<String, Double> parameters) throws ActionRefused {
-        return WorldControl.none().setLaw(library, parameters);
+    public Change setLaw(String library, Map<String, Double> parameters, Optional<LawSwap> swap)
+            throws ActionRefused {
+        return WorldControl.none().setLaw(library, parameters, swap);
     }
 
     @Override

@@ -49,6 +49,7 @@ final class EffectReader {
                     "acted",
                     "law-loaded",
                     "law-unloaded",
+                    "law-shadow",
                     "fault",
                     "over-budget",
                     "missed",

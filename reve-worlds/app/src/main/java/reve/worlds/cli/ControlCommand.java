@@ -75,8 +75,8 @@ public final class ControlCommand implements Callable<Integer> {
                             Map.entry("region", Set.of("from", "to")),
                             Map.entry("release", Set.of("library")),
                             Map.entry("speed", Set.of("factor")),
-                            Map.entry("load-law", Set.of("library", "file", "text")),
-                            Map.entry("set-law", Set.of("library")),
+                            Map.entry("load-law", Set.of("library", "file", "text", "swap")),
+                            Map.entry("set-law", Set.of("library", "swap")),
                             Map.entry(
                                     "set-budget",
                                     Set.of("library", "milliseconds", "frames", "then", "every")),

@@ -39,6 +39,7 @@ enum Printed {
                     "back",
                     "law-loaded",
                     "law-unloaded",
+                    "law-shadow",
                     "over-budget",
                     "snapshot",
                     "saved",

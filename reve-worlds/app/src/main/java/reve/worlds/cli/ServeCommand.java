@@ -75,6 +75,8 @@ public final class ServeCommand implements Callable<Integer> {
 
     @Mixin private LawOptions laws = new LawOptions();
 
+    @Mixin private SwapOptions swaps = new SwapOptions();
+
     @Mixin private EngineOptions engine = new EngineOptions();
 
     @Option(
@@ -390,7 +392,8 @@ public final class ServeCommand implements Callable<Integer> {
                         storeEvery.orElse((double) STORE_EVERY),
                         durability.orElse(SqliteStore.Durability.NORMAL)),
                 new Pictures(snapshots, pictureFrames),
-                lawPath.forWorld(folder));
+                lawPath.forWorld(folder),
+                swaps.plan(spec));
     }
 
     private Optional<RecordingPlan> recording(String world) {

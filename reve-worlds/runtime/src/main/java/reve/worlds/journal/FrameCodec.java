@@ -131,6 +131,12 @@ public final class FrameCodec {
                                             new LawChange.Replaced(
                                                     (int) Trees.integer(change, "place"),
                                                     ImageCodec.library(change, libraries));
+                                    case "rolled-back" ->
+                                            new LawChange.RolledBack(
+                                                    (int) Trees.integer(change, "place"),
+                                                    ImageCodec.quarantined(
+                                                            Trees.field(change, "failed")),
+                                                    ImageCodec.library(change, libraries));
                                     case "unloaded" ->
                                             new LawChange.Unloaded(
                                                     (int) Trees.integer(change, "place"));
@@ -175,6 +181,12 @@ public final class FrameCodec {
                 tree.put("law", "replaced");
                 tree.put("place", replaced.place());
                 tree.putAll(ImageCodec.tree(replaced.library()));
+            }
+            case LawChange.RolledBack back -> {
+                tree.put("law", "rolled-back");
+                tree.put("place", back.place());
+                tree.put("failed", ImageCodec.tree(back.reason()));
+                tree.putAll(ImageCodec.tree(back.library()));
             }
             case LawChange.Unloaded gone -> {
                 tree.put("law", "unloaded");

@@ -41,6 +41,7 @@ final class HostedWorld implements AutoCloseable {
     private final ServerEvents events;
     private final Optional<StoredWorld> stored;
     private final Simulation simulation;
+    private final Shadows shadows;
     private final ServerControl control;
     private final BodyCameras cameras;
     private final List<LawFolder> laws = new ArrayList<>();
@@ -74,6 +75,7 @@ final class HostedWorld implements AutoCloseable {
             simulation.unloadExcluded();
             simulation.physics().enforceBudgets(true);
             closing.add(plan.pictures());
+            shadows = closing.add(new Shadows(simulation, plan.swaps()));
             lawsFolder.ifPresent(folder -> laws.add(watch(LawFolder.ORIGIN, folder)));
             plan.laws()
                     .sandboxed()
@@ -85,7 +87,8 @@ final class HostedWorld implements AutoCloseable {
                                     simulation,
                                     plan.pictures(),
                                     plan.persistence().saves(),
-                                    events));
+                                    events,
+                                    shadows));
             cameras =
                     closing.add(
                             new BodyCameras(
@@ -95,6 +98,7 @@ final class HostedWorld implements AutoCloseable {
             plan.pictures().subscribeTo(simulation, events);
             simulation.onPublish("server events", this::tellEvents);
             keepJournals(pacing == Pacing.FAST);
+            shadows.start();
         } catch (IOException | RuntimeException refused) {
             closing.closeAfter(refused);
             throw refused;
@@ -109,7 +113,8 @@ final class HostedWorld implements AutoCloseable {
                         simulation.engine(),
                         simulation.physics().laws(),
                         simulation.commands(),
-                        LawParameters::inFile));
+                        LawParameters::inFile,
+                        shadows));
     }
 
     private Optional<StoredWorld> openStore(Pacing pacing) throws IOException {

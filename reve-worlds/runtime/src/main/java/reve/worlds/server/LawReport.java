@@ -29,12 +29,14 @@ final class LawReport {
      *
      * @param available names of libraries that can be loaded
      * @param faults whether to include messages of faults, which may name files of the server
+     * @param trials of new versions, see {@link Shadows#report}
      */
     static Map<String, Object> of(
             PhysicsAdapter physics,
             List<String> available,
             LawEquations equations,
-            boolean faults) {
+            boolean faults,
+            List<Map<String, Object>> trials) {
         Laws laws = physics.laws();
         Map<String, Object> content = new LinkedHashMap<>();
         List<Object> libraries = new ArrayList<>();
@@ -65,6 +67,9 @@ final class LawReport {
                 "quarantined",
                 laws.quarantined().stream().map(law -> quarantined(law, faults)).toList());
         content.put("available", available);
+        if (!trials.isEmpty()) {
+            content.put("trials", trials);
+        }
         return content;
     }
 

@@ -9,6 +9,7 @@ import reve.core.agent.port.WorldControl;
 import reve.core.disk.Reason;
 import reve.core.file.EditReader;
 import reve.core.file.WorldFile;
+import reve.core.frame.LawSwap;
 import reve.core.frame.TimeBudget;
 import reve.core.world.ActionRefused;
 import reve.core.world.Departure;
@@ -18,7 +19,6 @@ import reve.core.world.WorldSnapshot;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
-import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.Laws;
 import reve.pe.adapter.Quarantined;
 import reve.worlds.journal.SimulationImage;
@@ -63,6 +63,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
 
     private final Simulation simulation;
     private final Pictures pictures;
+    private final Shadows shadows;
     private final Optional<Path> saves;
     private final ServerEvents events;
     private final Ledger ledger;
@@ -74,10 +75,16 @@ final class ServerControl implements WorldControl, AutoCloseable {
      * Creates the operations for one world.
      *
      * @param saves folder for world files; empty if saving is not permitted
+     * @param shadows trials of new versions of laws
      */
     ServerControl(
-            Simulation simulation, Pictures pictures, Optional<Path> saves, ServerEvents events) {
+            Simulation simulation,
+            Pictures pictures,
+            Optional<Path> saves,
+            ServerEvents events,
+            Shadows shadows) {
         this.simulation = simulation;
+        this.shadows = shadows;
         this.pictures = pictures;
         this.saves = saves;
         this.events = events;
@@ -93,7 +100,11 @@ final class ServerControl implements WorldControl, AutoCloseable {
                     "\"" + library + "\" is no name of a library: letters, digits and _ only");
         }
         try {
-            return new Load(simulation.prepare(library), parameters, simulation.fileOf(library));
+            return new Load(
+                    simulation.prepare(library),
+                    parameters,
+                    simulation.fileOf(library),
+                    Optional.empty());
         } catch (PhysicsException failed) {
             LOG.warn(
                     "the law library {} was asked for and refused: {}",
@@ -108,7 +119,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
     }
 
     @Override
-    public Change loadText(String source, String text, Map<String, Double> parameters)
+    public Change loadText(
+            String source, String text, Map<String, Double> parameters, Optional<LawSwap> swap)
             throws ActionRefused {
         if (!SOURCE.matcher(source).matches()) {
             throw new ActionRefused(
@@ -133,7 +145,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 throw new ActionRefused("law-refused", problems);
             }
             return new Load(
-                    simulation.engine().prepareText(source, bytes), parameters, Path.of(source));
+                    simulation.engine().prepareText(source, bytes),
+                    parameters,
+                    Path.of(source),
+                    swap);
         } catch (PhysicsException failed) {
             throw refusal(failed);
         }
@@ -157,10 +172,15 @@ final class ServerControl implements WorldControl, AutoCloseable {
     }
 
     @Override
-    public Change setLaw(String library, Map<String, Double> parameters) {
+    public Change setLaw(String library, Map<String, Double> parameters, Optional<LawSwap> swap) {
         return (world, frame) -> {
+            Laws laws = simulation.physics().laws();
             try {
-                simulation.physics().laws().setParameters(frame, library, parameters);
+                if (swap.equals(Optional.of(LawSwap.SHADOW))) {
+                    shadows.begin(frame, List.of(laws.newParameters(library, parameters)));
+                } else {
+                    laws.setParameters(frame, library, parameters);
+                }
             } catch (IllegalArgumentException unknown) {
                 throw new ActionRefused("law-refused", String.valueOf(unknown.getMessage()));
             } catch (PhysicsException refused) {
@@ -186,7 +206,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
     public Reading laws(boolean faults) {
         List<String> available = simulation.lawNames();
         equations.read(available);
-        return () -> LawReport.of(simulation.physics(), available, equations, faults);
+        return () ->
+                LawReport.of(simulation.physics(), available, equations, faults, shadows.report());
     }
 
     @Override
@@ -368,20 +389,23 @@ final class ServerControl implements WorldControl, AutoCloseable {
             PreparedLibrary prepared,
             Map<String, Double> parameters,
             Path file) {
-        OptionalInt old =
-                laws.loaded().stream()
-                        .filter(law -> law.library().equals(prepared.name()))
-                        .mapToInt(PhysicsLaw::libraryId)
-                        .findFirst();
-        boolean isText =
-                laws.libraries().stream()
-                        .filter(library -> library.name().equals(prepared.name()))
-                        .anyMatch(LawLibrary::isText);
-        if (old.isEmpty() || !isText || !PreparedLibrary.isText(prepared.bytes())) {
+        OptionalInt old = textToReplace(laws, prepared);
+        if (old.isEmpty()) {
             return laws.load(frame, prepared, parameters, file);
         }
         laws.replace(frame, old.getAsInt(), prepared, parameters, file, made -> {});
         return old.getAsInt();
+    }
+
+    /** Returns the id of the loaded text that has the name of a prepared text. */
+    private static OptionalInt textToReplace(Laws laws, PreparedLibrary prepared) {
+        return PreparedLibrary.isText(prepared.bytes())
+                ? laws.byId().entrySet().stream()
+                        .filter(loaded -> loaded.getValue().name().equals(prepared.name()))
+                        .filter(loaded -> loaded.getValue().isText())
+                        .mapToInt(Map.Entry::getKey)
+                        .findFirst()
+                : OptionalInt.empty();
     }
 
     private static ActionRefused refusal(PhysicsException refused) {
@@ -393,17 +417,34 @@ final class ServerControl implements WorldControl, AutoCloseable {
         private final PreparedLibrary prepared;
         private final Map<String, Double> parameters;
         private final Path file;
+        private final Optional<LawSwap> swap;
 
-        Load(PreparedLibrary prepared, Map<String, Double> parameters, Path file) {
+        Load(
+                PreparedLibrary prepared,
+                Map<String, Double> parameters,
+                Path file,
+                Optional<LawSwap> swap) {
             this.prepared = prepared;
             this.file = file;
             this.parameters = parameters;
+            this.swap = swap;
         }
 
         @Override
         public void make(World world, long frame) throws ActionRefused {
+            Laws laws = simulation.physics().laws();
+            OptionalInt old = textToReplace(laws, prepared);
+            if (old.isPresent() && shadows.areDue(true, swap)) {
+                shadows.begin(
+                        frame,
+                        List.of(
+                                laws.newVersion(
+                                        old.getAsInt(), prepared, parameters, file, made -> {})));
+                return;
+            }
             try (prepared) {
-                loadOrReplace(simulation.physics().laws(), frame, prepared, parameters, file);
+                old.ifPresent(id -> shadows.cancel(frame, id));
+                loadOrReplace(laws, frame, prepared, parameters, file);
             } catch (PhysicsException refused) {
                 throw refusal(refused);
             }

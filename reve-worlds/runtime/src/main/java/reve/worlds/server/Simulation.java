@@ -491,6 +491,11 @@ public final class Simulation implements AutoCloseable {
         return new Simulation(description, Pacing.FAST, lawPath, image);
     }
 
+    /** Like {@link #fork}, without the rules, which laws do not see. */
+    Simulation shadow(SimulationImage image) {
+        return new Simulation(description.withRules(List.of()), Pacing.FAST, lawPath, image);
+    }
+
     /**
      * Starts a journal; its first record is an image of the next published frame. World's thread,
      * between frames, after all other listeners have subscribed to ACT. The caller closes the

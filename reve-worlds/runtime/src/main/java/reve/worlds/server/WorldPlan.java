@@ -10,13 +10,25 @@ import reve.core.file.WorldDescription;
  * @param persistence the store from which it resumes, if any, and what is stored of the run
  * @param pictures taker of pictures of the world; the server closes it
  * @param laws search path of its laws
+ * @param swaps how new versions of its laws take over
  */
 public record WorldPlan(
         WorldDescription description,
         long frames,
         Persistence persistence,
         Pictures pictures,
-        LawPath laws) {
+        LawPath laws,
+        SwapPlan swaps) {
+
+    /** Creates a plan in which new versions of laws take over in the standard way. */
+    public WorldPlan(
+            WorldDescription description,
+            long frames,
+            Persistence persistence,
+            Pictures pictures,
+            LawPath laws) {
+        this(description, frames, persistence, pictures, laws, SwapPlan.STANDARD);
+    }
 
     /** Creates a plan for a world that uses shipped laws only. */
     public WorldPlan(

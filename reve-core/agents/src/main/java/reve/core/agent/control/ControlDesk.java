@@ -142,7 +142,8 @@ public final class ControlDesk {
                                                     .loadText(
                                                             load.library(),
                                                             load.text().get(),
-                                                            load.parameters())
+                                                            load.parameters(),
+                                                            load.swap())
                                             : port.control()
                                                     .loadLaw(load.library(), load.parameters()));
             case ClientMessage.UnloadLaw unload ->
@@ -156,7 +157,9 @@ public final class ControlDesk {
                             requester,
                             set,
                             true,
-                            () -> port.control().setLaw(set.library(), set.parameters()));
+                            () ->
+                                    port.control()
+                                            .setLaw(set.library(), set.parameters(), set.swap()));
             case ClientMessage.SetBudget set ->
                     change(
                             requester,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.port;
 
+import reve.core.frame.LawSwap;
 import reve.core.frame.TimeBudget;
 import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
@@ -48,9 +49,11 @@ public interface WorldControl {
      *
      * @param source name of the text in messages, such as "wind.law"
      * @param parameters of its laws, by {@code parameter} or {@code law.parameter}, in SI units
+     * @param swap how it replaces a loaded text; empty for the way that the program chooses
      * @throws ActionRefused with all problems of the text and their lines
      */
-    Change loadText(String source, String text, Map<String, Double> parameters)
+    Change loadText(
+            String source, String text, Map<String, Double> parameters, Optional<LawSwap> swap)
             throws ActionRefused;
 
     /** Prepares unloading a library of laws by its name. */
@@ -62,8 +65,10 @@ public interface WorldControl {
      *
      * @param parameters new values, named like in {@link #loadLaw}; other parameters keep their
      *     values
+     * @param swap how the values take effect; empty: at once
      */
-    Change setLaw(String library, Map<String, Double> parameters) throws ActionRefused;
+    Change setLaw(String library, Map<String, Double> parameters, Optional<LawSwap> swap)
+            throws ActionRefused;
 
     /**
      * Prepares a budget for the computing time of a loaded library.
@@ -172,7 +177,8 @@ public interface WorldControl {
         }
 
         @Override
-        public Change loadText(String source, String text, Map<String, Double> parameters)
+        public Change loadText(
+                String source, String text, Map<String, Double> parameters, Optional<LawSwap> swap)
                 throws ActionRefused {
             throw unsupported("laws");
         }
@@ -183,7 +189,8 @@ public interface WorldControl {
         }
 
         @Override
-        public Change setLaw(String library, Map<String, Double> parameters) throws ActionRefused {
+        public Change setLaw(String library, Map<String, Double> parameters, Optional<LawSwap> swap)
+                throws ActionRefused {
             throw unsupported("laws");
         }
 

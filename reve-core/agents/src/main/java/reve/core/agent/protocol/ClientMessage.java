@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.protocol;
 
+import reve.core.frame.LawSwap;
 import reve.core.frame.TimeBudget;
 
 import java.util.Collections;
@@ -181,8 +182,14 @@ public sealed interface ClientMessage {
      *     messages
      * @param text a law as text, which replaces the library
      * @param parameters of its laws, in SI units
+     * @param swap how a text replaces a loaded one; empty for the server's way
      */
-    record LoadLaw(long id, String library, Optional<String> text, Map<String, Double> parameters)
+    record LoadLaw(
+            long id,
+            String library,
+            Optional<String> text,
+            Map<String, Double> parameters,
+            Optional<LawSwap> swap)
             implements Control {}
 
     /** Unloads a library of laws. */
@@ -292,8 +299,10 @@ public sealed interface ClientMessage {
     /**
      * @param parameters new values of parameters of a loaded library, in SI units; other parameters
      *     keep their values
+     * @param swap how the values take effect; empty: at once
      */
-    record SetLaw(long id, String library, Map<String, Double> parameters) implements Control {}
+    record SetLaw(long id, String library, Map<String, Double> parameters, Optional<LawSwap> swap)
+            implements Control {}
 
     /**
      * @param budget of the computing time of a loaded library in a frame; empty to remove it

@@ -5,6 +5,7 @@ import static reve.core.agent.protocol.ClientMessage.NO_ID;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.frame.LawSwap;
 import reve.core.frame.TimeBudget;
 
 import tools.jackson.core.JacksonException;
@@ -185,7 +186,8 @@ public final class MessageReader {
                                     ? "text"
                                     : fields.text("library"),
                             fields.optionalText("text"),
-                            fields.parameters());
+                            fields.parameters(),
+                            fields.swap());
             case "unload-law" ->
                     new ClientMessage.UnloadLaw(fields.required(), fields.text("library"));
             case "edit" ->
@@ -214,7 +216,10 @@ public final class MessageReader {
                             fields.required(), fields.number("factor", MIN_SPEED, MAX_SPEED));
             case "set-law" ->
                     new ClientMessage.SetLaw(
-                            fields.required(), fields.text("library"), fields.parameters());
+                            fields.required(),
+                            fields.text("library"),
+                            fields.parameters(),
+                            fields.swap());
             case "set-budget" ->
                     new ClientMessage.SetBudget(
                             fields.required(), fields.text("library"), fields.budget());
@@ -390,6 +395,20 @@ public final class MessageReader {
                         number("parameters", parameter.getKey(), parameter.getValue()));
             }
             return parameters;
+        }
+
+        /** Returns how a new version of a law takes over, if the message says it. */
+        Optional<LawSwap> swap() throws BadMessage {
+            Optional<String> given = optionalText("swap");
+            if (given.isEmpty()) {
+                return Optional.empty();
+            }
+            Optional<LawSwap> swap = LawSwap.find(given.get());
+            if (swap.isEmpty()) {
+                throw bad(
+                        id, "swap", "is " + Text.quote(given.get()), "expected shadow or at-once");
+            }
+            return swap;
         }
 
         /** Returns the budget of a library; empty without {@code milliseconds}. */

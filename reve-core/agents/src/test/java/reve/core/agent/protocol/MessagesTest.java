@@ -227,6 +227,7 @@ class MessagesTest {
                 json.put("library", load.library())
                         .set("parameters", JSON.valueToTree(load.parameters()));
                 load.text().ifPresent(text -> json.put("text", text));
+                load.swap().ifPresent(swap -> json.put("swap", swap.text()));
             }
             case ClientMessage.UnloadLaw unload -> json.put("library", unload.library());
             case ClientMessage.Edit edit ->
@@ -254,9 +255,11 @@ class MessagesTest {
                     rewind.image().ifPresent(image -> json.put("image", image));
             case ClientMessage.Save save -> json.put("file", save.file());
             case ClientMessage.Speed speed -> json.put("factor", speed.factor());
-            case ClientMessage.SetLaw set ->
-                    json.put("library", set.library())
-                            .set("parameters", JSON.valueToTree(set.parameters()));
+            case ClientMessage.SetLaw set -> {
+                json.put("library", set.library())
+                        .set("parameters", JSON.valueToTree(set.parameters()));
+                set.swap().ifPresent(swap -> json.put("swap", swap.text()));
+            }
             case ClientMessage.SetBudget set -> {
                 json.put("library", set.library());
                 set.budget()

@@ -148,7 +148,7 @@ class App {
 
   #event(event) {
     this.agents.event(event);
-    if (["law-loaded", "law-unloaded", "over-budget", "fault"].includes(event.type)) this.laws.read();
+    if (["law-loaded", "law-unloaded", "law-shadow", "over-budget", "fault"].includes(event.type)) this.laws.read();
     if (event.type === "rewound") {
       this.plots.clear();
       this.scene.trails.clear();

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.adapter;
+
+import reve.pe.PhysicsException;
+
+import java.util.Optional;
+import java.util.function.LongConsumer;
+
+/**
+ * A new version of a loaded library, or new parameters for it, that has not taken over yet. World's
+ * thread, except where noted. The owner closes it.
+ *
+ * @param libraryId id of the loaded library, which keeps it
+ * @param library the new version, with its parameters
+ * @param source name of the file or text, for messages
+ * @param parametersOnly true if the bytes are those of the loaded library
+ */
+public record NewVersion(
+        int libraryId,
+        LawLibrary library,
+        String source,
+        boolean parametersOnly,
+        LongConsumer taking,
+        Ended ended,
+        Runnable freeing)
+        implements AutoCloseable {
+    /** Receives what became of a new version. */
+    @FunctionalInterface
+    public interface Ended {
+        /** Receives nothing. */
+        Ended UNHEARD = (frame, refusal) -> {};
+
+        /**
+         * Receives the end of a trial. World's thread.
+         *
+         * @param refusal why the loaded library stays; empty if the new version took over
+         */
+        void ended(long frame, Optional<PhysicsException> refusal);
+    }
+
+    /** Returns this version with a listener for its end. */
+    public NewVersion heardBy(Ended listener) {
+        return new NewVersion(
+                libraryId, library, source, parametersOnly, taking, listener, freeing);
+    }
+
+    /**
+     * Replaces the loaded library, outside PHYSICS.
+     *
+     * @throws PhysicsException if it is refused; then nothing has changed
+     */
+    public void take(long frame) {
+        taking.accept(frame);
+    }
+
+    /**
+     * Returns the change that gives this version to an equal world, for example to a copy.
+     *
+     * @param place of the loaded library in the order of loading
+     */
+    public LawChange change(int place) {
+        return parametersOnly
+                ? new LawChange.ParametersSet(place, library.parameters())
+                : new LawChange.Replaced(place, library);
+    }
+
+    /** Frees the library, unless the engine has taken it. Idempotent; for any thread. */
+    @Override
+    public void close() {
+        freeing.run();
+    }
+}

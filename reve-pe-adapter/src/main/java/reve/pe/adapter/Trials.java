@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.adapter;
+
+import java.util.List;
+
+/** Trials of new versions of laws, before they take over. World's thread. */
+public interface Trials {
+    /** No trials: new versions take over at once. */
+    Trials NONE =
+            new Trials() {
+                @Override
+                public boolean areDue(LawLibrary library) {
+                    return false;
+                }
+
+                @Override
+                public void begin(long frame, List<NewVersion> versions) {
+                    throw new IllegalStateException("there are no trials");
+                }
+
+                @Override
+                public void cancel(long frame, int libraryId) {}
+            };
+
+    /** Returns whether a new version from a file of the laws folder needs a trial. */
+    boolean areDue(LawLibrary library);
+
+    /**
+     * Begins a trial of versions that take over together, in one frame. It ends the trials of other
+     * versions for the same libraries. This object closes the versions.
+     */
+    void begin(long frame, List<NewVersion> versions);
+
+    /** Ends the trial of a version for this library, if there is one; the loaded one stays. */
+    void cancel(long frame, int libraryId);
+}

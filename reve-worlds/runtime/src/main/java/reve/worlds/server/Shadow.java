@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.server;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.frame.FrameEvent;
+import reve.core.world.WorldEvent;
+import reve.pe.PhysicsException;
+import reve.pe.Status;
+import reve.pe.adapter.LawChange;
+import reve.pe.adapter.LawLibrary;
+import reve.pe.adapter.Laws;
+import reve.pe.adapter.NewVersion;
+import reve.worlds.journal.SimulationImage;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.concurrent.BlockingQueue;
+import java.util.concurrent.LinkedBlockingQueue;
+import java.util.concurrent.atomic.AtomicLong;
+import java.util.stream.Collectors;
+import java.util.stream.Stream;
+
+/**
+ * A copy of a world, with its own engine, in which new versions of laws act on the same frames. It
+ * runs on a thread of its own and may lag behind the world, which never waits for it.
+ */
+final class Shadow implements AutoCloseable {
+    /** Maximum memory of frames that wait [bytes]. */
+    private static final long MOST_WAITING_BYTES = 256L << 20;
+
+    private final Simulation of;
+    private final List<NewVersion> versions;
+
+    /** Changes that give the copy the new versions, one for each. */
+    private final List<LawChange> changes;
+
+    private final SwapPlan plan;
+    private final int frames;
+    private final BlockingQueue<ShadowFrame> waiting = new LinkedBlockingQueue<>();
+    private final AtomicLong waitingBytes = new AtomicLong();
+    private final Thread thread;
+    private volatile @Nullable SimulationImage image;
+    private volatile Progress progress = Progress.NONE;
+    private volatile @Nullable Verdict verdict;
+    private volatile boolean cancelled;
+
+    /** What the copy has found so far; only on its thread. */
+    private @Nullable PhysicsException failure;
+
+    /**
+     * How far a trial is.
+     *
+     * @param frames number of frames that the copy has made
+     * @param energy that the laws have added to the copy's bodies [J], and its limit; null if the
+     *     energy is not known
+     */
+    record Progress(
+            int frames,
+            ShadowDivergence divergence,
+            @Nullable Double energy,
+            @Nullable Double mostEnergy) {
+        static final Progress NONE = new Progress(0, ShadowDivergence.NONE, null, null);
+    }
+
+    /**
+     * The result of a trial.
+     *
+     * @param refused why versions are refused; the others may take over
+     */
+    record Verdict(Map<NewVersion, PhysicsException> refused) {}
+
+    /**
+     * Starts the copy.
+     *
+     * @param image of the world; closed here
+     * @param changes that give an equal world the new versions, in the order of {@code versions}
+     * @param frames number of frames of the trial
+     */
+    Shadow(
+            Simulation of,
+            SimulationImage image,
+            List<NewVersion> versions,
+            List<LawChange> changes,
+            SwapPlan plan,
+            int frames) {
+        this.of = of;
+        this.image = image;
+        this.versions = List.copyOf(versions);
+        this.changes = List.copyOf(changes);
+        this.plan = plan;
+        this.frames = frames;
+        thread =
+                Thread.ofPlatform()
+                        .daemon()
+                        .name("shadow of " + names().collect(Collectors.joining(", ")))
+                        .start(this::run);
+    }
+
+    private Stream<String> names() {
+        return versions.stream().map(version -> version.library().name());
+    }
+
+    /**
+     * Gives the next frame to the copy. World's thread.
+     *
+     * @return false if too many frames wait already
+     */
+    boolean give(ShadowFrame frame) {
+        long bytes = frame.bytes();
+        if (waitingBytes.addAndGet(bytes) > MOST_WAITING_BYTES) {
+            waitingBytes.addAndGet(-bytes);
+            return false;
+        }
+        waiting.add(frame);
+        return true;
+    }
+
+    /** Returns how far the copy is. For any thread. */
+    Progress progress() {
+        return progress;
+    }
+
+    /** Returns the result, once the copy has made all frames or has failed. For any thread. */
+    Optional<Verdict> verdict() {
+        return Optional.ofNullable(verdict);
+    }
+
+    /** Ends the copy as soon as its present frame is done; does not wait for it. */
+    @Override
+    public void close() {
+        cancelled = true;
+        thread.interrupt();
+    }
+
+    /** Waits until the copy has ended, or for a time [ms]. */
+    void join(long milliseconds) throws InterruptedException {
+        thread.join(milliseconds);
+    }
+
+    boolean isAlive() {
+        return thread.isAlive();
+    }
+
+    private void run() {
+        Verdict found;
+        try {
+            found = tried();
+        } catch (InterruptedException stopped) {
+            return;
+        } catch (PhysicsException refused) {
+            found = all(refused);
+        } catch (RuntimeException | LinkageError | OutOfMemoryError failed) {
+            found = all(new PhysicsException(Status.INTERNAL, "its shadow failed: " + failed));
+        } finally {
+            SimulationImage unused = image;
+            if (unused != null) {
+                unused.close();
+            }
+        }
+        if (!cancelled) {
+            verdict = found;
+        }
+    }
+
+    private Verdict tried() throws InterruptedException {
+        for (NewVersion version : versions) {
+            checkText(version);
+        }
+        SimulationImage from = image;
+        if (from == null || cancelled) {
+            throw new InterruptedException();
+        }
+        try (Simulation copy = of.shadow(from)) {
+            from.close();
+            image = null;
+            copy.physics().laws().addListener(change -> note(copy, change));
+            copy.onPublish("shadow", this::noteBudgets);
+            Map<NewVersion, PhysicsException> refused = loaded(copy);
+            if (refused.size() < versions.size()) {
+                make(copy);
+            }
+            return new Verdict(refused);
+        }
+    }
+
+    /** Refuses a text with all its problems and their lines. */
+    private void checkText(NewVersion version) {
+        LawLibrary library = version.library();
+        if (!version.parametersOnly() && library.isText()) {
+            String problems = of.engine().checkText(version.source(), library.bytes());
+            if (!problems.isEmpty()) {
+                throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, problems);
+            }
+        }
+    }
+
+    /**
+     * Gives the copy the new versions. What is refused at first is tried again after the others, on
+     * which it may depend.
+     *
+     * @return why versions are refused
+     */
+    private Map<NewVersion, PhysicsException> loaded(Simulation copy) {
+        Laws laws = copy.physics().laws();
+        long frame = copy.loop().frame() + 1;
+        dropOtherBudgets(laws, frame);
+        Map<NewVersion, PhysicsException> refused = new LinkedHashMap<>();
+        for (int i = 0; i < versions.size(); i++) {
+            try {
+                laws.apply(frame, changes.get(i));
+            } catch (PhysicsException why) {
+                refused.put(versions.get(i), why);
+            }
+        }
+        if (versions.size() > 1) {
+            for (NewVersion again : List.copyOf(refused.keySet())) {
+                try {
+                    laws.apply(frame, changes.get(versions.indexOf(again)));
+                    refused.remove(again);
+                } catch (PhysicsException why) {
+                    refused.put(again, why);
+                }
+            }
+        }
+        return refused;
+    }
+
+    /** Removes the budgets of all other libraries, which count in the world only. */
+    private void dropOtherBudgets(Laws laws, long frame) {
+        Set<String> tried = names().collect(Collectors.toSet());
+        List<LawLibrary> present = laws.libraries();
+        for (int place = 0; place < present.size(); place++) {
+            LawLibrary library = present.get(place);
+            if (library.budget().isPresent() && !tried.contains(library.name())) {
+                laws.apply(frame, new LawChange.BudgetSet(place, Optional.empty()));
+                laws.apply(frame, new LawChange.IntervalSet(place, library.interval()));
+            }
+        }
+    }
+
+    private void make(Simulation copy) throws InterruptedException {
+        copy.physics().enforceBudgets(true);
+        ShadowEnergy energy = new ShadowEnergy(copy.world(), copy.physics(), plan.energyLimit());
+        for (int made = 1; made <= frames; made++) {
+            ShadowFrame frame = waiting.take();
+            waitingBytes.addAndGet(-frame.bytes());
+            if (cancelled) {
+                throw new InterruptedException();
+            }
+            ShadowFrame.repeat(copy.world(), frame.early());
+            energy.before();
+            copy.loop().step();
+            throwFailure(made);
+            ShadowFrame.repeat(copy.world(), frame.late());
+            energy.after(frame);
+            progress =
+                    new Progress(
+                            made,
+                            ShadowDivergence.of(copy.world(), frame),
+                            energy.gain().orElse(null),
+                            energy.gain().isPresent() ? energy.mostGain() : null);
+            Optional<String> excess = energy.excess();
+            if (excess.isPresent()) {
+                throw refusal(Status.LAW_MISBEHAVED, made, excess.get());
+            }
+        }
+    }
+
+    private void throwFailure(int made) {
+        PhysicsException found = failure;
+        if (found != null) {
+            throw refusal(found.status(), made, String.valueOf(found.getMessage()));
+        }
+    }
+
+    private PhysicsException refusal(Status status, int made, String why) {
+        return new PhysicsException(
+                status, "in frame " + made + " of " + frames + " of its shadow: " + why);
+    }
+
+    /** Notes a law that failed in the copy, and not in the world. */
+    private void note(Simulation copy, LawChange change) {
+        switch (change) {
+            case LawChange.RolledBack back -> fail(back.reason().status(), back.reason().message());
+            case LawChange.Failed failed ->
+                    fail(failed.reason().status(), failed.reason().message());
+            case LawChange.Arrested arrested ->
+                    fail(
+                            Status.LAW_FAILED,
+                            "a law failed at the item "
+                                    + copy.world()
+                                            .find(arrested.item())
+                                            .map(item -> item.name())
+                                            .orElse(arrested.item().toString()));
+            case LawChange.Unmoved _ ->
+                    fail(Status.ENGINE_LOST, "the engine's process was lost, and no law acted");
+            case LawChange.Loaded _,
+                    LawChange.Replaced _,
+                    LawChange.Unloaded _,
+                    LawChange.ParametersSet _,
+                    LawChange.BudgetSet _,
+                    LawChange.IntervalSet _,
+                    LawChange.Released _ -> {}
+        }
+    }
+
+    private void fail(Status status, String message) {
+        if (failure == null) {
+            failure = new PhysicsException(status, message);
+        }
+    }
+
+    /** Notes that a new version has exceeded its budget. */
+    private void noteBudgets(FrameEvent frame) {
+        for (WorldEvent event : frame.world().events()) {
+            if (event.type().equals("over-budget")
+                    && names().anyMatch(event.fields().get("library")::equals)) {
+                fail(Status.LAW_TIMED_OUT, String.valueOf(event.fields().get("message")));
+            }
+        }
+    }
+
+    private Verdict all(PhysicsException why) {
+        Map<NewVersion, PhysicsException> refused = new LinkedHashMap<>();
+        versions.forEach(version -> refused.put(version, why));
+        return new Verdict(refused);
+    }
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.server;
+
+import reve.core.frame.LawSwap;
+
+import java.util.Optional;
+
+/**
+ * How new versions of loaded laws take over.
+ *
+ * @param swap for all versions; if empty, native code and Python are tried in the shadow, and texts
+ *     take over at once
+ * @param seconds world time that a trial covers [s], above 0
+ * @param energyLimit maximum gain of energy in a trial, as a multiple of the energies that {@link
+ *     ShadowEnergy} compares it with; above 0
+ */
+public record SwapPlan(Optional<LawSwap> swap, double seconds, double energyLimit) {
+    /** World time that a trial covers, unless the operator gives another one [s]. */
+    public static final double DEFAULT_SECONDS = 1;
+
+    /** Limit of the energy, unless the operator gives another one. */
+    public static final double DEFAULT_ENERGY_LIMIT = 10;
+
+    /** Native code and Python in the shadow, texts at once. */
+    public static final SwapPlan STANDARD =
+            new SwapPlan(Optional.empty(), DEFAULT_SECONDS, DEFAULT_ENERGY_LIMIT);
+
+    /** Checks the numbers. */
+    public SwapPlan {
+        if (!(seconds > 0) || !(energyLimit > 0)) {
+            throw new IllegalArgumentException(
+                    "a trial of "
+                            + seconds
+                            + " s with an energy limit of "
+                            + energyLimit
+                            + ", expected numbers above 0");
+        }
+    }
+
+    /** Returns whether a new version is tried in the shadow. */
+    boolean isShadowed(boolean text, Optional<LawSwap> asked) {
+        return asked.or(() -> swap).orElse(text ? LawSwap.AT_ONCE : LawSwap.SHADOW)
+                == LawSwap.SHADOW;
+    }
+}

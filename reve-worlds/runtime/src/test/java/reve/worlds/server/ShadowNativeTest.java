@@ -1,0 +1,498 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.server;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.within;
+
+import org.jspecify.annotations.Nullable;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.FramePhase;
+import reve.core.frame.LawSwap;
+import reve.core.frame.Pacing;
+import reve.core.frame.TimeBudget;
+import reve.core.world.Force;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Shape;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+import reve.pe.PreparedLibrary;
+import reve.pe.adapter.LawChange;
+import reve.pe.adapter.LawLibrary;
+import reve.pe.adapter.Laws;
+import reve.pe.adapter.NewVersion;
+import reve.worlds.journal.Journal;
+import reve.worlds.journal.Recording;
+import reve.worlds.journal.RecordingPlan;
+import reve.worlds.journal.RunLog;
+import reve.worlds.journal.SimulationImage;
+
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
+/** New versions of laws in the shadow of a world of 60 frames a second. */
+@Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+class ShadowNativeTest {
+    private static final double DT = 1.0 / 60;
+
+    /** Frames of a trial. */
+    private static final int TRIAL = 30;
+
+    private static final SwapPlan PLAN = new SwapPlan(Optional.of(LawSwap.SHADOW), 0.5, 10);
+
+    private static final String WORLD =
+            """
+            reve: 1
+            name: shadows
+            frame: {rate: 60, steps: 1}
+            laws:
+            - newton_motion
+            - text: |
+                law push
+                  parameter f = 1 N, from -1000 N to 1000 N
+                  each body:
+                    force += f (1, 0, 0)
+            items:
+            - name: stone
+              physical: {shape: sphere, radius: 0.1, location: [0, 5, 0]}
+              physics: {mass: 1, velocity: [3, 0, 0]}
+            - name: rock
+              physical: {shape: sphere, radius: 0.1, location: [0, 9, 0]}
+              physics: {mass: 4, velocity: [0, 0, 1]}
+            """;
+
+    /** Not finite for the stone as soon as it is faster, in the sixth frame of a trial. */
+    private static final String NOT_FINITE =
+            "f * (1 + exp(1e5 * (velocity.x - 3.09 m/s) / (1 m/s))) * (1, 0, 0)";
+
+    @TempDir private Path folder;
+    private final List<WorldEvent> events = new ArrayList<>();
+    private final List<LawChange> changes = new ArrayList<>();
+    private @Nullable Simulation simulation;
+    private @Nullable Shadows shadows;
+
+    private void start(String world, SwapPlan plan) throws Exception {
+        WorldDescription description =
+                WorldFile.parse("shadows.yaml", world.getBytes(StandardCharsets.UTF_8));
+        simulation = new Simulation(description, Pacing.FAST);
+        shadows = new Shadows(simulation, plan);
+        simulation.physics().laws().addListener(changes::add);
+        simulation.onPublish("test", frame -> events.addAll(frame.world().events()));
+        simulation.loop().run(0);
+    }
+
+    private void start() throws Exception {
+        start(WORLD, PLAN);
+        shadows.start();
+    }
+
+    @AfterEach
+    void close() {
+        if (shadows != null && simulation != null) {
+            shadows.close();
+            simulation.close();
+        }
+    }
+
+    private static String push(String force) {
+        return "law push\n  parameter f = 1 N, from -1000 N to 1000 N\n  each body:\n    force += "
+                + force
+                + "\n";
+    }
+
+    private int idOf(String library) {
+        return simulation.physics().laws().byId().entrySet().stream()
+                .filter(loaded -> loaded.getValue().name().equals(library))
+                .mapToInt(Map.Entry::getKey)
+                .findFirst()
+                .orElseThrow();
+    }
+
+    private NewVersion version(String library, String text) {
+        PreparedLibrary prepared =
+                simulation
+                        .engine()
+                        .prepareText(library + ".law", text.getBytes(StandardCharsets.UTF_8));
+        return simulation
+                .physics()
+                .laws()
+                .newVersion(
+                        idOf(library), prepared, Map.of(), Path.of(library + ".law"), made -> {});
+    }
+
+    private void tryText(String text) {
+        shadows.begin(simulation.loop().frame(), List.of(version("push", text)));
+    }
+
+    /** Makes frames, each after the copy has made those before. */
+    private void run(int frames) throws InterruptedException {
+        for (int i = 0; i < frames; i++) {
+            simulation.loop().step();
+            shadows.await();
+        }
+    }
+
+    private List<WorldEvent> stages(String stage) {
+        return events.stream()
+                .filter(event -> event.type().equals(Shadows.EVENT))
+                .filter(event -> stage.equals(event.fields().get("stage")))
+                .toList();
+    }
+
+    private double[] vector(String item, String property) {
+        return simulation.world().find(item).orElseThrow().physics().vector(property);
+    }
+
+    private LawLibrary loaded(String name) {
+        return simulation.physics().laws().byId().get(idOf(name));
+    }
+
+    @Test
+    void aVersionActsInACopyAndTakesOverWhenItsTrialEnds() throws Exception {
+        start();
+        tryText(push("3 f (1, 0, 0)"));
+        run(1);
+        assertThat(stages("begins")).as("events of PUBLISH belong to the next frame").isEmpty();
+        for (int frame = 1; frame <= TRIAL; frame++) {
+            run(1);
+            assertThat(changes).as("the old version moves the world").isEmpty();
+            Map<String, Object> report = shadows.report().getFirst();
+            assertThat(report)
+                    .containsEntry("library", "push")
+                    .containsEntry("stage", "runs")
+                    .containsEntry("frames", frame)
+                    .containsEntry("of", TRIAL)
+                    .containsEntry("positionItem", "stone")
+                    .containsEntry("velocityItem", "stone");
+            // newton_motion: v += F/m dt, then x += v dt; the stone of 1 kg feels 2 N more
+            assertThat((double) report.get("velocity")).isCloseTo(2 * frame * DT, within(1e-12));
+            assertThat((double) report.get("position"))
+                    .isCloseTo(2 * DT * DT * frame * (frame + 1) / 2, within(1e-12));
+            assertThat((List<?>) report.get("items")).hasSize(2);
+            Map<?, ?> rock = (Map<?, ?>) ((List<?>) report.get("items")).get(1);
+            assertThat((Double) rock.get("velocity"))
+                    .as("the rock has 4 kg")
+                    .isCloseTo(2 * frame * DT / 4, within(1e-12));
+        }
+        double before = vector("stone", "velocity")[0];
+        assertThat(before).isCloseTo(3 + (TRIAL + 1) * DT, within(1e-12));
+        run(1);
+        assertThat(changes)
+                .singleElement()
+                .isInstanceOfSatisfying(
+                        LawChange.Replaced.class,
+                        replaced -> assertThat(replaced.place()).isEqualTo(1));
+        assertThat(vector("stone", "velocity")[0] - before).isCloseTo(3 * DT, within(1e-12));
+        assertThat(stages("begins")).hasSize(1);
+        assertThat(stages("runs")).hasSizeBetween(9, 10);
+        assertThat(stages("accepted"))
+                .singleElement()
+                .satisfies(
+                        event -> {
+                            assertThat(event.frame()).isEqualTo(TRIAL + 2);
+                            assertThat(event.fields())
+                                    .containsEntry("sha256", loaded("push").sha256())
+                                    .containsKeys("energy", "mostEnergy");
+                        });
+        assertThat(shadows.report()).isEmpty();
+    }
+
+    /** Then the copy is the world, to the bit. */
+    @Test
+    void theCopyReceivesAllChangesThatLawsDoNotMake() throws Exception {
+        start(WORLD, PLAN);
+        simulation
+                .bus()
+                .subscribe(
+                        FramePhase.ACT,
+                        "edits",
+                        frame -> {
+                            World world = frame.world();
+                            Item stone = world.find("stone").orElseThrow();
+                            switch ((int) frame.frame()) {
+                                case 5 -> stone.physics().set("velocity", 0.1, 7, -0.3);
+                                case 7 -> stone.physical().setLocation(1, 2, 3);
+                                case 9 -> stone.physics().set("mass", 0.7);
+                                case 11 ->
+                                        world.add(
+                                                ItemDefinition.named("pebble")
+                                                        .shape(Shape.sphere(0.1))
+                                                        .physics("mass", 0.3)
+                                                        .physics("velocity", 1, 1, 1)
+                                                        .build());
+                                case 13 -> world.remove(world.find("rock").orElseThrow().id());
+                                case 15 ->
+                                        world.forces()
+                                                .add(
+                                                        new Force(
+                                                                stone.id(),
+                                                                List.of(0.3, 11.0, 0.0),
+                                                                4));
+                                default -> {}
+                            }
+                        });
+        shadows.start();
+        tryText(push("f (1, 0, 0)") + "  # the same law\n");
+        for (int frame = 0; frame <= TRIAL; frame++) {
+            run(1);
+            assertThat(shadows.report().getFirst()).containsEntry("frames", frame);
+            assertThat(shadows.report().getFirst().get("position")).isEqualTo(0.0);
+            assertThat(shadows.report().getFirst().get("velocity")).isEqualTo(0.0);
+        }
+        run(1);
+        assertThat(stages("accepted")).hasSize(1);
+    }
+
+    @Test
+    void aVersionWhoseNumbersAreNotFiniteIsRefused() throws Exception {
+        start();
+        tryText(push(NOT_FINITE));
+        run(TRIAL);
+        assertThat(stages("refused"))
+                .singleElement()
+                .satisfies(
+                        event -> {
+                            assertThat(event.fields())
+                                    .containsEntry("status", "LAW_FAILED")
+                                    .containsEntry("library", "push");
+                            assertThat(String.valueOf(event.fields().get("message")))
+                                    .startsWith(
+                                            "library push stays as it is; its new version is"
+                                                    + " refused: in frame 6 of 30 of its shadow:"
+                                                    + " after 6 steps: law push:");
+                        });
+        assertThat(changes).isEmpty();
+        assertThat(simulation.physics().laws().quarantined()).isEmpty();
+        run(TRIAL);
+        assertThat(vector("stone", "velocity")[0]).isCloseTo(3 + 2 * TRIAL * DT, within(1e-12));
+    }
+
+    @Test
+    void aVersionThatMakesEnergyJumpIsRefusedWithTheFigures() throws Exception {
+        start();
+        tryText(push("900 f (1, 0, 0)"));
+        run(TRIAL + 5);
+        assertThat(stages("refused"))
+                .singleElement()
+                .satisfies(
+                        event -> {
+                            double energy = (double) event.fields().get("energy");
+                            double most = (double) event.fields().get("mostEnergy");
+                            assertThat(energy).isGreaterThan(most);
+                            assertThat(most)
+                                    .as("10 times the energies of the world and of 1 m/s")
+                                    .isBetween(10 * (4.5 + 2 + 2.5), 10 * (6.5 + 2 + 2.5));
+                            assertThat(String.valueOf(event.fields().get("message")))
+                                    .contains("it gave the bodies", "more than the limit of");
+                        });
+        assertThat(changes).isEmpty();
+    }
+
+    @Test
+    void aVersionOverItsBudgetIsRefused() throws Exception {
+        start();
+        simulation
+                .physics()
+                .laws()
+                .setBudget("push", Optional.of(new TimeBudget(1, 3, TimeBudget.Response.WARN, 2)));
+        changes.clear();
+        tryText(push("2 f (1, 0, 0)"));
+        run(TRIAL);
+        assertThat(stages("refused"))
+                .singleElement()
+                .satisfies(
+                        event ->
+                                assertThat(String.valueOf(event.fields().get("message")))
+                                        .contains(
+                                                "library push exceeded its budget of 1.00e-06 ms"));
+        assertThat(changes).isEmpty();
+    }
+
+    @Test
+    void otherParametersAreTriedToo() throws Exception {
+        start();
+        Laws laws = simulation.physics().laws();
+        shadows.begin(0, List.of(laws.newParameters("push", Map.of("f", 5.0))));
+        run(TRIAL + 1);
+        assertThat((double) shadows.report().getFirst().get("velocity"))
+                .isCloseTo(4 * TRIAL * DT, within(1e-12));
+        run(1);
+        assertThat(changes).containsExactly(new LawChange.ParametersSet(1, Map.of("f", 5.0)));
+    }
+
+    /** The copy that runs no longer has the laws of the world, or its past. */
+    @Test
+    void aTrialBeginsAgainIfLawsChangeOrTheWorldIsRewound() throws Exception {
+        start();
+        run(1);
+        try (SimulationImage image = simulation.keep()) {
+            tryText(push("3 f (1, 0, 0)"));
+            run(TRIAL / 2);
+            assertThat(shadows.report().getFirst()).containsEntry("frames", TRIAL / 2 - 1);
+            simulation.physics().laws().load(simulation.loop().frame(), "drag", Map.of());
+            run(1);
+            assertThat(shadows.report().getFirst()).containsEntry("frames", 0);
+            run(3);
+            assertThat(shadows.report().getFirst()).containsEntry("frames", 3);
+            simulation.rewind(image);
+            run(4);
+            assertThat((int) shadows.report().getFirst().get("frames")).isLessThan(5);
+            run(TRIAL);
+        }
+        assertThat(stages("accepted")).hasSize(1);
+        assertThat(stages("begins")).hasSize(1);
+    }
+
+    @Test
+    void aNewerVersionEndsTheTrialOfTheOneBefore() throws Exception {
+        start();
+        tryText(push("3 f (1, 0, 0)"));
+        run(5);
+        tryText(push("4 f (1, 0, 0)"));
+        run(TRIAL + 3);
+        assertThat(stages("refused"))
+                .singleElement()
+                .satisfies(
+                        event ->
+                                assertThat(String.valueOf(event.fields().get("message")))
+                                        .contains("another change of the law came first"));
+        assertThat(stages("accepted")).hasSize(1);
+        double before = vector("stone", "velocity")[0];
+        run(1);
+        assertThat(vector("stone", "velocity")[0] - before).isCloseTo(4 * DT, within(1e-12));
+    }
+
+    @Test
+    void aTrialEndsIfItsLibraryIsUnloaded() throws Exception {
+        start();
+        tryText(push("3 f (1, 0, 0)"));
+        run(5);
+        simulation.physics().laws().unload(simulation.loop().frame(), idOf("push"));
+        run(3);
+        assertThat(shadows.report()).isEmpty();
+        assertThat(stages("refused")).hasSize(1);
+    }
+
+    /** The copy and the clock decide; the recording contains what they decided. */
+    @Test
+    void aReplayNeedsNoCopy() throws Exception {
+        Path log = folder.resolve("run.log");
+        start(WORLD, PLAN);
+        long hash;
+        try (Journal _ =
+                simulation.journal(
+                        folder,
+                        Map.of(),
+                        new Journal.Plan(0, true),
+                        new Recording(RecordingPlan.of(log)),
+                        problem -> {
+                            throw new AssertionError(problem);
+                        })) {
+            shadows.start();
+            tryText(push("3 f (0, 1, 0)"));
+            run(TRIAL + 10);
+            tryText(push(NOT_FINITE));
+            run(TRIAL);
+            assertThat(stages("accepted")).hasSize(1);
+            assertThat(stages("refused")).hasSize(1);
+            hash = simulation.physics().stateHash();
+        }
+        long taken = stages("accepted").getFirst().frame();
+        List<Long> frames = new ArrayList<>();
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
+                RunLog.Reader records = RunLog.open(log)) {
+            while (records.hasNext()) {
+                assertThat(replay.take(records.next())).isTrue();
+                if (replay.frame() >= 0 && frames.isEmpty()) {
+                    replay.simulation()
+                            .physics()
+                            .laws()
+                            .addListener(change -> frames.add(replay.frame() + 1));
+                    frames.add(0L);
+                }
+            }
+            assertThat(replay.frames()).as("after the image").isEqualTo(2 * TRIAL + 9);
+            assertThat(frames).containsExactly(0L, taken);
+            try (Simulation again = replay.release()) {
+                assertThat(again.physics().stateHash()).isEqualTo(hash);
+                assertThat(again.events().count(Shadows.EVENT)).isZero();
+            }
+        }
+    }
+
+    /** To the bit, the world is one in which the old version acted from that frame on. */
+    @Test
+    void aVersionThatFailsSoonIsRolledBackAndReplayed() throws Exception {
+        Path log = folder.resolve("run.log");
+        start(WORLD, PLAN);
+        Laws laws = simulation.physics().laws();
+        String old = loaded("push").sha256();
+        long hash;
+        try (Journal _ =
+                simulation.journal(
+                        folder,
+                        Map.of(),
+                        new Journal.Plan(0, true),
+                        new Recording(RecordingPlan.of(log)),
+                        problem -> {
+                            throw new AssertionError(problem);
+                        })) {
+            shadows.start();
+            run(2);
+            version("push", push(NOT_FINITE)).take(3);
+            String failing = loaded("push").sha256();
+            run(10);
+            assertThat(loaded("push").sha256()).isEqualTo(old);
+            assertThat(laws.libraries())
+                    .extracting(LawLibrary::name)
+                    .containsExactly("newton_motion", "push");
+            assertThat(laws.quarantined())
+                    .singleElement()
+                    .satisfies(bad -> assertThat(bad.sha256()).isEqualTo(failing));
+            assertThat(events)
+                    .filteredOn(event -> event.type().equals("fault"))
+                    .singleElement()
+                    .satisfies(
+                            fault ->
+                                    assertThat(fault.fields())
+                                            .containsEntry("rolledBackTo", old)
+                                            .containsEntry("sha256", failing));
+            assertThat(vector("stone", "velocity")[0])
+                    .as("12 frames of 1 N on 1 kg")
+                    .isCloseTo(3 + 12 * DT, within(1e-9));
+            hash = simulation.physics().stateHash();
+        }
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
+                RunLog.Reader records = RunLog.open(log)) {
+            while (records.hasNext()) {
+                assertThat(replay.take(records.next())).as("%s", replay.divergence()).isTrue();
+            }
+            try (Simulation again = replay.release()) {
+                assertThat(again.physics().stateHash()).isEqualTo(hash);
+                assertThat(again.events().count("fault")).isZero();
+                assertThat(again.physics().laws().quarantined()).hasSize(1);
+            }
+        }
+    }
+
+    @Test
+    void aVersionThatFailsLaterIsUnloaded() throws Exception {
+        start(WORLD, PLAN);
+        Laws laws = simulation.physics().laws();
+        laws.keepPreviousFor(3);
+        version("push", push(NOT_FINITE)).take(1);
+        run(10);
+        assertThat(laws.libraries()).extracting(LawLibrary::name).containsExactly("newton_motion");
+        assertThat(laws.quarantined()).hasSize(1);
+    }
+}

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+import reve.agent.Join;
+
+import tools.jackson.databind.JsonNode;
+
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+
+/** New versions of laws that act in the shadow of a served world before they take over. */
+@Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Tag("slow")
+class ShadowIT {
+    private static final String WORLD =
+            """
+            reve: 1
+            name: stones
+            laws: [newton_motion]
+            agents: {body: {physical: {location: [0, 0, 0]}}}
+            items:
+              - name: stone
+                physical: {location: [1, 0, 0]}
+                physics: {mass: 1 kg, velocity: [1, 0, 0]}
+            """;
+
+    /** The laws that do harm are harmless in the first 50 steps of the world. */
+    private static final long HARMLESS_STEPS = 50;
+
+    @TempDir private Path folder;
+
+    private Path laws;
+
+    @BeforeEach
+    void makeWorld() throws Exception {
+        Files.writeString(folder.resolve("stones.yaml"), WORLD);
+        laws = Files.createDirectory(folder.resolve("laws"));
+    }
+
+    private Server serve(String... options) throws Exception {
+        List<String> arguments =
+                new ArrayList<>(
+                        List.of(
+                                "serve",
+                                folder.resolve("stones.yaml").toString(),
+                                "--port",
+                                "0",
+                                "--json",
+                                "--laws",
+                                laws.toString()));
+        arguments.addAll(List.of(options));
+        return Server.start(folder, arguments.toArray(String[]::new));
+    }
+
+    /** Puts a test law into the file wind.so of the laws folder. */
+    private void drop(String law) throws Exception {
+        Path copy =
+                Files.copy(
+                        Project.NATIVE
+                                .resolve("adapter-test-laws")
+                                .resolve("libvesper_law_" + law + ".so"),
+                        folder.resolve("copy.so"));
+        Files.move(copy, laws.resolve("wind.so"), StandardCopyOption.REPLACE_EXISTING);
+    }
+
+    private static JsonNode awaitEnd(Server server, int seen) throws Exception {
+        return server.events()
+                .await(
+                        "law-shadow",
+                        event ->
+                                server.events().isAfter(event, seen)
+                                        && (event.path("stage").asString().equals("refused")
+                                                || event.path("stage")
+                                                        .asString()
+                                                        .equals("accepted")));
+    }
+
+    @Test
+    void aVersionThatHarmsItsProcessNeverReachesTheWorld() throws Exception {
+        Path log = folder.resolve("run.log");
+        try (Server server = serve("--record", log.toString())) {
+            try (AgentClient agent =
+                    AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
+                drop("wind");
+                server.events()
+                        .await(
+                                "law-loaded",
+                                event -> event.path("library").asString().equals("wind"));
+                while (agent.perceive().frame() <= HARMLESS_STEPS) {}
+                for (Map.Entry<String, String> kind :
+                        List.of(
+                                Map.entry("segfault", "LAW_CRASHED"),
+                                Map.entry("loop", "LAW_TIMED_OUT"))) {
+                    int seen = server.events().count();
+                    drop("hostile_" + kind.getKey());
+                    JsonNode end = awaitEnd(server, seen);
+                    assertThat(end.path("stage").asString()).isEqualTo("refused");
+                    assertThat(end.path("status").asString())
+                            .as(end.toString())
+                            .isEqualTo(kind.getValue());
+                    assertThat(end.path("message").asString())
+                            .contains("of 60 of its shadow: law hostile");
+                }
+                int seen = server.events().count();
+                drop("strong_wind");
+                JsonNode end = awaitEnd(server, seen);
+                assertThat(end.path("stage").asString()).as(end.toString()).isEqualTo("accepted");
+                assertThat(end.path("frames").asInt()).isEqualTo(60);
+                assertThat(end.path("position").asDouble()).isPositive();
+                assertThat(agent.perceive()).isNotNull();
+            }
+            server.events().await("left", event -> true);
+            server.process().toHandle().destroy();
+            List<JsonNode> events = server.events().untilEnd();
+            assertThat(events).noneMatch(event -> event.path("event").asString().equals("fault"));
+            assertThat(server.exitCode()).isZero();
+        }
+        Reve.Outcome replay = Reve.run("replay", log.toString(), "--trust");
+        assertThat(replay.out()).contains("identical: ");
+    }
+
+    @Test
+    void anOperatorSeesHowFarATextDivergesAndChoosesHowItTakesOver() throws Exception {
+        String text = "law push\n  each body: force += %s N (1, 0, 0)\n";
+        try (Server server = serve("--shadow-seconds", "3");
+                AgentClient boss =
+                        AgentClient.connect(
+                                "127.0.0.1",
+                                Integer.parseInt(server.port()),
+                                Join.as("boss").withRole("control"))) {
+            Map<String, Object> first = Map.of("library", "push.law", "text", text.formatted("1"));
+            assertThat(boss.command("load-law", first).accepted()).isTrue();
+            Map<String, Object> tried =
+                    Map.of("library", "push.law", "text", text.formatted("2"), "swap", "shadow");
+            assertThat(boss.command("load-law", tried).accepted()).isTrue();
+            JsonNode runs =
+                    server.events()
+                            .await(
+                                    "law-shadow",
+                                    event -> event.path("stage").asString().equals("runs"));
+            assertThat(runs.path("of").asInt()).isEqualTo(180);
+            assertThat(boss.report("laws", Map.of()).content()).containsKey("trials");
+            assertThat(runs.path("positionItem").asString()).isEqualTo("stone");
+            JsonNode end = awaitEnd(server, 0);
+            assertThat(end.path("stage").asString()).as(end.toString()).isEqualTo("accepted");
+            int seen = server.events().count();
+            Map<String, Object> atOnce = Map.of("library", "push.law", "text", text.formatted("3"));
+            assertThat(boss.command("load-law", atOnce).accepted()).isTrue();
+            JsonNode loaded =
+                    server.events()
+                            .await("law-loaded", event -> server.events().isAfter(event, seen));
+            assertThat(loaded.path("library").asString()).isEqualTo("push");
+            assertThat(boss.report("laws", Map.of()).content()).doesNotContainKey("trials");
+            assertThatThrownBy(
+                            () ->
+                                    boss.command(
+                                            "set-law", Map.of("library", "push", "swap", "later")))
+                    .hasMessageContaining("swap is \"later\" (expected shadow or at-once)");
+        }
+    }
+}
