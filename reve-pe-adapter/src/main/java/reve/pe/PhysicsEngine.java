@@ -87,6 +87,11 @@ public interface PhysicsEngine extends AutoCloseable {
      */
     List<PhysicsLaw> laws();
 
+    /** Returns the laws of one library; none if it is not loaded. */
+    default List<PhysicsLaw> laws(int libraryId) {
+        return laws().stream().filter(law -> law.libraryId() == libraryId).toList();
+    }
+
     /**
      * Sets in which steps the laws of a library are called: in those whose number is a multiple of
      * the interval. In these steps, what the laws add is multiplied by the interval; in all others,

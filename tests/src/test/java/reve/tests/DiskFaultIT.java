@@ -340,6 +340,13 @@ class DiskFaultIT {
         Outcome saved = Reve.run("run", WORLD, "--seconds", "0.1", "--save", store.toString());
         assertThat(saved.code()).isEqualTo(2);
         assertThat(saved.err()).contains("--save " + store + ": exists and is not a world file");
+        Path pack = folder.resolve("p.reve");
+        assertThat(Reve.run("pack", WORLD, "--out", pack.toString()).code()).isZero();
+        byte[] packed = Files.readAllBytes(pack);
+        Outcome overPack = Reve.run("run", WORLD, "--seconds", "0.1", "--save", pack.toString());
+        assertThat(overPack.code()).isEqualTo(2);
+        assertThat(overPack.err()).contains("--save " + pack + ": exists and is not a world file");
+        assertThat(pack).hasBinaryContent(packed);
         Outcome drawn = Reve.run("snapshot", WORLD, "--out", store.toString());
         assertThat(drawn.code()).isEqualTo(2);
         assertThat(drawn.err()).contains("--out " + store + ": exists and is not a PNG picture");

@@ -69,8 +69,7 @@ final class LawEvents {
         Map<String, Object> fields = fields(library);
         fields.put(
                 "laws",
-                engine.laws().stream()
-                        .filter(law -> law.libraryId() == libraryId)
+                engine.laws(libraryId).stream()
                         .map(PhysicsLaw::name)
                         .collect(Collectors.joining(", ")));
         raise(new WorldEvent(frame, "law-loaded", fields));
@@ -142,11 +141,9 @@ final class LawEvents {
         Map<String, Object> fields = fields(library);
         long calls = 0;
         long nanoseconds = 0;
-        for (PhysicsLaw law : engine.laws()) {
-            if (law.libraryId() == libraryId) {
-                calls += law.calls();
-                nanoseconds += law.nanoseconds();
-            }
+        for (PhysicsLaw law : engine.laws(libraryId)) {
+            calls += law.calls();
+            nanoseconds += law.nanoseconds();
         }
         fields.put("calls", calls);
         fields.put("milliseconds", nanoseconds / 1e6);

@@ -211,7 +211,7 @@ public final class LawFolder implements AutoCloseable {
                                     files.computeIfAbsent(name, n -> new WatchedFile())));
             offerReady();
         } catch (IOException | UncheckedIOException e) {
-            warnOnce(folder + " cannot be read, laws stay as they are: " + e);
+            warnOnce(folder + " is not followed, laws stay as they are: " + e.getMessage());
         }
     }
 
@@ -255,6 +255,9 @@ public final class LawFolder implements AutoCloseable {
     }
 
     private Map<String, Path> list() throws IOException {
+        if (isForEverybody(folder)) { // also if the folder was removed and made again
+            throw new IOException("every user can write to it: chmod o-w it");
+        }
         Map<String, Path> present = new TreeMap<>();
         for (Path file : FolderFiles.in(folder)) {
             String name = file.getFileName().toString();
@@ -502,7 +505,7 @@ public final class LawFolder implements AutoCloseable {
                     "laws folder " + folder + " is not a folder; create it, or name another");
         }
         try {
-            if (Files.getPosixFilePermissions(folder).contains(PosixFilePermission.OTHERS_WRITE)) {
+            if (isForEverybody(folder)) {
                 throw new IllegalArgumentException(
                         "laws folder "
                                 + folder
@@ -513,5 +516,9 @@ public final class LawFolder implements AutoCloseable {
             throw new IllegalArgumentException("laws folder " + folder + " cannot be read", e);
         }
         return folder.toAbsolutePath();
+    }
+
+    private static boolean isForEverybody(Path folder) throws IOException {
+        return Files.getPosixFilePermissions(folder).contains(PosixFilePermission.OTHERS_WRITE);
     }
 }

@@ -164,7 +164,7 @@ public final class Laws {
 
     /** Returns the laws of a loaded library. */
     List<PhysicsLaw> lawsOf(int libraryId) {
-        return engine.laws().stream().filter(law -> law.libraryId() == libraryId).toList();
+        return engine.laws(libraryId);
     }
 
     /**

@@ -362,17 +362,33 @@ public final class HostedEngine implements PhysicsEngine {
         checkOpen();
         List<PhysicsLaw> laws = new ArrayList<>();
         for (Loaded library : libraries) {
-            if (host != null) {
-                try {
-                    library.read(
-                            calls(host).call(to -> to.begin(Request.LAWS).putInt(library.hostId)));
-                } catch (HostLost lost) {
-                    lose();
-                }
-            }
-            laws.addAll(library.laws());
+            laws.addAll(laws(library));
         }
         return laws;
+    }
+
+    /** Asks the engine process once, and not for the laws of all libraries. */
+    @Override
+    public List<PhysicsLaw> laws(int libraryId) {
+        checkOpen();
+        List<PhysicsLaw> laws = new ArrayList<>();
+        for (Loaded library : libraries) {
+            if (library.id == libraryId) {
+                laws.addAll(laws(library));
+            }
+        }
+        return laws;
+    }
+
+    private List<PhysicsLaw> laws(Loaded library) {
+        if (host != null) {
+            try {
+                library.read(calls(host).call(to -> to.begin(Request.LAWS).putInt(library.hostId)));
+            } catch (HostLost lost) {
+                lose();
+            }
+        }
+        return library.laws();
     }
 
     @Override

@@ -461,7 +461,9 @@ public final class VesperEngine implements PhysicsEngine {
         }
     }
 
-    private List<PhysicsLaw> laws(int libraryId) {
+    @Override
+    public List<PhysicsLaw> laws(int libraryId) {
+        checkOpen();
         List<PhysicsLaw> laws = new ArrayList<>();
         while (nextLaw(libraryId, laws.size())) {
             laws.add(VesperPrototypes.readLaw(lawInfo));

@@ -602,6 +602,18 @@ class LawFolderNativeTest {
                 .withMessageContaining("can be written by every user");
     }
 
+    /** The folder may be removed and made again while the world runs. */
+    @Test
+    void aFolderThatEveryUserCanWriteToIsNotFollowed() throws IOException {
+        Files.setPosixFilePermissions(folder, PosixFilePermissions.fromString("rwxrwxrwx"));
+        drop("wind", "wind.so");
+        lookAndRun(3);
+        assertThat(loaded()).containsExactly("newton_motion");
+        Files.setPosixFilePermissions(folder, PosixFilePermissions.fromString("rwxr-xr-x"));
+        lookAndRun(3);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+    }
+
     @Test
     void theFoldersOwnThreadFollowsByItself() throws IOException {
         drop("wind", "wind.so");

@@ -211,13 +211,13 @@ public final class EditReader {
             }
         }
         List<Rule> all = List.copyOf(changed.values());
-        if (all.size() > RuleReader.MAX_RULES && all.size() > rules.size()) {
+        if (all.size() > WorldWriter.MAX_RULES && all.size() > rules.size()) {
             throw new ActionRefused(
                     WorldEdit.REFUSED,
                     "the world would have "
                             + all.size()
                             + " rules, expected at most "
-                            + RuleReader.MAX_RULES);
+                            + WorldWriter.MAX_RULES);
         }
         for (RuleReader.Misplaced misplaced : RuleReader.misplaced(all)) {
             for (Rule rule : List.of(misplaced.rule(), misplaced.later())) {

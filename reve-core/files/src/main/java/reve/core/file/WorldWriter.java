@@ -30,6 +30,12 @@ public final class WorldWriter {
     /** Maximum number of forces in a world file, as the schema states it. */
     private static final int MAX_FORCES = 10_000;
 
+    /** Maximum number of laws in a world file, as the schema states it. */
+    public static final int MAX_LAWS = 64;
+
+    /** Maximum number of symbols and of rules in one world file, as the schema states it. */
+    static final int MAX_RULES = 256;
+
     private final WorldDescription world;
     private final ItemWriter items;
 
@@ -48,6 +54,10 @@ public final class WorldWriter {
     }
 
     private Map<String, Object> tree() {
+        requireAtMost(MAX_LAWS, world.laws().size(), "laws");
+        requireAtMost(MAX_RULES, world.rules().size(), "rules");
+        requireAtMost(MAX_RULES, world.prototype().symbols().size(), "typed symbols");
+        requireAtMost(Expansion.MAX_ITEMS, world.items().size(), "items");
         Map<String, Object> tree = new LinkedHashMap<>();
         tree.put("reve", YamlWriter.Numeral.of(WorldFile.FORMAT_VERSION));
         tree.put("name", world.name());
@@ -130,6 +140,21 @@ public final class WorldWriter {
             forces.add(tree);
         }
         return forces;
+    }
+
+    /** A text that exceeds these limits could be written, but not read again. */
+    private void requireAtMost(int most, int count, String what) {
+        if (count > most) {
+            throw new IllegalArgumentException(
+                    "world "
+                            + world.name()
+                            + " has "
+                            + count
+                            + " "
+                            + what
+                            + ", of which a world file holds "
+                            + most);
+        }
     }
 
     private static void putIfAny(Map<String, Object> tree, String key, List<?> values) {

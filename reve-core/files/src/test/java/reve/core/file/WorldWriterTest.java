@@ -2,10 +2,12 @@
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
 import org.junit.jupiter.api.Test;
 
 import reve.core.Seed;
+import reve.core.rule.Rule;
 import reve.core.world.Column;
 import reve.core.world.Forces;
 import reve.core.world.Item;
@@ -21,6 +23,8 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 import java.util.Random;
+import java.util.stream.Collectors;
+import java.util.stream.IntStream;
 
 /**
  * Worlds that are written and read are equal. The seed is printed; -Dreve.test.seed=N repeats it,
@@ -31,6 +35,27 @@ class WorldWriterTest {
 
     private final long seed = Seed.of("worlds");
     private final Random random = new Random(seed);
+
+    private static List<Rule> rules(int from, int to) throws WorldFileException {
+        String rules =
+                IntStream.range(from, to)
+                        .mapToObj(i -> "r" + i + ": 'physics.mass > " + i + ".0'")
+                        .collect(Collectors.joining(", "));
+        return WorldFileTest.parse("reve: 1\nname: w\nrules: {" + rules + "}\n").rules();
+    }
+
+    /** Otherwise a saved world could not be read again. */
+    @Test
+    void whatExceedsALimitOfWorldFilesIsRefused() throws WorldFileException {
+        WorldDescription world = WorldFileTest.parse("reve: 1\nname: w\n");
+        List<Rule> most = rules(0, 256);
+        WorldFileTest.parse(WorldWriter.write(world.withRules(most)));
+        List<Rule> more = new ArrayList<>(most);
+        more.addAll(rules(256, 257));
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> WorldWriter.write(world.withRules(more)))
+                .withMessage("world w has 257 rules, of which a world file holds 256");
+    }
 
     @Test
     void writesWhatAWorldFileSays() throws WorldFileException {

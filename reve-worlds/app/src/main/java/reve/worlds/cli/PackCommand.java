@@ -125,7 +125,7 @@ public final class PackCommand implements Callable<Integer> {
                         ? "world"
                         : called.getFileName().toString().replaceFirst("\\.ya?ml$", "");
         Path given = out.orElse(Path.of(base + WorldPack.ENDING));
-        WritableFile.require(spec, "--out", given, "PK\u0003\u0004", "a pack");
+        WritableFile.require(spec, "--out", given, WritableFile.PACK, "a pack");
         return given;
     }
 

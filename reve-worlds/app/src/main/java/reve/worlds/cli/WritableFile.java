@@ -14,6 +14,9 @@ import java.nio.file.Path;
 final class WritableFile {
     private static final int MARK_BYTES = 65_536;
 
+    /** The beginning of a pack. */
+    static final String PACK = "PK\u0003\u0004";
+
     private WritableFile() {}
 
     /**
@@ -60,7 +63,9 @@ final class WritableFile {
         if (Files.exists(file) && Files.size(file) > 0) {
             try (InputStream in = Files.newInputStream(file)) {
                 String begin = new String(in.readNBytes(MARK_BYTES), StandardCharsets.ISO_8859_1);
-                if (!begin.contains(mark)) {
+                boolean isPack =
+                        begin.startsWith(PACK) && !mark.equals(PACK); // may contain any mark
+                if (isPack || !begin.contains(mark)) {
                     throw refused(
                             spec,
                             option,

@@ -174,7 +174,7 @@ final class LawParameters {
 
     /** Returns the laws of a loaded library. */
     static List<PhysicsLaw> lawsOf(int libraryId, PhysicsEngine engine) {
-        return engine.laws().stream().filter(law -> law.libraryId() == libraryId).toList();
+        return engine.laws(libraryId);
     }
 
     private static boolean isNamed(LawParameter parameter, PhysicsLaw law, String name) {

@@ -9,6 +9,7 @@ import reve.core.agent.port.WorldControl;
 import reve.core.disk.Reason;
 import reve.core.file.EditReader;
 import reve.core.file.WorldFile;
+import reve.core.file.WorldWriter;
 import reve.core.frame.LawSwap;
 import reve.core.frame.TimeBudget;
 import reve.core.world.ActionRefused;
@@ -443,6 +444,15 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 return;
             }
             try (prepared) {
+                if (old.isEmpty() && laws.libraries().size() >= WorldWriter.MAX_LAWS) {
+                    throw new ActionRefused(
+                            "law-refused",
+                            "the world has "
+                                    + laws.libraries().size()
+                                    + " laws, the most that a world file holds is "
+                                    + WorldWriter.MAX_LAWS
+                                    + "; unload one first");
+                }
                 old.ifPresent(id -> shadows.cancel(frame, id));
                 loadOrReplace(laws, frame, prepared, parameters, file);
             } catch (PhysicsException refused) {
