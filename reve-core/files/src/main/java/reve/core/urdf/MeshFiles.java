@@ -3,8 +3,10 @@ package reve.core.urdf;
 
 import reve.core.mesh.AssetException;
 import reve.core.mesh.Assets;
+import reve.core.mesh.MassProperties;
 import reve.core.mesh.WorldFolder;
 import reve.core.world.Mesh;
+import reve.core.world.Shape;
 
 import java.io.IOException;
 import java.nio.FloatBuffer;
@@ -60,9 +62,9 @@ final class MeshFiles {
     /**
      * Reads and converts a mesh.
      *
-     * @throws UrdfException with the reason if it cannot be read
+     * @throws RobotFileException with the reason if it cannot be read
      */
-    Converted convert(String place, RobotModel.Form.MeshFile mesh) throws UrdfException {
+    Converted convert(String place, RobotModel.Form.MeshFile mesh) throws RobotFileException {
         String key = mesh.name() + " " + Arrays.toString(mesh.scale());
         Converted before = converted.get(key);
         if (before != null) {
@@ -72,11 +74,44 @@ final class MeshFiles {
         try {
             read = read(mesh.name());
         } catch (IllegalArgumentException | IOException | AssetException unreadable) {
-            throw new UrdfException(place + ": mesh " + mesh.name() + ": " + reason(unreadable));
+            throw new RobotFileException(
+                    place + ": mesh " + mesh.name() + ": " + reason(unreadable));
         }
         Converted result = write(mesh, read);
         converted.put(key, result);
         return result;
+    }
+
+    /**
+     * Returns the volume and the inertia of a mesh at a density of 1 kg/m^3, in the axes of the
+     * file that the robot names.
+     *
+     * @throws RobotFileException with the reason if it cannot be read or encloses no volume
+     */
+    MassProperties solid(String place, RobotModel.Form.MeshFile mesh) throws RobotFileException {
+        try {
+            Mesh read = read(mesh.name());
+            double[] scale = mesh.scale();
+            FloatBuffer from = read.vertices();
+            float[] vertices = new float[from.limit()];
+            for (int i = 0; i < vertices.length; i++) {
+                vertices[i] = (float) (scale[i % 3] * from.get(i));
+            }
+            IntBuffer corners = read.triangles();
+            int[] triangles = new int[corners.limit()];
+            corners.get(0, triangles);
+            if (scale[0] * scale[1] * scale[2] < 0) {
+                for (int i = 0; i < triangles.length; i += 3) {
+                    int second = triangles[i + 1];
+                    triangles[i + 1] = triangles[i + 2];
+                    triangles[i + 2] = second;
+                }
+            }
+            return MassProperties.of(Shape.mesh(vertices, triangles), 1);
+        } catch (IllegalArgumentException | IOException | AssetException unreadable) {
+            throw new RobotFileException(
+                    place + ": mesh " + mesh.name() + ": " + reason(unreadable));
+        }
     }
 
     private static String reason(Exception unreadable) {

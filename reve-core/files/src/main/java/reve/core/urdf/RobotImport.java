@@ -8,6 +8,7 @@ import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
 import java.util.SortedMap;
@@ -31,6 +32,14 @@ public record RobotImport(
     /** Distance of the lowest shape of a free robot from the ground [m]. */
     private static final double GAP = 1e-3;
 
+    /** Frames per second of a world. */
+    private static final int RATE = 60;
+
+    /** Bounds of the physics steps of a frame. */
+    private static final int LEAST_STEPS = 16;
+
+    private static final int MOST_STEPS = 1000;
+
     /** Whether the root of the robot moves. */
     public enum Base {
         /** It moves if it has a mass and is not named {@code world}. */
@@ -45,7 +54,8 @@ public record RobotImport(
      * How to import.
      *
      * @param zUp true if +Z is up in the file; false if +Y is
-     * @param selfCollision whether parts of the robot collide with each other
+     * @param selfCollision whether parts of the robot collide with each other; in MJCF, {@code
+     *     contype} and {@code conaffinity} decide
      * @param hold whether the motors hold the joints with their largest torque from the start
      * @param packages folders of packages by name, for {@code package://NAME/…}
      */
@@ -63,22 +73,31 @@ public record RobotImport(
     }
 
     /**
-     * Reads a URDF file and the meshes that it names.
+     * Reads a file of URDF or MJCF and the files that it names.
      *
-     * @throws UrdfException if it is no valid URDF
+     * @throws RobotFileException if it is not valid
      */
-    public static RobotImport read(Path file, Options options) throws IOException, UrdfException {
+    public static RobotImport read(Path file, Options options)
+            throws IOException, RobotFileException {
         if (Files.exists(file) && !Files.isRegularFile(file)) {
-            throw new UrdfException(file + ": expected a regular file");
+            throw new RobotFileException(file + ": expected a regular file");
         }
         if (Files.size(file) > MAX_BYTES) {
-            throw new UrdfException(file + ": the file is larger than 16 MiB");
+            throw new RobotFileException(file + ": the file is larger than 16 MiB");
         }
-        RobotModel model = UrdfReader.read(file.toString(), Files.readAllBytes(file));
+        XmlElement root = XmlElement.read(file.toString(), Files.readAllBytes(file));
         Path folder = file.toAbsolutePath().getParent();
         MeshFiles meshes =
                 new MeshFiles(folder == null ? Path.of("/") : folder, options.packages());
         List<String> notes = new ArrayList<>();
+        RobotModel model =
+                root.name().equals("mujoco")
+                        ? MjcfReader.read(
+                                MjcfIncludes.expand(root, file.toAbsolutePath()),
+                                meshes,
+                                options.base(),
+                                notes)
+                        : UrdfReader.read(root);
         RobotWorld robot = new RobotWorld(model, meshes, options, notes);
         SortedMap<String, String> files = new TreeMap<>();
         files.put(ROBOT, robot.write());
@@ -90,7 +109,10 @@ public record RobotImport(
         }
         double ground = Double.isFinite(robot.lowest()) ? robot.lowest() - GAP : 0;
         files.put(
-                WorldFile.NAME, world(name, file, robot.isFixed() ? Math.min(ground, 0) : ground));
+                WorldFile.NAME,
+                model.scene().isPresent()
+                        ? world(name, file, model.scene().get(), robot)
+                        : world(name, file, robot.isFixed() ? Math.min(ground, 0) : ground));
         return new RobotImport(name, files, robot.bodyCount(), robot.jointCount(), notes);
     }
 
@@ -117,6 +139,36 @@ public record RobotImport(
                         file.getFileName().toString().replaceAll("[^A-Za-z0-9._-]", "_"),
                         ROBOT,
                         Double.toString(ground - 0.5));
+    }
+
+    /** Returns a world with the gravity, the time step and the scenery of the file. */
+    private static String world(String name, Path file, RobotModel.Scene scene, RobotWorld robot) {
+        int steps = (int) Math.ceil(1 / (RATE * scene.step()) - 1e-9);
+        steps = Math.clamp(steps, LEAST_STEPS, MOST_STEPS);
+        return """
+        reve: 1
+        name: %s
+        doc: A robot and its world that were imported from %s.
+        include: [%s]                   # the items of the robot, for other worlds, too
+
+        frame: {rate: %d, steps: %d}    # 1/%d s per physics step
+        laws: [gravity_field, {name: rigid_contact, parameters: {friction: %s}}]
+        constants: {gravity: %s}
+
+        agents:
+          body: {physical: {location: [0, 1, 0]}}   # who drives the joints
+
+        """
+                        .formatted(
+                                name,
+                                file.getFileName().toString().replaceAll("[^A-Za-z0-9._-]", "_"),
+                                ROBOT,
+                                RATE,
+                                steps,
+                                RATE * steps,
+                                Double.toString(scene.friction()),
+                                Arrays.toString(robot.turned(scene.gravity())))
+                + robot.scenery();
     }
 
     /** Writes the files into a new folder. */

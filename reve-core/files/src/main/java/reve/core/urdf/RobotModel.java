@@ -8,11 +8,12 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * A robot as a URDF file describes it: a tree of links (rigid bodies) and joints. Axes are those of
- * the file, usually with +Z up.
+ * A robot as a file describes it: a tree of links (rigid bodies) and joints. Axes are those of the
+ * file, usually with +Z up.
  *
  * @param links by name, in the order of the file
  * @param root name of the link that is the child of no joint
+ * @param scene what a file of MJCF states about the world around the robot
  * @param ignored what the file contains and this reader does not read, a line for each kind
  */
 record RobotModel(
@@ -20,15 +21,50 @@ record RobotModel(
         Map<String, Link> links,
         List<Joint> joints,
         String root,
+        Optional<Scene> scene,
         List<String> ignored) {
 
-    /** A rigid body and its shapes, which have poses in the frame of the link. */
+    /**
+     * The world around a robot.
+     *
+     * @param gravity (3) [m/s^2]
+     * @param step duration of a physics step [s]
+     * @param scenery immovable shapes that collide
+     */
+    record Scene(double[] gravity, double step, List<Scenery> scenery) {
+        /** Returns the coefficient of friction of the scenery; without scenery 1, as in MJCF. */
+        double friction() {
+            return scenery.isEmpty() ? 1 : scenery.getFirst().surface().friction();
+        }
+    }
+
+    /** An immovable shape that collides, with its pose in the frame of the root link. */
+    record Scenery(String name, Geometry geometry, Surface surface) {}
+
+    /**
+     * How the shapes of a link collide: two shapes collide if the type of one has a bit of the
+     * affinity of the other.
+     *
+     * @param friction coefficient of sliding [1]
+     */
+    record Surface(int type, int affinity, double friction) {
+        boolean touches(Surface other) {
+            return (type & other.affinity) != 0 || (other.type & affinity) != 0;
+        }
+    }
+
+    /**
+     * A rigid body and its shapes, which have poses in the frame of the link.
+     *
+     * @param surface of the shapes that collide, if the file states one
+     */
     record Link(
             String name,
             String place,
             Optional<Inertial> inertial,
             List<Geometry> looks,
-            List<Geometry> collisions) {}
+            List<Geometry> collisions,
+            Optional<Surface> surface) {}
 
     /**
      * @param pose centre of mass, and the axes of the inertia
@@ -54,6 +90,16 @@ record RobotModel(
         record Cylinder(double radius, double length) implements Form {}
 
         /**
+         * A cylinder along Z with half balls at both ends.
+         *
+         * @param length of the whole [m]
+         */
+        record Capsule(double radius, double length) implements Form {}
+
+        /** A rectangle whose normal is +Z, with edges along X and Y [m]. */
+        record Plane(double x, double y) implements Form {}
+
+        /**
          * @param name as the file names it
          * @param scale of its three axes
          */
@@ -67,16 +113,45 @@ record RobotModel(
         PRISMATIC,
         FIXED,
         FLOATING,
-        PLANAR
+        PLANAR,
+        BALL
+    }
+
+    /** What an action sets. */
+    enum DriveKind {
+        /** The speed of the joint, which a motor reaches. */
+        SPEED,
+        /** The torque or force that acts on the joint. */
+        LOAD,
+        /** The angle or travel, which a motor approaches. */
+        PLACE
+    }
+
+    /**
+     * An action that drives a joint.
+     *
+     * @param range least and greatest value of what the action sets, infinite without a bound
+     * @param most largest torque or force [N*m or N], 0 without a bound
+     * @param rate share of the way to a place that the motor moves per second [1/s]
+     * @param actuator name in the file, empty if the drive is the joint's own
+     */
+    record Drive(DriveKind kind, double[] range, double most, double rate, String actuator) {
+        /** Returns a drive with a speed of at most {@code speed}, or of any speed if that is 0. */
+        static Drive ofSpeed(double speed, double most) {
+            double bound = speed > 0 ? speed : Double.POSITIVE_INFINITY;
+            return new Drive(DriveKind.SPEED, new double[] {-bound, bound}, most, 0, "");
+        }
     }
 
     /**
      * @param pose of the joint, and of the child at the angle 0, in the frame of the parent
+     * @param anchor point that parent and child share, in the frame of the joint (3) [m]
      * @param axis unit vector in the frame of the joint
      * @param limits least and greatest angle or travel [1 or m], if there are any
-     * @param effort largest torque or force [N*m or N], 0 if the file states none
-     * @param speed largest speed [rad/s or m/s], 0 if the file states none
+     * @param effort largest torque or force that can hold the joint [N*m or N], 0 if the file
+     *     states none
      * @param friction dry friction [N*m or N]
+     * @param drives the actions of the joint
      */
     record Joint(
             String name,
@@ -85,11 +160,12 @@ record RobotModel(
             String parent,
             String child,
             Pose pose,
+            double[] anchor,
             double[] axis,
             Optional<double[]> limits,
             double effort,
-            double speed,
-            double friction) {
+            double friction,
+            List<Drive> drives) {
         /** Returns whether the child cannot move. */
         boolean isRigid() {
             return type == JointType.FIXED

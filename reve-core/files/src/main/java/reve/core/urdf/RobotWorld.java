@@ -8,10 +8,9 @@ import reve.core.urdf.RobotModel.Geometry;
 import reve.core.urdf.RobotModel.Joint;
 import reve.core.urdf.RobotModel.JointType;
 import reve.core.urdf.RobotModel.Link;
+import reve.core.urdf.RobotModel.Surface;
 import reve.core.world.Pose;
 
-import java.math.BigDecimal;
-import java.math.MathContext;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.HashMap;
@@ -29,22 +28,18 @@ import java.util.TreeSet;
  */
 final class RobotWorld {
     private static final int LAYER = 1;
-    private static final double DIGITS = 1e12;
-    private static final MathContext TWELVE_DIGITS = new MathContext(12);
-    private static final double NOISE = 1e-14;
     private static final String HIDDEN = "#00000000";
-
-    /** Rotates the axis of cylinders from +Y, as in world files, to +Z, as in URDF. */
-    private static final Pose ALONG_Z = new Pose(0, 0, 0, Math.sqrt(0.5), 0, 0, Math.sqrt(0.5));
 
     /** Rotates +Z up, as in URDF, to +Y up, as in worlds. */
     private static final Pose Z_UP = new Pose(0, 0, 0, -Math.sqrt(0.5), 0, 0, Math.sqrt(0.5));
 
     private final RobotModel model;
-    private final MeshFiles meshes;
+    private final ShapeWriter shapes;
     private final RobotImport.Options options;
     private final List<String> notes;
+    private final Pose up;
     private final RigidTree tree;
+    private final Optional<TouchLayers> layers;
     private final Set<String> names = new TreeSet<>(Set.of("world", "ground"));
     private final Map<String, String> bodyNames = new HashMap<>();
     private final Map<String, Pose> bodyPoses = new HashMap<>();
@@ -54,10 +49,33 @@ final class RobotWorld {
     RobotWorld(
             RobotModel model, MeshFiles meshes, RobotImport.Options options, List<String> notes) {
         this.model = model;
-        this.meshes = meshes;
+        this.shapes = new ShapeWriter(meshes, notes);
         this.options = options;
         this.notes = notes;
-        this.tree = new RigidTree(model, options.zUp() ? Z_UP : Pose.ORIGIN, notes);
+        this.up = options.zUp() ? Z_UP : Pose.ORIGIN;
+        this.tree = new RigidTree(model, up, notes);
+        this.layers = model.scene().map(this::layers);
+        if (model.scene().isPresent()) {
+            names.remove("ground");
+        }
+    }
+
+    private TouchLayers layers(RobotModel.Scene scene) {
+        return new TouchLayers(
+                scene.scenery().stream().map(RobotModel.Scenery::surface).toList(),
+                tree.bodies().stream().flatMap(body -> surface(body).stream()).toList(),
+                notes);
+    }
+
+    private static Optional<Surface> surface(RigidTree.Body body) {
+        return body.links().stream()
+                .flatMap(link -> link.surface().stream())
+                .reduce(
+                        (one, other) ->
+                                new Surface(
+                                        one.type() | other.type(),
+                                        one.affinity() | other.affinity(),
+                                        one.friction()));
     }
 
     /** Returns the file with the items of the robot. */
@@ -71,7 +89,17 @@ final class RobotWorld {
         for (String ignored : model.ignored()) {
             notes.add("not imported: " + ignored);
         }
-        return YamlWriter.write(Map.of("items", items));
+        Map<String, Object> file = new LinkedHashMap<>();
+        if (layers.isPresent() && layers.get().hasFriction()) {
+            Map<String, Object> friction = new LinkedHashMap<>();
+            friction.put("name", "friction");
+            friction.put("kind", "body");
+            friction.put("min", Numeral.of(0));
+            friction.put("doc", "Coefficient of friction.");
+            file.put("properties", List.of(friction));
+        }
+        file.put("items", items);
+        return YamlWriter.write(file);
     }
 
     int bodyCount() {
@@ -96,7 +124,36 @@ final class RobotWorld {
         };
     }
 
+    /** Returns a vector of the file in the axes of the world. */
+    double[] turned(double[] vector) {
+        double[] turned =
+                new Pose(vector[0], vector[1], vector[2], 0, 0, 0, 1).within(up).location();
+        for (int axis = 0; axis < turned.length; axis++) {
+            turned[axis] = Numerals.round(turned[axis]);
+        }
+        return turned;
+    }
+
+    /** Returns the items of the scenery as a part of a world file; empty without scenery. */
+    String scenery() {
+        List<Map<String, Object>> scenery = new ArrayList<>();
+        for (RobotModel.Scenery each : model.scene().orElseThrow().scenery()) {
+            Optional<ShapeWriter.Written> written =
+                    shapes.write(each.geometry(), each.geometry().colour());
+            if (written.isPresent()) {
+                Map<String, Object> item = new LinkedHashMap<>();
+                item.put("name", unique(each.name()));
+                Numerals.putPose(item, written.get().physical(), written.get().pose().within(up));
+                scenery.add(item);
+            }
+        }
+        return scenery.isEmpty() ? "" : YamlWriter.write(Map.of("items", scenery));
+    }
+
     private void body(RigidTree.Body body) {
+        if (isNeedless(body)) {
+            return;
+        }
         boolean immovable = body.top().name().equals(model.root()) && isFixed();
         String called = body.top().name();
         if (called.equals("world") && body.links().size() > 1) {
@@ -112,16 +169,18 @@ final class RobotWorld {
             pose = solid.pose();
             physics.put("mass", Numeral.of(solid.mass()));
             if (solid.moments()[0] > 0) {
-                physics.put("inertia", shortened(solid.moments()));
+                physics.put("inertia", Numerals.shortened(solid.moments()));
             }
         }
-        if (!options.selfCollision()) {
+        if (layers.isPresent()) {
+            surface(body).ifPresent(surface -> layers.get().put(surface, physics));
+        } else if (!options.selfCollision()) {
             physics.put("touchLayer", Numeral.of(LAYER));
             physics.put("passesLayers", List.of(Numeral.of(LAYER)));
         }
         Map<String, Object> item = new LinkedHashMap<>();
         item.put("name", name);
-        putPose(item, new LinkedHashMap<>(), pose);
+        Numerals.putPose(item, new LinkedHashMap<>(), pose);
         item.put("physics", physics);
         items.add(item);
         for (Link link : body.links()) {
@@ -129,6 +188,21 @@ final class RobotWorld {
             bodyPoses.put(link.name(), pose);
             shapes(link, name, pose);
         }
+    }
+
+    /** Returns whether a body is the world of a file of MJCF, without a shape and a joint. */
+    private boolean isNeedless(RigidTree.Body body) {
+        boolean isJoined =
+                tree.joints().stream()
+                        .anyMatch(
+                                joint ->
+                                        type(joint).isPresent()
+                                                && tree.bodyOf(joint.parent()) == body);
+        return model.scene().isPresent()
+                && body.top().name().equals(model.root())
+                && !isJoined
+                && body.links().stream()
+                        .allMatch(link -> link.looks().isEmpty() && link.collisions().isEmpty());
     }
 
     private void shapes(Link link, String body, Pose pose) {
@@ -160,6 +234,8 @@ final class RobotWorld {
                                     && Arrays.equals(mesh.scale(), also.scale());
                     case Form.Sphere sphere -> sphere.equals(other.form());
                     case Form.Cylinder cylinder -> cylinder.equals(other.form());
+                    case Form.Capsule capsule -> capsule.equals(other.form());
+                    case Form.Plane plane -> plane.equals(other.form());
                 };
     }
 
@@ -171,61 +247,25 @@ final class RobotWorld {
             String suffix,
             Optional<String> colour,
             boolean collides) {
-        Map<String, Object> physical = new LinkedHashMap<>();
-        Pose pose = geometry.pose();
-        double[] half;
-        switch (geometry.form()) {
-            case Form.Box box -> {
-                physical.put("shape", "box");
-                physical.put("size", exactly(box.size()));
-                half = new double[] {box.size()[0] / 2, box.size()[1] / 2, box.size()[2] / 2};
-            }
-            case Form.Sphere sphere -> {
-                physical.put("shape", "sphere");
-                physical.put("radius", Numeral.of(sphere.radius()));
-                half = new double[] {sphere.radius(), sphere.radius(), sphere.radius()};
-            }
-            case Form.Cylinder cylinder -> {
-                physical.put("shape", "cylinder");
-                physical.put("radius", Numeral.of(cylinder.radius()));
-                physical.put("height", Numeral.of(cylinder.length()));
-                pose = ALONG_Z.within(pose);
-                half = new double[] {cylinder.radius(), cylinder.length() / 2, cylinder.radius()};
-            }
-            case Form.MeshFile mesh -> {
-                MeshFiles.Converted converted;
-                try {
-                    converted = meshes.convert(geometry.place(), mesh);
-                } catch (UrdfException unreadable) {
-                    notes.add(unreadable.getMessage() + "; the shape is left out");
-                    return;
-                }
-                physical.put("shape", "mesh");
-                physical.put("file", converted.file());
-                double[] c = converted.centre();
-                pose = new Pose(c[0], c[1], c[2], 0, 0, 0, 1).within(pose);
-                half =
-                        new double[] {
-                            converted.size()[0] / 2,
-                            converted.size()[1] / 2,
-                            converted.size()[2] / 2
-                        };
-            }
+        Optional<ShapeWriter.Written> written = shapes.write(geometry, colour);
+        if (written.isEmpty()) {
+            return;
         }
-        Pose inWorld = pose.within(tree.pose(link.name()));
-        lower(inWorld, half, geometry.form() instanceof Form.Sphere);
-        colour.ifPresent(text -> physical.put("colour", text));
+        Pose inWorld = written.get().pose().within(tree.pose(link.name()));
+        lower(inWorld, written.get());
+        Map<String, Object> physical = written.get().physical();
         Map<String, Object> item = new LinkedHashMap<>();
         item.put("name", unique(link.name() + suffix));
         item.put("parent", body);
-        putPose(item, physical, inWorld.relativeTo(bodyPose));
+        Numerals.putPose(item, physical, inWorld.relativeTo(bodyPose));
         if (collides) {
             item.put("physics", Map.of("partOfBody", Numeral.of(1)));
         }
         items.add(item);
     }
 
-    private void lower(Pose pose, double[] half, boolean ball) {
+    private void lower(Pose pose, ShapeWriter.Written shape) {
+        double[] half = shape.half();
         for (int corner = 0; corner < 8; corner++) {
             Pose at =
                     new Pose(
@@ -237,7 +277,7 @@ final class RobotWorld {
                                     0,
                                     1)
                             .within(pose);
-            lowest = Math.min(lowest, ball ? pose.y() - half[0] : at.y());
+            lowest = Math.min(lowest, shape.isBall() ? pose.y() - half[0] : at.y());
         }
     }
 
@@ -246,6 +286,7 @@ final class RobotWorld {
             case REVOLUTE, CONTINUOUS -> Optional.of("hinge");
             case PRISMATIC -> Optional.of("slider");
             case FIXED -> Optional.of("fixed");
+            case BALL -> Optional.of("ball");
             case FLOATING, PLANAR -> Optional.empty();
         };
     }
@@ -267,17 +308,25 @@ final class RobotWorld {
         Map<String, Object> physics = new LinkedHashMap<>();
         physics.put("joined", List.of(bodyNames.get(joint.parent()), bodyNames.get(joint.child())));
         physics.put("jointType", type(joint).get());
-        physics.put("anchor", rounded(own.location()));
+        double[] at = joint.anchor();
+        Pose anchor = new Pose(at[0], at[1], at[2], 0, 0, 0, 1).within(own);
+        physics.put("anchor", Numerals.rounded(anchor.location()));
         double[] axis = joint.axis();
         Pose end = new Pose(axis[0], axis[1], axis[2], 0, 0, 0, 1).within(own);
         physics.put(
                 "axis",
-                rounded(new double[] {end.x() - own.x(), end.y() - own.y(), end.z() - own.z()}));
+                Numerals.rounded(
+                        new double[] {end.x() - own.x(), end.y() - own.y(), end.z() - own.z()}));
+        if (joint.type() == JointType.BALL) {
+            physics.remove("axis");
+        }
         boolean slides = joint.type() == JointType.PRISMATIC;
         joint.limits()
                 .ifPresent(
                         limits -> {
-                            physics.put(slides ? "travelLimits" : "angleLimits", exactly(limits));
+                            physics.put(
+                                    slides ? "travelLimits" : "angleLimits",
+                                    Numerals.exactly(limits));
                             checkTurn(joint, slides, limits);
                         });
         // A motor that holds the speed 0 with a torque is dry friction.
@@ -291,7 +340,10 @@ final class RobotWorld {
                 "name",
                 unique(names.contains(joint.name()) ? joint.name() + " joint" : joint.name()));
         item.put("kind", "joint");
-        item.put("access", Map.of("drive", drive(joint, slides)));
+        Map<String, Object> actions = DriveActions.of(joint, slides, notes);
+        if (!actions.isEmpty()) {
+            item.put("access", actions);
+        }
         item.put("physics", physics);
         items.add(item);
     }
@@ -310,88 +362,6 @@ final class RobotWorld {
                             + ": limits beyond half a turn have no effect, because hinges measure"
                             + " angles from -180 to 180 deg");
         }
-    }
-
-    /** Returns an action that sets the speed and the largest torque or force of a joint. */
-    private static Map<String, Object> drive(Joint joint, boolean slides) {
-        Map<String, Object> parameters = new LinkedHashMap<>();
-        Map<String, Object> speed = new LinkedHashMap<>();
-        speed.put("unit", slides ? "m/s" : "rad/s");
-        if (joint.speed() > 0) {
-            speed.put("min", Numeral.of(-joint.speed()));
-            speed.put("max", Numeral.of(joint.speed()));
-        }
-        parameters.put("speed", speed);
-        String load = slides ? "force" : "torque";
-        Map<String, Object> most = new LinkedHashMap<>();
-        most.put("unit", slides ? "N" : "N*m");
-        most.put("min", Numeral.of(0));
-        if (joint.effort() > 0) {
-            most.put("max", Numeral.of(joint.effort()));
-        }
-        parameters.put(load, most);
-        Map<String, Object> action = new LinkedHashMap<>();
-        action.put(
-                "doc",
-                "Moves the joint at a speed, with at most a " + load + "; the speed 0 holds it.");
-        action.put("parameters", parameters);
-        action.put(
-                "effects",
-                List.of(
-                        set(slides ? "driveSpeed" : "motorSpeed", "$speed"),
-                        set(slides ? "driveForce" : "motorTorque", "$" + load)));
-        return action;
-    }
-
-    private static Map<String, Object> set(String property, String value) {
-        Map<String, Object> effect = new LinkedHashMap<>();
-        effect.put("set", "physics." + property);
-        effect.put("to", value);
-        return effect;
-    }
-
-    private static void putPose(Map<String, Object> item, Map<String, Object> physical, Pose pose) {
-        physical.put("location", rounded(pose.location()));
-        if (Math.abs(pose.qw()) < 1) {
-            physical.put("orientation", withoutNoise(pose.orientation()));
-        }
-        item.put("physical", physical);
-    }
-
-    private static List<Numeral> exactly(double[] values) {
-        List<Numeral> numerals = new ArrayList<>();
-        for (double value : values) {
-            numerals.add(Numeral.of(value == 0 ? 0 : value));
-        }
-        return numerals;
-    }
-
-    /** Returns the values with 12 digits. */
-    private static List<Numeral> shortened(double[] values) {
-        List<Numeral> numerals = new ArrayList<>();
-        for (double value : values) {
-            numerals.add(Numeral.of(new BigDecimal(value).round(TWELVE_DIGITS).doubleValue()));
-        }
-        return numerals;
-    }
-
-    /** Returns a unit quaternion with 0 in the place of rounding errors. */
-    private static List<Numeral> withoutNoise(double[] quaternion) {
-        double[] clean = quaternion.clone();
-        for (int i = 0; i < clean.length; i++) {
-            clean[i] = Math.abs(clean[i]) < NOISE ? 0 : clean[i];
-        }
-        return exactly(clean);
-    }
-
-    /** Returns the values without rounding errors around simple numbers. */
-    private static List<Numeral> rounded(double[] values) {
-        List<Numeral> numerals = new ArrayList<>();
-        for (double value : values) {
-            double round = Math.rint(value * DIGITS) / DIGITS;
-            numerals.add(Numeral.of(round == 0 ? 0 : round));
-        }
-        return numerals;
     }
 
     /** Returns a valid name that no other item has. */

@@ -172,7 +172,7 @@ record SymmetricMatrix(double[] values) {
     }
 
     /** Returns the unit quaternion xyzw of a rotation matrix, computed from its largest part. */
-    private static double[] quaternion(double[][] r) {
+    static double[] quaternion(double[][] r) {
         double trace = r[0][0] + r[1][1] + r[2][2];
         double[] q;
         if (trace > 0) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.urdf;
 
+import reve.core.urdf.RobotModel.Drive;
 import reve.core.urdf.RobotModel.Form;
 import reve.core.urdf.RobotModel.Geometry;
 import reve.core.urdf.RobotModel.Inertial;
@@ -18,7 +19,6 @@ import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import java.util.TreeMap;
 
 /** Reader of URDF files (Unified Robot Description Format, https://wiki.ros.org/urdf/XML). */
 final class UrdfReader {
@@ -28,30 +28,27 @@ final class UrdfReader {
     private final XmlElement robot;
     private final Map<String, String> colours = new HashMap<>();
 
-    /** Number of occurrences of what is not read, by its description. */
-    private final Map<String, Integer> ignored = new TreeMap<>();
+    private final Ignored ignored = new Ignored();
 
     private UrdfReader(XmlElement robot) {
         this.robot = robot;
     }
 
     /**
-     * @param file name of the file, for messages
-     * @throws UrdfException if the bytes are no URDF, or no tree of links
+     * @param root element of the file
+     * @throws RobotFileException if the file is no URDF, or no tree of links
      */
-    static RobotModel read(String file, byte[] bytes) throws UrdfException {
-        XmlElement root = XmlElement.read(file, bytes);
+    static RobotModel read(XmlElement root) throws RobotFileException {
         if (!root.name().equals("robot")) {
             throw root.problem(
-                    "the file is not URDF: it begins with <"
+                    "the file is neither URDF nor MJCF: it begins with <"
                             + root.name()
-                            + ">, expected <robot>"
-                            + (root.name().equals("mujoco") ? "; MJCF is not read" : ""));
+                            + ">, expected <robot> or <mujoco>");
         }
         return new UrdfReader(root).read();
     }
 
-    private RobotModel read() throws UrdfException {
+    private RobotModel read() throws RobotFileException {
         for (XmlElement material : robot.all("material")) {
             Optional<String> colour = colour(material);
             if (colour.isPresent()) {
@@ -91,21 +88,15 @@ final class UrdfReader {
                 links,
                 joints,
                 root,
-                ignored.entrySet().stream()
-                        .map(
-                                entry ->
-                                        entry.getKey()
-                                                + (entry.getValue() == 1
-                                                        ? ""
-                                                        : " (" + entry.getValue() + " times)"))
-                        .toList());
+                Optional.empty(),
+                ignored.lines());
     }
 
     private void ignore(String what) {
-        ignored.merge(what, 1, Integer::sum);
+        ignored.add(what);
     }
 
-    private Link link(XmlElement element) throws UrdfException {
+    private Link link(XmlElement element) throws RobotFileException {
         List<Geometry> looks = new ArrayList<>();
         List<Geometry> collisions = new ArrayList<>();
         Optional<Inertial> inertial = Optional.empty();
@@ -122,10 +113,11 @@ final class UrdfReader {
                 element.place(),
                 inertial.filter(one -> one.mass() > 0),
                 looks,
-                collisions);
+                collisions,
+                Optional.empty());
     }
 
-    private Inertial inertial(XmlElement element) throws UrdfException {
+    private Inertial inertial(XmlElement element) throws RobotFileException {
         double mass = required(element, "mass").number("value");
         XmlElement inertia = required(element, "inertia");
         if (mass < 0) {
@@ -144,13 +136,13 @@ final class UrdfReader {
                 });
     }
 
-    private static XmlElement required(XmlElement element, String child) throws UrdfException {
+    private static XmlElement required(XmlElement element, String child) throws RobotFileException {
         return element.child(child)
                 .orElseThrow(
                         () -> element.problem("<" + element.name() + "> has no <" + child + ">"));
     }
 
-    private Geometry geometry(XmlElement element) throws UrdfException {
+    private Geometry geometry(XmlElement element) throws RobotFileException {
         XmlElement geometry = required(element, "geometry");
         XmlElement form =
                 geometry.children().stream()
@@ -167,7 +159,7 @@ final class UrdfReader {
         return new Geometry(form.place(), pose(element), form(form), colour);
     }
 
-    private Form form(XmlElement form) throws UrdfException {
+    private Form form(XmlElement form) throws RobotFileException {
         return switch (form.name()) {
             case "box" -> {
                 form.text("size");
@@ -188,7 +180,8 @@ final class UrdfReader {
         };
     }
 
-    private static double[] positive(XmlElement place, double... numbers) throws UrdfException {
+    private static double[] positive(XmlElement place, double... numbers)
+            throws RobotFileException {
         for (double number : numbers) {
             if (!(number > 0)) {
                 throw place.problem("a length is " + number + " m, expected more than 0");
@@ -197,7 +190,7 @@ final class UrdfReader {
         return numbers;
     }
 
-    private Joint joint(XmlElement element, Map<String, Link> links) throws UrdfException {
+    private Joint joint(XmlElement element, Map<String, Link> links) throws RobotFileException {
         JointType type = type(element);
         for (XmlElement child : element.children()) {
             switch (child.name()) {
@@ -229,6 +222,8 @@ final class UrdfReader {
             }
             limits = Optional.of(both);
         }
+        double effort = limit.isPresent() ? Math.abs(limit.get().number("effort", 0)) : 0;
+        double speed = limit.isPresent() ? Math.abs(limit.get().number("velocity", 0)) : 0;
         return new Joint(
                 element.text("name"),
                 element.place(),
@@ -236,16 +231,18 @@ final class UrdfReader {
                 linkName(element, "parent", links),
                 linkName(element, "child", links),
                 pose(element),
+                new double[3],
                 axis(element),
                 limits,
-                limit.isPresent() ? Math.abs(limit.get().number("effort", 0)) : 0,
-                limit.isPresent() ? Math.abs(limit.get().number("velocity", 0)) : 0,
-                dynamics.isPresent() ? Math.abs(dynamics.get().number("friction", 0)) : 0);
+                effort,
+                dynamics.isPresent() ? Math.abs(dynamics.get().number("friction", 0)) : 0,
+                List.of(Drive.ofSpeed(speed, effort)));
     }
 
-    private static JointType type(XmlElement element) throws UrdfException {
+    private static JointType type(XmlElement element) throws RobotFileException {
         for (JointType type : JointType.values()) {
-            if (element.text("type").equals(type.name().toLowerCase(Locale.ROOT))) {
+            if (type != JointType.BALL
+                    && element.text("type").equals(type.name().toLowerCase(Locale.ROOT))) {
                 return type;
             }
         }
@@ -256,7 +253,7 @@ final class UrdfReader {
     }
 
     private static String linkName(XmlElement joint, String role, Map<String, Link> links)
-            throws UrdfException {
+            throws RobotFileException {
         XmlElement element = required(joint, role);
         String name = element.text("link");
         if (!links.containsKey(name)) {
@@ -265,7 +262,7 @@ final class UrdfReader {
         return name;
     }
 
-    private static double[] axis(XmlElement joint) throws UrdfException {
+    private static double[] axis(XmlElement joint) throws RobotFileException {
         Optional<XmlElement> element = joint.child("axis");
         double[] axis =
                 element.isEmpty() ? new double[] {1, 0, 0} : element.get().numbers("xyz", 1, 0, 0);
@@ -277,7 +274,7 @@ final class UrdfReader {
     }
 
     /** Returns the pose that the child {@code origin} states: x y z, and roll, pitch, yaw. */
-    private static Pose pose(XmlElement element) throws UrdfException {
+    private static Pose pose(XmlElement element) throws RobotFileException {
         Optional<XmlElement> origin = element.child("origin");
         if (origin.isEmpty()) {
             return Pose.ORIGIN;
@@ -303,7 +300,7 @@ final class UrdfReader {
         };
     }
 
-    private Optional<String> colour(XmlElement material) throws UrdfException {
+    private Optional<String> colour(XmlElement material) throws RobotFileException {
         if (material.child("texture").isPresent()) {
             ignore("textures of materials");
         }
@@ -319,7 +316,7 @@ final class UrdfReader {
         return Optional.of(text.toString().endsWith("ff") ? text.substring(0, 7) : text.toString());
     }
 
-    private String root(Map<String, Link> links, List<Joint> joints) throws UrdfException {
+    private String root(Map<String, Link> links, List<Joint> joints) throws RobotFileException {
         if (links.isEmpty()) {
             throw robot.problem("the robot has no <link>");
         }
@@ -327,11 +324,11 @@ final class UrdfReader {
         Set<String> names = new HashSet<>();
         for (Joint joint : joints) {
             if (!names.add(joint.name())) {
-                throw new UrdfException(
+                throw new RobotFileException(
                         joint.place() + ": a second joint has the name " + joint.name());
             }
             if (above.put(joint.child(), joint) != null) {
-                throw new UrdfException(
+                throw new RobotFileException(
                         joint.place()
                                 + ": the link "
                                 + joint.child()
@@ -357,7 +354,7 @@ final class UrdfReader {
         }
         for (Link link : links.values()) {
             if (!reached.contains(link.name())) {
-                throw new UrdfException(
+                throw new RobotFileException(
                         link.place()
                                 + ": no joints lead from the root "
                                 + roots.getFirst()

@@ -31,7 +31,7 @@ record XmlElement(
     private static final int MAX_ELEMENTS = 200_000;
 
     /** Reads the root element of a file. Declarations of document types are not read. */
-    static XmlElement read(String file, byte[] bytes) throws UrdfException {
+    static XmlElement read(String file, byte[] bytes) throws RobotFileException {
         XMLInputFactory factory = XMLInputFactory.newDefaultFactory();
         factory.setProperty(XMLInputFactory.SUPPORT_DTD, false);
         factory.setProperty(XMLInputFactory.IS_SUPPORTING_EXTERNAL_ENTITIES, false);
@@ -41,7 +41,7 @@ record XmlElement(
             int line = broken.getLocation() == null ? 1 : broken.getLocation().getLineNumber();
             String message = String.valueOf(broken.getMessage());
             String last = message.substring(message.lastIndexOf("Message: ") + 1);
-            throw new UrdfException(
+            throw new RobotFileException(
                     file
                             + ":"
                             + Math.max(line, 1)
@@ -51,7 +51,7 @@ record XmlElement(
     }
 
     private static XmlElement read(String file, XMLStreamReader reader)
-            throws XMLStreamException, UrdfException {
+            throws XMLStreamException, RobotFileException {
         Deque<XmlElement> open = new ArrayDeque<>();
         int count = 0;
         while (reader.hasNext()) {
@@ -87,12 +87,17 @@ record XmlElement(
                 }
             }
         }
-        throw new UrdfException(file + ":1: the file has no element");
+        throw new RobotFileException(file + ":1: the file has no element");
     }
 
     /** Returns an exception that names this place. */
-    UrdfException problem(String message) {
-        return new UrdfException(place() + ": " + message);
+    RobotFileException problem(String message) {
+        return new RobotFileException(place() + ": " + message);
+    }
+
+    /** Returns this element with other attributes. */
+    XmlElement with(Map<String, String> other) {
+        return new XmlElement(file, line, name, other, children);
     }
 
     String place() {
@@ -111,7 +116,7 @@ record XmlElement(
         return Optional.ofNullable(attributes.get(attribute));
     }
 
-    String text(String attribute) throws UrdfException {
+    String text(String attribute) throws RobotFileException {
         String text = attributes.get(attribute);
         if (text == null || text.isBlank()) {
             throw problem("<" + name + "> has no attribute " + attribute + ", which it must have");
@@ -120,13 +125,22 @@ record XmlElement(
     }
 
     /** Returns finite numbers that are separated by blanks, or the default. */
-    double[] numbers(String attribute, double... otherwise) throws UrdfException {
-        if (find(attribute).isEmpty()) {
-            return otherwise;
-        }
+    double[] numbers(String attribute, double... otherwise) throws RobotFileException {
+        return find(attribute).isEmpty()
+                ? otherwise
+                : list(attribute, otherwise.length, otherwise.length);
+    }
+
+    /**
+     * Returns the finite numbers of an attribute that must be given.
+     *
+     * @param least number of them
+     * @param most number of them
+     */
+    double[] list(String attribute, int least, int most) throws RobotFileException {
         String[] words = text(attribute).split("\\s+");
-        double[] numbers = new double[otherwise.length];
-        boolean wrong = words.length != numbers.length;
+        double[] numbers = new double[words.length];
+        boolean wrong = words.length < least || words.length > most;
         for (int i = 0; !wrong && i < numbers.length; i++) {
             try {
                 numbers[i] = Double.parseDouble(words[i]);
@@ -144,19 +158,21 @@ record XmlElement(
                             + "=\""
                             + attributes.get(attribute)
                             + "\">: expected "
-                            + (numbers.length == 1
+                            + (most == 1
                                     ? "a number"
-                                    : numbers.length + " numbers, separated by blanks"));
+                                    : (least < most ? least + " to " : "")
+                                            + most
+                                            + " numbers, separated by blanks"));
         }
         return numbers;
     }
 
-    double number(String attribute, double otherwise) throws UrdfException {
+    double number(String attribute, double otherwise) throws RobotFileException {
         return numbers(attribute, otherwise)[0];
     }
 
     /** Returns a number that must be given. */
-    double number(String attribute) throws UrdfException {
+    double number(String attribute) throws RobotFileException {
         text(attribute);
         return number(attribute, 0);
     }

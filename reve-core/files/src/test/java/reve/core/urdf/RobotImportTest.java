@@ -63,7 +63,7 @@ class RobotImportTest {
     void onlyARegularFileIsRead() throws Exception {
         Path zeros = Files.createSymbolicLink(folder.resolve("x.urdf"), Path.of("/dev/zero"));
         assertThatThrownBy(() -> RobotImport.read(zeros, USUAL))
-                .isInstanceOf(UrdfException.class)
+                .isInstanceOf(RobotFileException.class)
                 .hasMessage(zeros + ": expected a regular file");
     }
 
@@ -407,7 +407,7 @@ class RobotImportTest {
             delimiter = '|',
             value = {
                 "<robot> | 1: this is not XML",
-                "<mujoco/> | expected <robot>; MJCF is not read",
+                "<sdf/> | neither URDF nor MJCF: it begins with <sdf>, expected <robot> or <mujoco>",
                 "<robot/> | the robot has no <link>",
                 "<robot><link/></robot> | <link> has no attribute name",
                 "<robot><link name='a'/><link name='a'/></robot> | a second link has the name a",
@@ -442,7 +442,7 @@ class RobotImportTest {
             })
     void wrongFilesAreRefusedAtTheirPlace(String robot, String message) {
         assertThatThrownBy(() -> imported(robot, USUAL))
-                .isInstanceOf(UrdfException.class)
+                .isInstanceOf(RobotFileException.class)
                 .hasMessageContaining("robot.urdf:1: ")
                 .hasMessageContaining(message);
     }
@@ -454,7 +454,7 @@ class RobotImportTest {
             robot.append("<link name='").append(i).append("'/>");
         }
         assertThatThrownBy(() -> imported(robot.append("</robot>").toString(), USUAL))
-                .isInstanceOf(UrdfException.class)
+                .isInstanceOf(RobotFileException.class)
                 .hasMessageEndingWith(
                         "robot.urdf:1: the robot has 1001 links, expected at most 1000");
     }
@@ -472,7 +472,7 @@ class RobotImportTest {
             Files.write(file, bytes);
             try {
                 items(RobotImport.read(file, USUAL));
-            } catch (UrdfException refused) {
+            } catch (RobotFileException refused) {
                 assertThat(refused.getMessage()).startsWith(file + ":");
             } catch (IOException | RuntimeException broken) {
                 throw new AssertionError(new String(bytes, StandardCharsets.UTF_8), broken);

@@ -3,7 +3,7 @@ package reve.worlds.cli;
 
 import reve.core.file.PackException;
 import reve.core.file.WorldFileException;
-import reve.core.urdf.UrdfException;
+import reve.core.urdf.RobotFileException;
 import reve.pe.PhysicsException;
 
 import java.net.BindException;
@@ -47,7 +47,7 @@ public final class ExitCode {
         return switch (failure) {
             case WorldFileException invalid -> INVALID_WORLD;
             case PackException unfit -> INVALID_WORLD;
-            case UrdfException invalid -> INVALID_WORLD;
+            case RobotFileException invalid -> INVALID_WORLD;
             case PhysicsException physics -> PHYSICS;
             case BindException bind -> CANNOT_BIND;
             default -> FAILURE;

@@ -24,11 +24,12 @@ import java.util.stream.Stream;
 /** The command {@code import}: makes a world of a robot model. */
 @Command(
         name = "import",
-        description = "Makes the folder of a world from a robot model (URDF) and its meshes.")
+        description =
+                "Makes the folder of a world from a robot model (URDF or MJCF) and its meshes.")
 public final class ImportCommand implements Callable<Integer> {
     @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Parameters(paramLabel = "FILE", description = "A URDF file.")
+    @Parameters(paramLabel = "FILE", description = "A file of URDF or MJCF.")
     private Path file = Path.of("");
 
     @Option(
@@ -43,13 +44,15 @@ public final class ImportCommand implements Callable<Integer> {
             paramLabel = "fixed|free|automatic",
             description =
                     "Whether the root of the robot moves (default: it does if it has a mass and is"
-                            + " not named world).")
+                            + " not named world; in MJCF, if it has a free joint).")
     private RobotImport.Base base = RobotImport.Base.AUTOMATIC;
 
     @Option(names = "--y-up", description = "+Y is up in the file (default: +Z).")
     private boolean yUp;
 
-    @Option(names = "--self-collision", description = "Parts of the robot collide with each other.")
+    @Option(
+            names = "--self-collision",
+            description = "Parts of the robot collide with each other (in MJCF, the file decides).")
     private boolean selfCollision;
 
     @Option(

@@ -82,8 +82,10 @@ public sealed interface ServerMessage {
      */
     record Refused(long id, String code, String reason) implements ServerMessage {
 
+        /** Maximum length of a reason [characters]. */
         static final int MAX_REASON = 8192;
 
+        /** Cuts a reason that is too long. */
         public Refused {
             if (reason.length() > MAX_REASON) {
                 int end =

@@ -5,11 +5,11 @@ package reve.core.urdf;
  * Reports a robot model that cannot be imported. The message is one line that names the file, the
  * line and what was expected.
  */
-public final class UrdfException extends Exception {
+public final class RobotFileException extends Exception {
     private static final long serialVersionUID = 1L;
 
     /** Creates an exception; the message must name the place. */
-    public UrdfException(String message) {
+    public RobotFileException(String message) {
         super(message);
     }
 }
