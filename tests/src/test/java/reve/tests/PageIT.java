@@ -231,6 +231,45 @@ class PageIT {
         }
     }
 
+    @Test
+    void theDivergenceOfANewVersionInTheShadowIsPlotted() throws Exception {
+        String load =
+                "reve.connection.ask('load-law', {library: 'push.law', text: 'law push\\n  each body:"
+                        + " force += %d N (1, 0, 0)\\n', swap: 'shadow'}).then(() => true)";
+        String trial = "document.querySelector('#law-shadows [data-library=push]%s')";
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        "worlds/sandbox",
+                        "--port",
+                        "0",
+                        "--web",
+                        "0",
+                        "--json",
+                        "--shadow-seconds",
+                        "2")) {
+            open(server);
+            browser.await(OPEN);
+            browser.click("#tab-laws");
+            browser.ask(load.formatted(1));
+            browser.ask(load.formatted(2));
+            browser.await(trial.formatted(" polyline.position") + "?.points.length > 3");
+            browser.await(trial.formatted(" .chip.good") + "?.textContent === 'accepted'");
+            assertThat(browser.text("#law-shadows [data-library=push]"))
+                    .contains("120 of 120 frames", "largest difference of position", "ball-");
+            // from the lower left to the upper right: the distance grows with the square of time
+            assertThat(
+                            browser.ask(
+                                            "(p => p[p.length - 1].y < p[0].y && p[p.length - 1].x > p[0].x)("
+                                                    + "[...document.querySelector('#law-shadows polyline.position').points])")
+                                    .booleanValue())
+                    .isTrue();
+            browser.picture(PICTURES.resolve("law-shadow.png"));
+            assertThat(browser.errors).isEmpty();
+        }
+    }
+
     private void drop(String name, String content) throws Exception {
         browser.ask(
                 "(() => { const data = new DataTransfer(); data.items.add(new File(['"

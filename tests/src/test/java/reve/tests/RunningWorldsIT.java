@@ -70,6 +70,7 @@ class RunningWorldsIT {
                     "World.setAge",
                     "World.add",
                     "Laws.addListener",
+                    "Laws.keepPreviousFor",
                     "Laws.removeListener",
                     "Simulation.addListener");
 

@@ -5,6 +5,8 @@ import { h, number, toast } from "./dom.js";
 import { LawText } from "./lawtext.js";
 
 const READ_MILLISECONDS = 1000;
+const MOST_TRIALS = 4;
+const PLOT = { width: 260, height: 64 };
 const ACCESS = { read: "reads", write: "writes", accumulate: "adds to", scratch: "remembers" };
 
 export class LawsPanel {
@@ -15,10 +17,13 @@ export class LawsPanel {
     this.loader = h("div", { className: "row", id: "law-loader" }, this.available, this.load);
     this.ledgerSwitch = h("input", { type: "checkbox", id: "ledger-on", onchange: () => this.switchLedger() });
     this.list = h("div", { id: "law-list" });
+    this.shadows = h("div", { id: "law-shadows" });
+    this.trials = new Map();
     this.out = h("div", { id: "law-quarantine" });
     this.editor = new LawText(app, () => this.read());
     panel.append(
       this.loader, this.editor.element,
+      this.shadows,
       h("h4", null, "Loaded laws"), this.list,
       this.out,
       h("h4", null, "Ledger"),
@@ -34,6 +39,8 @@ export class LawsPanel {
     this.cards.clear();
     this.list.replaceChildren();
     this.out.replaceChildren();
+    this.trials.clear();
+    this.shadows.replaceChildren();
     this.ledger.replaceChildren();
     this.ledgerSwitch.checked = false;
     this.editor.element.hidden = this.loader.hidden = this.ledgerSwitch.parentElement.hidden = this.app.role !== "control";
@@ -186,6 +193,47 @@ export class LawsPanel {
           h("p", { className: "fault" }, law.message ?? "only the role control sees the message"),
           h("p", { className: "doc" }, `frame ${law.frame}; the world continues as if it had not been there`))),
     );
+  }
+
+  /** Takes an event of the trial of a new version, which acts in a copy of the world. */
+  shadow(event) {
+    const { library, stage, frames } = event;
+    if (stage === "begins" || !this.trials.has(library)) {
+      this.trials.delete(library);
+      this.trials.set(library, { points: [] });
+      while (this.trials.size > MOST_TRIALS) this.trials.delete(this.trials.keys().next().value);
+    }
+    const trial = this.trials.get(library);
+    trial.event = event;
+    const last = trial.points.at(-1);
+    if (last && frames < last.frames) trial.points = []; // the copy has begun again
+    if (!last || frames > last.frames || trial.points.length === 0) trial.points.push({ frames, position: event.position, velocity: event.velocity });
+    this.shadows.replaceChildren(h("h4", null, "In the shadow"), ...[...this.trials.values()].map((one) => this.trial(one)));
+  }
+
+  trial({ event, points }) {
+    const difference = (name, unit) => h("p", { className: `doc ${name}` },
+      `largest difference of ${name}: ${number(event[name])} ${unit}${event[`${name}Item`] ? ` (${event[`${name}Item`]})` : ""}`);
+    return h("section", { className: event.stage === "refused" ? "card bad" : "card", "data-library": event.library, "aria-label": `Trial of ${event.library}` },
+      h("header", null, h("h3", null, event.library),
+        h("span", { className: event.stage === "refused" ? "chip bad" : event.stage === "accepted" ? "chip good" : "chip" }, event.stage),
+        h("span", { className: "chip" }, `${event.frames} of ${event.of} frames`)),
+      this.divergence(points, event.of),
+      difference("position", "m"), difference("velocity", "m/s"),
+      event.message ? h("p", { className: "fault" }, event.message) : null);
+  }
+
+  /** Plots the differences over the frames of a trial, each up to its largest value. */
+  divergence(points, of) {
+    const lines = ["position", "velocity"].map((name) => {
+      const most = Math.max(...points.map((point) => point[name])) || 1;
+      const places = points.map((point) =>
+        `${((PLOT.width * point.frames) / of).toFixed(1)},${(PLOT.height - 2 - ((PLOT.height - 4) * point[name]) / most).toFixed(1)}`);
+      return `<polyline class="${name}" points="${places.join(" ")}"/>`;
+    });
+    return h("div", { className: "divergence", role: "img",
+      "aria-label": "Differences of position and velocity over the frames of the trial",
+      innerHTML: `<svg viewBox="0 0 ${PLOT.width} ${PLOT.height}">${lines.join("")}</svg>` });
   }
 
   async loadLaw() {

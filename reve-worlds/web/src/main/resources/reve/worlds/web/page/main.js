@@ -149,6 +149,7 @@ class App {
   #event(event) {
     this.agents.event(event);
     if (["law-loaded", "law-unloaded", "law-shadow", "over-budget", "fault"].includes(event.type)) this.laws.read();
+    if (event.type === "law-shadow") this.laws.shadow(event.fields);
     if (event.type === "rewound") {
       this.plots.clear();
       this.scene.trails.clear();
