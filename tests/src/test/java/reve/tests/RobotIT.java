@@ -16,7 +16,7 @@ import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** The command {@code import}, and {@code worlds/robot-arm}: a robot that an agent drives. */
+/** The command {@code import}, and the robots of sample worlds, which agents drive. */
 @Tag("slow")
 class RobotIT {
     private static final Path ARM = Project.WORLDS.resolve("robot-arm");
@@ -68,20 +68,52 @@ class RobotIT {
         assertThat(push()).isEqualTo(push());
     }
 
+    /** The car passes four gates on its way of a few metres between them. */
+    @Test
+    void anAgentDrivesTheCarThroughItsGates() throws Exception {
+        String summary = drive("car", "drive.py");
+        JsonNode drive = new JsonMapper().readTree(summary);
+        assertThat(drive.path("gates").size()).as(summary).isEqualTo(4);
+        assertThat(drive.path("metres").asDouble()).as(summary).isBetween(14.0, 20.0);
+        // The agents join in different frames, and a car that stands still creeps a little.
+        int rounds = drive.path("rounds").asInt();
+        JsonNode again = new JsonMapper().readTree(drive("car", "drive.py"));
+        assertThat(again.path("rounds").asInt()).as(summary).isBetween(rounds - 2, rounds + 2);
+    }
+
+    @Test
+    void theCarIsAsItIsImportedFromMjcf() throws Exception {
+        Path car = Project.WORLDS.resolve("car");
+        Path out = folder.resolve("car");
+        Outcome imported =
+                Reve.run("import", car.resolve("car.xml").toString(), "--out", out.toString());
+        assertThat(imported.code()).as(imported.err()).isZero();
+        assertThat(imported.out()).startsWith(out + "/world.yaml: car, 7 bodies, 6 joints");
+        assertThat(out.resolve("robot.yaml")).hasSameTextualContentAs(car.resolve("robot.yaml"));
+    }
+
     private String push() throws IOException, InterruptedException {
+        String summary = drive("robot-arm", "reach.py");
+        JsonNode reach = new JsonMapper().readTree(summary);
+        assertThat(reach.path("pushed").size()).as(summary).isEqualTo(3);
+        assertThat(reach.path("rounds").asInt()).as(summary).isLessThan(600);
+        return summary;
+    }
+
+    /** Runs an example against a sample world and returns its summary. */
+    private String drive(String world, String example) throws IOException, InterruptedException {
         var shell = new Shell(folder);
         try (Server server =
                 shell.serve(
-                        "\"$REVE/reve\" serve \"$REVE/worlds/robot-arm\" --fast --waiting off")) {
-            String summary =
-                    shell.run(
-                            "PYTHONPATH=\"$REVE/agents/python\" python3"
-                                    + " \"$REVE/agents/python/examples/reach.py\" --port "
-                                    + server.port());
-            JsonNode reach = new JsonMapper().readTree(summary);
-            assertThat(reach.path("pushed").size()).as(summary).isEqualTo(3);
-            assertThat(reach.path("rounds").asInt()).as(summary).isLessThan(600);
-            return summary;
+                        "\"$REVE/reve\" serve \"$REVE/worlds/"
+                                + world
+                                + "\" --fast --waiting off")) {
+            return shell.run(
+                    "PYTHONPATH=\"$REVE/agents/python\" python3"
+                            + " \"$REVE/agents/python/examples/"
+                            + example
+                            + "\" --port "
+                            + server.port());
         }
     }
 }

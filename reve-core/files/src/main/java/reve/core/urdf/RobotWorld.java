@@ -103,7 +103,7 @@ final class RobotWorld {
     }
 
     int bodyCount() {
-        return tree.bodies().size();
+        return (int) tree.bodies().stream().filter(body -> !isNeedless(body)).count();
     }
 
     int jointCount() {
@@ -172,12 +172,6 @@ final class RobotWorld {
                 physics.put("inertia", Numerals.shortened(solid.moments()));
             }
         }
-        if (layers.isPresent()) {
-            surface(body).ifPresent(surface -> layers.get().put(surface, physics));
-        } else if (!options.selfCollision()) {
-            physics.put("touchLayer", Numeral.of(LAYER));
-            physics.put("passesLayers", List.of(Numeral.of(LAYER)));
-        }
         Map<String, Object> item = new LinkedHashMap<>();
         item.put("name", name);
         Numerals.putPose(item, new LinkedHashMap<>(), pose);
@@ -186,8 +180,21 @@ final class RobotWorld {
         for (Link link : body.links()) {
             bodyNames.put(link.name(), name);
             bodyPoses.put(link.name(), pose);
-            shapes(link, name, pose);
+            shapes(link, name, pose, touch(body));
         }
+    }
+
+    /** Returns the properties by which the shapes of a body collide. */
+    private Map<String, Object> touch(RigidTree.Body body) {
+        Map<String, Object> touch = new LinkedHashMap<>();
+        touch.put("partOfBody", Numeral.of(1));
+        if (layers.isPresent()) {
+            surface(body).ifPresent(surface -> layers.get().put(surface, touch));
+        } else if (!options.selfCollision()) {
+            touch.put("touchLayer", Numeral.of(LAYER));
+            touch.put("passesLayers", List.of(Numeral.of(LAYER)));
+        }
+        return touch;
     }
 
     /** Returns whether a body is the world of a file of MJCF, without a shape and a joint. */
@@ -205,7 +212,7 @@ final class RobotWorld {
                         .allMatch(link -> link.looks().isEmpty() && link.collisions().isEmpty());
     }
 
-    private void shapes(Link link, String body, Pose pose) {
+    private void shapes(Link link, String body, Pose pose, Map<String, Object> touch) {
         List<Geometry> looks = new ArrayList<>(link.looks());
         for (Geometry collision : link.collisions()) {
             Optional<Geometry> same =
@@ -215,10 +222,10 @@ final class RobotWorld {
                     same.isPresent()
                             ? same.get().colour()
                             : link.looks().isEmpty() ? Optional.empty() : Optional.of(HIDDEN);
-            shape(link, collision, body, pose, " shape", colour, true);
+            shape(link, collision, body, pose, " shape", colour, touch);
         }
         for (Geometry look : looks) {
-            shape(link, look, body, pose, " look", look.colour(), false);
+            shape(link, look, body, pose, " look", look.colour(), Map.of());
         }
     }
 
@@ -246,7 +253,7 @@ final class RobotWorld {
             Pose bodyPose,
             String suffix,
             Optional<String> colour,
-            boolean collides) {
+            Map<String, Object> touch) {
         Optional<ShapeWriter.Written> written = shapes.write(geometry, colour);
         if (written.isEmpty()) {
             return;
@@ -258,8 +265,8 @@ final class RobotWorld {
         item.put("name", unique(link.name() + suffix));
         item.put("parent", body);
         Numerals.putPose(item, physical, inWorld.relativeTo(bodyPose));
-        if (collides) {
-            item.put("physics", Map.of("partOfBody", Numeral.of(1)));
+        if (!touch.isEmpty()) {
+            item.put("physics", touch);
         }
         items.add(item);
     }

@@ -134,15 +134,15 @@ class MjcfImportTest {
     @Test
     void typesAndAffinitiesBecomeLayers() throws Exception {
         Map<String, ItemDefinition> items = items(imported(ROBOT));
-        for (String body : new String[] {"trunk", "leg", "slide"}) {
+        for (String body : new String[] {"trunk shape", "leg shape", "slide shape"}) {
             assertThat(items.get(body).physics("touchLayer").orElseThrow()).containsExactly(1);
             assertThat(items.get(body).physics("passesLayers").orElseThrow()).containsExactly(2);
             assertThat(items.get(body).physics("friction").orElseThrow()).containsExactly(0.8);
         }
         String usual = ROBOT.replace(" conaffinity=\"0\"", "");
         Map<String, ItemDefinition> others = items(imported(usual));
-        assertThat(others.get("leg").physics("touchLayer")).isEmpty();
-        assertThat(others.get("leg").physics("passesLayers")).isEmpty();
+        assertThat(others.get("leg shape").physics("touchLayer")).isEmpty();
+        assertThat(others.get("leg shape").physics("passesLayers")).isEmpty();
     }
 
     @Test

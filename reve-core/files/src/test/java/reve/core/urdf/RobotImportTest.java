@@ -197,6 +197,9 @@ class RobotImportTest {
         ItemDefinition cylinder = items.get("upper shape");
         assertThat(cylinder.parent()).contains("upper");
         assertThat(cylinder.physics("partOfBody").orElseThrow()).containsExactly(1);
+        // The law reads the layers of the shapes, not of the body that has them.
+        assertThat(cylinder.physics("touchLayer").orElseThrow()).containsExactly(1);
+        assertThat(cylinder.physics("passesLayers").orElseThrow()).containsExactly(2);
         Pose end =
                 new Pose(0, 0.2, 0, 0, 0, 0, 1)
                         .within(pose(cylinder))
@@ -243,6 +246,7 @@ class RobotImportTest {
         ItemDefinition held = items(imported(ball, fixed)).get("ball");
         assertThat(held.physics("mass").orElseThrow()).containsExactly(0);
         assertThat(held.physics("touchLayer")).isEmpty();
+        assertThat(items(imported(ball, fixed)).get("ball shape").physics("touchLayer")).isEmpty();
     }
 
     @Test
