@@ -197,7 +197,7 @@ final class Browser implements AutoCloseable, WebSocket.Listener {
         String last = "";
         while (System.nanoTime() < end) {
             try {
-                if (ask("Boolean(" + expression + ")").booleanValue()) {
+                if (ask("Promise.resolve(" + expression + ").then(Boolean)").booleanValue()) {
                     return;
                 }
             } catch (IllegalStateException notYet) {

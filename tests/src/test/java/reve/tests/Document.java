@@ -19,7 +19,7 @@ record Document(Path path, List<Block> blocks) {
                     "^```(\\w+)(?: title=(\\S+))?\\R(.*?)^```$",
                     Pattern.MULTILINE | Pattern.DOTALL);
 
-    /** One block: its language, its file name (empty if the block names none) and its text. */
+    /** A block of code. Its title is the name of its file, or empty if the page gives none. */
     record Block(String language, String title, String text) {}
 
     static Document read(Path path) throws IOException {

@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
+import reve.core.disk.Reason;
 import reve.core.frame.CommandQueue;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
@@ -211,7 +212,7 @@ public final class LawFolder implements AutoCloseable {
                                     files.computeIfAbsent(name, n -> new WatchedFile())));
             offerReady();
         } catch (IOException | UncheckedIOException e) {
-            warnOnce(folder + " is not followed, laws stay as they are: " + e.getMessage());
+            warnOnce(folder + " is not followed, laws stay as they are: " + Reason.of(e));
         }
     }
 
@@ -255,11 +256,12 @@ public final class LawFolder implements AutoCloseable {
     }
 
     private Map<String, Path> list() throws IOException {
+        Map<String, Path> present = new TreeMap<>();
+        List<Path> all = FolderFiles.in(folder);
         if (isForEverybody(folder)) { // also if the folder was removed and made again
             throw new IOException("every user can write to it: chmod o-w it");
         }
-        Map<String, Path> present = new TreeMap<>();
-        for (Path file : FolderFiles.in(folder)) {
+        for (Path file : all) {
             String name = file.getFileName().toString();
             if (isLaw(name)) {
                 present.put(name, file);

@@ -2,9 +2,8 @@
 package reve.pe.posix;
 
 import java.io.IOException;
+import java.nio.file.FileSystemException;
 import java.nio.file.Files;
-import java.nio.file.NoSuchFileException;
-import java.nio.file.NotDirectoryException;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.stream.Stream;
@@ -31,11 +30,11 @@ public final class FolderFiles {
     public static List<Path> in(Path folder) throws IOException {
         int descriptor = Posix.open(folder.toString(), O_NONBLOCK | O_DIRECTORY | O_CLOEXEC);
         switch (-descriptor) {
-            case ENOENT -> throw new NoSuchFileException(folder.toString());
-            case ENOTDIR -> throw new NotDirectoryException(folder.toString());
+            case ENOENT -> throw refused(folder, "there is no such folder");
+            case ENOTDIR -> throw refused(folder, "it is not a folder");
             default -> {
                 if (descriptor < 0) {
-                    throw new IOException(folder + ": " + Posix.words(-descriptor));
+                    throw refused(folder, Posix.words(-descriptor));
                 }
             }
         }
@@ -45,5 +44,9 @@ public final class FolderFiles {
         } finally {
             Posix.close(descriptor);
         }
+    }
+
+    private static FileSystemException refused(Path folder, String reason) {
+        return new FileSystemException(folder.toString(), null, reason);
     }
 }

@@ -249,7 +249,7 @@ class LawFolderNativeTest {
         lookAndRun(2);
         drop("strong_wind", "wind.so");
         lookAndRun(2);
-        // one frame of the weak wind while the new file settled, and one of the strong wind
+        // while the new file settled, the weak wind acted in one more frame; then the strong one
         assertThat(speed()).isCloseTo(GAIN + GAIN + 2 * GAIN, offset(1e-15));
         assertThat(loaded()).containsExactly("newton_motion", "wind");
         assertThat(world.events)
@@ -432,7 +432,10 @@ class LawFolderNativeTest {
                 .containsExactly("pull is another law's name");
     }
 
-    /** One of two is refused; then one of them has a new name, and the other one's old name. */
+    /**
+     * Two files change together. First, the engine refuses one of them. Then one law gets a new
+     * name, and the other law gets the name that the first one had.
+     */
     @Test
     void filesThatChangeTogetherActTogetherFromOneFrameOn() throws IOException {
         push("a.law", "push", 4);

@@ -181,7 +181,9 @@ class MalformedWorldsTest {
         assertThat(slow).isEmpty();
     }
 
-    /** Files beside the world; the problem is on line 6, where the world names them. */
+    /**
+     * Wrong files beside the world. The problem is reported at line 6, where the world names them.
+     */
     @ParameterizedTest(name = "{0}: {1}")
     @CsvSource(
             delimiter = '!',

@@ -15,9 +15,10 @@ import java.util.Random;
 import java.util.regex.Pattern;
 
 /**
- * World files of the project with characters, pieces of YAML and bytes at wrong places: valid, or
- * refused in words that reveal nothing about the program. The seed is printed; {@code
- * -Dreve.test.seed=N} repeats it, and {@code -Dreve.test.mutants=20000} tests more.
+ * Inserts characters, pieces of YAML and bytes at random places of the project's world files. Each
+ * mutated file must be valid, or be refused with a message that shows no internals of the program,
+ * such as the name of a Java class. The seed is printed; {@code -Dreve.test.seed=N} repeats it, and
+ * {@code -Dreve.test.mutants=20000} tests more.
  */
 class MutatedFilesTest {
     private static final int MUTANTS = Integer.getInteger("reve.test.mutants", 400);

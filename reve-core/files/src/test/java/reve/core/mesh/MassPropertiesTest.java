@@ -56,7 +56,7 @@ class MassPropertiesTest {
         assertClose(drum.moments(), 21 / 12.0, 2, 21 / 12.0);
     }
 
-    /** A capsule is a ball if nothing is between its ends, and nearly a rod if it is long. */
+    /** A capsule of length 0 equals a ball, and a long thin capsule nearly equals a rod. */
     @Test
     void aCapsuleIsBetweenABallAndARod() {
         MassProperties ball = MassProperties.of(Shape.sphere(0.5), 1000);
@@ -99,7 +99,8 @@ class MassPropertiesTest {
     }
 
     /**
-     * For corners at the origin and 1, 2, 3 m along the axes: products too, by hand integration.
+     * The corners are the origin and the points at 1, 2 and 3 m on the axes. Such a tetrahedron has
+     * products of inertia; the expected values were integrated by hand.
      */
     @Test
     void aTetrahedronHasTheProductsOfItsIntegrals() {

@@ -377,6 +377,10 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private WorldPlan plan(WorldDescription description, Path folder, LawPath lawPath) {
+        Optional<Path> ownSaves =
+                saves.map(all -> paths.size() > 1 ? all.resolve(description.name()) : all);
+        makeFolder("--saves", saves);
+        makeFolder("--saves", ownSaves);
         List<Long> pictureFrames = new ArrayList<>();
         for (double time : snapshotAt) {
             pictureFrames.add(Frames.of(spec, "--snapshot-at", time, description.timing()));
@@ -388,7 +392,7 @@ public final class ServeCommand implements Callable<Integer> {
                         folder,
                         recording(description.name()),
                         fileOf(store, description.name() + ".db"),
-                        saves.map(all -> paths.size() > 1 ? all.resolve(description.name()) : all),
+                        ownSaves,
                         storeEvery.orElse((double) STORE_EVERY),
                         durability.orElse(SqliteStore.Durability.NORMAL)),
                 new Pictures(snapshots, pictureFrames),

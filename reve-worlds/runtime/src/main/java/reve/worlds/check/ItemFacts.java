@@ -153,7 +153,10 @@ final class ItemFacts {
                         .count();
     }
 
-    /** Returns whether a property of a kind is different from 0, or may be later, for any item. */
+    /**
+     * Returns whether at least one of these properties differs from 0, or can differ from 0 later,
+     * at one or more items of the kind.
+     */
     boolean mayDiffer(String kind, Collection<String> properties) {
         return properties.stream().anyMatch(setByActions::contains)
                 || entries.stream()

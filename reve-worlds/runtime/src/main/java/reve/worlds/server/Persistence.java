@@ -14,7 +14,7 @@ import java.util.Optional;
  * @param recording plan for a recording of the run; empty for none
  * @param store file from which the world resumes and in which it is stored; empty for none
  * @param saves folder for world files that are saved while the world runs; belongs to this world
- *     only, and is created when needed
+ *     only
  * @param imageSeconds world time between two images in the store [s]
  * @param durability of the store
  */

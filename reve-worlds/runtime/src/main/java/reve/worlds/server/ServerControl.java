@@ -26,7 +26,6 @@ import reve.worlds.journal.SimulationImage;
 
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
-import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.Collection;
@@ -319,7 +318,6 @@ final class ServerControl implements WorldControl, AutoCloseable {
             try (Simulation fork = simulation.fork(image)) {
                 List<String> lost = new ArrayList<>();
                 without.forEach(body -> lost.addAll(removed(fork.world(), body)));
-                Files.createDirectories(folder);
                 WorldFile.save(target, fork.descriptionNow());
                 lost.addAll(fork.notDescribed());
                 Map<String, Object> fields = new LinkedHashMap<>();

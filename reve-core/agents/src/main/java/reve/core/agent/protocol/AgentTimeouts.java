@@ -35,7 +35,7 @@ public record AgentTimeouts(
 
     public static final AgentTimeouts PROTOCOL =
             new AgentTimeouts(
-                    Duration.ofSeconds(2),
+                    Duration.ofSeconds(5), // with TLS; a JVM that just started takes seconds
                     Duration.ofSeconds(10),
                     Duration.ofSeconds(15),
                     Duration.ofSeconds(10),
