@@ -284,6 +284,7 @@ class WorldFileProblemsTest {
                 "acted",
                 "law-loaded",
                 "law-unloaded",
+                "law-shadow",
                 "fault",
                 "over-budget",
                 "missed",
@@ -313,8 +314,8 @@ class WorldFileProblemsTest {
                         "w:5:37: raise: the event "
                                 + event
                                 + " is the server's own; choose a name other than joined, left, "
-                                + "acted, law-loaded, law-unloaded, fault, over-budget, missed, "
-                                + "waiting, ready, snapshot, snapshot-failed, saved, rewound, "
+                                + "acted, law-loaded, law-unloaded, law-shadow, fault, over-budget, "
+                                + "missed, waiting, ready, snapshot, snapshot-failed, saved, rewound, "
                                 + "stalled, recovered, late, away, back, end, detached and "
                                 + "removed");
     }
