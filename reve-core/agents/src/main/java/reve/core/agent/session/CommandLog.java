@@ -155,7 +155,7 @@ final class CommandLog {
         };
     }
 
-    private static long size(Object value) {
+    private static long size(@Nullable Object value) {
         return switch (value) {
             case String text -> text.length();
             case Map<?, ?> map ->
@@ -170,7 +170,7 @@ final class CommandLog {
                 }
                 yield sum;
             }
-            default -> FRAME;
+            case null, default -> FRAME;
         };
     }
 
