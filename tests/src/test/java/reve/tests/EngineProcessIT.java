@@ -15,7 +15,6 @@ import tools.jackson.databind.JsonNode;
 
 import java.nio.file.Files;
 import java.nio.file.Path;
-import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -25,44 +24,13 @@ import java.util.concurrent.TimeUnit;
 @Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class EngineProcessIT {
-    private static final String WORLD =
-            """
-            reve: 1
-            name: stones
-            laws: [newton_motion]
-            agents: {body: {physical: {location: [0, 0, 0]}}}
-            items:
-              - name: stone
-                physical: {location: [1, 0, 0]}
-                physics: {mass: 1 kg, velocity: [1, 0, 0]}
-            """;
-
-    /** HOSTILE_STEP of the test laws. */
-    private static final long HARMLESS_STEPS = 50;
-
     @TempDir private Path folder;
 
-    private Path laws;
+    private StoneWorld world;
 
     @BeforeEach
     void makeWorld() throws Exception {
-        Files.writeString(folder.resolve("stones.yaml"), WORLD);
-        laws = Files.createDirectory(folder.resolve("laws"));
-    }
-
-    private Server serve(String... options) throws Exception {
-        List<String> arguments =
-                new ArrayList<>(
-                        List.of(
-                                "serve",
-                                folder.resolve("stones.yaml").toString(),
-                                "--port",
-                                "0",
-                                "--json",
-                                "--laws",
-                                laws.toString()));
-        arguments.addAll(List.of(options));
-        return Server.start(folder, arguments.toArray(String[]::new));
+        world = StoneWorld.in(folder);
     }
 
     /** Puts a test law into the laws folder at once, as a copy beside it that is renamed. */
@@ -72,7 +40,7 @@ class EngineProcessIT {
                 Files.copy(
                         Project.NATIVE.resolve("adapter-test-laws").resolve(file),
                         folder.resolve(file));
-        return Files.move(copy, laws.resolve(file));
+        return Files.move(copy, world.laws().resolve(file));
     }
 
     private static List<ProcessHandle> hosts(Server server) {
@@ -99,10 +67,10 @@ class EngineProcessIT {
         kinds.put("segfault_in_constructor", "LIBRARY_LOAD_FAILED");
         kinds.put("_exit_in_destroy", "LIBRARY_LOAD_FAILED");
         JsonNode end;
-        try (Server server = serve()) {
+        try (Server server = world.serve()) {
             try (AgentClient agent =
                     AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
-                while (agent.perceive().frame() <= HARMLESS_STEPS) {}
+                while (agent.perceive().frame() <= StoneWorld.HARMLESS_STEPS) {}
                 for (Map.Entry<String, String> kind : kinds.entrySet()) {
                     Path file = drop(kind.getKey());
                     int seen = server.events().count();
@@ -129,7 +97,7 @@ class EngineProcessIT {
         Reve.Outcome without =
                 Reve.run(
                         "run",
-                        folder.resolve("stones.yaml").toString(),
+                        world.file().toString(),
                         "--engine",
                         "in-process",
                         "--json",
@@ -142,7 +110,7 @@ class EngineProcessIT {
     @Test
     void aLawThatPrintsForgesNoEvent() throws Exception {
         drop("print");
-        try (Server server = serve("--seconds", "5")) {
+        try (Server server = world.serve("--seconds", "5")) {
             List<JsonNode> events = server.events().untilEnd();
             assertThat(events)
                     .filteredOn(event -> event.path("event").asString().equals("law-loaded"))
@@ -162,7 +130,7 @@ class EngineProcessIT {
     @Test
     void theProcessesOfLawsEndWithTheirServer() throws Exception {
         List<ProcessHandle> hosts;
-        try (Server server = serve()) {
+        try (Server server = world.serve()) {
             server.port();
             hosts = hosts(server);
             assertThat(hosts).isNotEmpty();
@@ -180,12 +148,12 @@ class EngineProcessIT {
     void aStoreDoesNotRepeatACrash() throws Exception {
         String store = folder.resolve("stones.db").toString();
         drop("segfault");
-        try (Server server = serve("--store", store, "--seconds", "8")) {
+        try (Server server = world.serve("--store", store, "--seconds", "8")) {
             server.events()
                     .await("fault", fault -> fault.path("status").asString().equals("LAW_CRASHED"));
             server.events().await("end", event -> true);
         }
-        try (Server server = serve("--store", store, "--seconds", "3")) {
+        try (Server server = world.serve("--store", store, "--seconds", "3")) {
             List<JsonNode> events = server.events().untilEnd();
             assertThat(events)
                     .filteredOn(event -> event.path("event").asString().equals("fault"))

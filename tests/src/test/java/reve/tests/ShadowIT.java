@@ -18,7 +18,6 @@ import tools.jackson.databind.JsonNode;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
-import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 
@@ -26,44 +25,13 @@ import java.util.Map;
 @Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class ShadowIT {
-    private static final String WORLD =
-            """
-            reve: 1
-            name: stones
-            laws: [newton_motion]
-            agents: {body: {physical: {location: [0, 0, 0]}}}
-            items:
-              - name: stone
-                physical: {location: [1, 0, 0]}
-                physics: {mass: 1 kg, velocity: [1, 0, 0]}
-            """;
-
-    /** The laws that do harm are harmless in the first 50 steps of the world. */
-    private static final long HARMLESS_STEPS = 50;
-
     @TempDir private Path folder;
 
-    private Path laws;
+    private StoneWorld world;
 
     @BeforeEach
     void makeWorld() throws Exception {
-        Files.writeString(folder.resolve("stones.yaml"), WORLD);
-        laws = Files.createDirectory(folder.resolve("laws"));
-    }
-
-    private Server serve(String... options) throws Exception {
-        List<String> arguments =
-                new ArrayList<>(
-                        List.of(
-                                "serve",
-                                folder.resolve("stones.yaml").toString(),
-                                "--port",
-                                "0",
-                                "--json",
-                                "--laws",
-                                laws.toString()));
-        arguments.addAll(List.of(options));
-        return Server.start(folder, arguments.toArray(String[]::new));
+        world = StoneWorld.in(folder);
     }
 
     /** Puts a test law into the file wind.so of the laws folder. */
@@ -74,7 +42,7 @@ class ShadowIT {
                                 .resolve("adapter-test-laws")
                                 .resolve("libvesper_law_" + law + ".so"),
                         folder.resolve("copy.so"));
-        Files.move(copy, laws.resolve("wind.so"), StandardCopyOption.REPLACE_EXISTING);
+        Files.move(copy, world.laws().resolve("wind.so"), StandardCopyOption.REPLACE_EXISTING);
     }
 
     private static JsonNode awaitEnd(Server server, int seen) throws Exception {
@@ -92,7 +60,7 @@ class ShadowIT {
     @Test
     void aVersionThatHarmsItsProcessNeverReachesTheWorld() throws Exception {
         Path log = folder.resolve("run.log");
-        try (Server server = serve("--record", log.toString())) {
+        try (Server server = world.serve("--record", log.toString())) {
             try (AgentClient agent =
                     AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
                 drop("wind");
@@ -100,7 +68,7 @@ class ShadowIT {
                         .await(
                                 "law-loaded",
                                 event -> event.path("library").asString().equals("wind"));
-                while (agent.perceive().frame() <= HARMLESS_STEPS) {}
+                while (agent.perceive().frame() <= StoneWorld.HARMLESS_STEPS) {}
                 for (Map.Entry<String, String> kind :
                         List.of(
                                 Map.entry("segfault", "LAW_CRASHED"),
@@ -136,7 +104,7 @@ class ShadowIT {
     @Test
     void anOperatorSeesHowFarATextDivergesAndChoosesHowItTakesOver() throws Exception {
         String text = "law push\n  each body: force += %s N (1, 0, 0)\n";
-        try (Server server = serve("--shadow-seconds", "3");
+        try (Server server = world.serve("--shadow-seconds", "3");
                 AgentClient boss =
                         AgentClient.connect(
                                 "127.0.0.1",

@@ -14,6 +14,9 @@ import java.util.function.LongConsumer;
  * @param library the new version, with its parameters
  * @param source name of the file or text, for messages
  * @param parametersOnly true if the bytes are those of the loaded library
+ * @param taking replaces the loaded library, given the frame
+ * @param ended receives the end of the trial
+ * @param freeing frees the library; for any thread
  */
 public record NewVersion(
         int libraryId,

@@ -7,8 +7,8 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 
 /**
- * Names of incomplete files. A program writes a file beside its place and moves it there when it is
- * complete, so that nobody reads a part of it. For any thread.
+ * Creation of incomplete files. A program writes a file beside its place and moves it there when it
+ * is complete, so that readers find either the old or the new file. For any thread.
  */
 public final class PartFile {
     private static final int MOST = 1000;
@@ -17,8 +17,8 @@ public final class PartFile {
 
     /**
      * Creates an empty file beside {@code place}, with the ending {@code .part} or, if such a file,
-     * link or pipe exists, {@code .part2} and so on. What exists stays as it is, because it may
-     * belong to somebody else.
+     * link or pipe exists, {@code .part2} and so on. An existing file stays unchanged, because
+     * another program may own it.
      *
      * @throws IOException if the file cannot be created
      */

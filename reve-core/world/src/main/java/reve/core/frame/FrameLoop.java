@@ -39,6 +39,9 @@ public final class FrameLoop {
     /** Maximum sleep of a paused loop [ns]; resuming wakes it earlier. */
     private static final long PAUSE_NANOSECONDS = 100_000_000;
 
+    /** Time for errands between two frames, without the last one of them [ns]. */
+    private static final long ERRANDS_NANOSECONDS = 10_000_000;
+
     private static final FramePhase[] PHASES = FramePhase.values();
 
     private final World world;
@@ -65,9 +68,6 @@ public final class FrameLoop {
      * wait.
      */
     private final AtomicLong waitEnd = new AtomicLong(AT_WORK);
-
-    /** Time for errands between two frames, without the last one of them [ns]. */
-    private static final long ERRANDS_NANOSECONDS = 10_000_000;
 
     private final Queue<Runnable> errands = new ConcurrentLinkedQueue<>();
     private final BooleanSupplier disturbed = this::isDisturbed;

@@ -18,14 +18,14 @@ class PartFileTest {
     void filesAndLinksOfOthersStayAsTheyAre() throws IOException {
         Path precious = Files.writeString(folder.resolve("precious.txt"), "precious");
         Path link = Files.createSymbolicLink(folder.resolve("x.csv.part"), precious);
-        Path second = Files.writeString(folder.resolve("x.csv.part2"), "of somebody");
+        Path second = Files.writeString(folder.resolve("x.csv.part2"), "of another program");
 
         Path part = PartFile.create(folder.resolve("x.csv"));
 
         assertThat(part).isEqualTo(folder.resolve("x.csv.part3")).isEmptyFile();
         assertThat(link).isSymbolicLink();
         assertThat(precious).hasContent("precious");
-        assertThat(second).hasContent("of somebody");
+        assertThat(second).hasContent("of another program");
         assertThat(PartFile.create(folder.resolve("y.csv"))).hasFileName("y.csv.part");
     }
 }

@@ -84,9 +84,6 @@ final class JournalWriter {
      */
     private final Map<String, Long> reported = new ConcurrentHashMap<>();
 
-    /** True while a store lacks frames, because writing failed. */
-    private volatile boolean incomplete;
-
     /** The replacement file, for messages; empty if there is none. */
     private String place = "";
 
@@ -329,9 +326,10 @@ final class JournalWriter {
     /** Reports a failure, unless the same failure was reported less than a minute ago. */
     private void report(String problem) {
         long now = System.nanoTime();
-        Long before = reported.get(NUMBER.matcher(problem).replaceAll("#"));
+        String kind = NUMBER.matcher(problem).replaceAll("#"); // frames and bytes differ each time
+        Long before = reported.get(kind);
         if (before == null || now - before > AGAIN_NANOSECONDS) {
-            reported.put(NUMBER.matcher(problem).replaceAll("#"), now);
+            reported.put(kind, now);
             problems.accept(problem);
         }
     }
@@ -368,7 +366,6 @@ final class JournalWriter {
                 reached = entry.frame;
             } else {
                 refused = isRecordingRefused();
-                incomplete = plan.imageFrames() != 0;
             }
         }
         lastImageKept &= !entry.last || entry.image != null;
@@ -447,7 +444,15 @@ final class JournalWriter {
             throw e;
         }
         if (entry.begins || entry.last || !begun) {
+            boolean lacksFrames = !begun && begunAt >= 0 && plan.imageFrames() != 0;
             begun = kept.join();
+            if (begun && lacksFrames) {
+                reported.clear();
+                problems.accept(
+                        "the store is complete again from the image of frame "
+                                + entry.frame
+                                + " on");
+            }
             lastImageKept &= begun || !entry.last;
             reached = begun ? entry.frame : reached;
             begunAt = entry.frame;
@@ -475,19 +480,10 @@ final class JournalWriter {
                 LockSupport.parkNanos(BETWEEN_TRIES_NANOSECONDS);
                 done = attempt(step, otherwise);
             }
-            reportWhole(done, image.frame());
             return done;
         } finally {
             rooms.add(image);
         }
-    }
-
-    private void reportWhole(boolean imageKept, long frame) {
-        if (imageKept && incomplete) {
-            reported.clear();
-            problems.accept("the store is complete again from the image of frame " + frame + " on");
-        }
-        incomplete = !imageKept && plan.imageFrames() != 0;
     }
 
     private void write(

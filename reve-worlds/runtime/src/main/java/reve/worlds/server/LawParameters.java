@@ -135,7 +135,7 @@ final class LawParameters {
         try (PreparedLibrary prepared =
                 lawPath.prepare(engine, law.name(), lawPath.find(law.name()))) {
             int id = engine.loadPhysicsLaw(prepared, parameters);
-            Map<String, String> wrong = wrongUnits(law, lawsOf(id, engine));
+            Map<String, String> wrong = wrongUnits(law, engine.laws(id));
             engine.unloadPhysicsLaw(id);
             return wrong;
         }
@@ -170,11 +170,6 @@ final class LawParameters {
             throw new PhysicsException(
                     Status.INVALID_ARGUMENT, file + ": " + Reason.of(unreadable));
         }
-    }
-
-    /** Returns the laws of a loaded library. */
-    static List<PhysicsLaw> lawsOf(int libraryId, PhysicsEngine engine) {
-        return engine.laws(libraryId);
     }
 
     private static boolean isNamed(LawParameter parameter, PhysicsLaw law, String name) {

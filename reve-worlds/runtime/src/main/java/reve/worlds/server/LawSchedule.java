@@ -130,12 +130,12 @@ public final class LawSchedule implements FrameListener, AutoCloseable {
                     int id =
                             ServerControl.loadOrReplace(
                                     laws, frame, library, law.parameters(), due.file);
-                    requireUnits(law, LawParameters.lawsOf(id, simulation.engine()));
+                    requireUnits(law, simulation.engine().laws(id));
                 }
             }
             case UNLOAD -> laws.unload(frame, idOf(law.name()));
             case SET -> {
-                requireUnits(law, LawParameters.lawsOf(idOf(law.name()), simulation.engine()));
+                requireUnits(law, simulation.engine().laws(idOf(law.name())));
                 laws.setParameters(frame, law.name(), law.parameters());
             }
         }

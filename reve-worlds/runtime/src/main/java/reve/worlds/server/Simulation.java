@@ -213,10 +213,7 @@ public final class Simulation implements AutoCloseable {
                         || found.origin() == LawPath.Origin.UNTRUSTED) {
                     physics.laws().leaveToFolder(id);
                 }
-                problems =
-                        List.copyOf(
-                                LawParameters.wrongUnits(law, LawParameters.lawsOf(id, engine))
-                                        .values());
+                problems = List.copyOf(LawParameters.wrongUnits(law, engine.laws(id)).values());
             }
             budget(law);
         } catch (PhysicsException refused) {
@@ -235,8 +232,7 @@ public final class Simulation implements AutoCloseable {
             int id =
                     physics.laws()
                             .load(0, prepared, law.parameters(), Path.of(law.name() + ".law"));
-            Collection<String> wrong =
-                    LawParameters.wrongUnits(law, LawParameters.lawsOf(id, engine)).values();
+            Collection<String> wrong = LawParameters.wrongUnits(law, engine.laws(id)).values();
             if (!wrong.isEmpty()) {
                 throw new PhysicsException(Status.INVALID_ARGUMENT, String.join("\n", wrong));
             }

@@ -45,6 +45,7 @@ import java.util.Random;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.CountDownLatch;
+import java.util.concurrent.TimeUnit;
 import java.util.function.UnaryOperator;
 import java.util.regex.Matcher;
 
@@ -361,6 +362,67 @@ class ReplayNativeTest {
             kept.forEach(
                     records -> records.forEach(record -> assertThat(replay.take(record)).isTrue()));
             assertThat(replay.release().loop().frame()).isEqualTo(100);
+        }
+    }
+
+    /** An image of an earlier frame that is still being written does not make a store whole. */
+    @Test
+    void aStoreIsWholeAgainFromTheNextImageOn() throws Exception {
+        Queue<String> problems = new ConcurrentLinkedQueue<>();
+        try (Simulation simulation = new Simulation(description, Pacing.FAST);
+                Journal _ =
+                        simulation.journal(
+                                WORLD.getParent(),
+                                Map.of(),
+                                new Journal.Plan(20, true),
+                                failingDuringSecondImage(),
+                                problems::add)) {
+            simulation.loop().run(100);
+        }
+        assertThat(problems)
+                .satisfiesExactly(
+                        refused ->
+                                assertThat(refused)
+                                        .contains("disk full", "loses the frames from 25 on"),
+                        whole ->
+                                assertThat(whole)
+                                        .isEqualTo(
+                                                "the store is complete again from the image of"
+                                                        + " frame 40 on"));
+    }
+
+    /** Refuses frame 25. The image of frame 20 is written meanwhile. */
+    private static JournalSink failingDuringSecondImage() {
+        return new ListSink(new ArrayList<>()) {
+            private final CountDownLatch refused = new CountDownLatch(1);
+
+            @Override
+            public void write(JournalRecord record) throws IOException {
+                if (record instanceof JournalRecord.Frame frame && frame.frame() == 25) {
+                    refused.countDown();
+                    throw new IOException("disk full");
+                }
+                super.write(record);
+            }
+
+            @Override
+            public Place place() {
+                Place place = super.place();
+                return (libraries, image) -> {
+                    if (image.frame() == 20) {
+                        await(refused);
+                    }
+                    place.write(libraries, image);
+                };
+            }
+        };
+    }
+
+    private static void await(CountDownLatch latch) throws IOException {
+        try {
+            assertThat(latch.await(60, TimeUnit.SECONDS)).isTrue();
+        } catch (InterruptedException e) {
+            throw new IOException(e);
         }
     }
 

@@ -7,6 +7,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.frame.LawSwap;
 import reve.core.frame.TimeBudget;
+import reve.core.text.Visible;
 
 import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
@@ -677,7 +678,9 @@ public final class MessageReader {
         }
 
         private static String show(JsonNode field) {
-            return field.isString() ? Text.quote(field.stringValue()) : Text.show(field.toString());
+            return field.isString()
+                    ? Text.quote(field.stringValue())
+                    : Visible.shortened(field.toString());
         }
     }
 }

@@ -49,16 +49,6 @@ public final class Text {
         return out.append(isLong(text) ? "…\"" : "\"").toString();
     }
 
-    /**
-     * Returns at most 64 characters of a value that is not a text, such as a number or a list, with
-     * the same escapes as {@link #quote}.
-     */
-    static String show(String value) {
-        var out = new StringBuilder(value.length());
-        value.codePoints().limit(SHOWN).forEach(c -> Visible.append(out, c));
-        return out.append(isLong(value) ? "…" : "").toString();
-    }
-
     private static boolean isLong(String text) {
         return text.codePointCount(0, text.length()) > SHOWN;
     }
