@@ -336,12 +336,10 @@ final class RobotWorld {
                                     Numerals.exactly(limits));
                             checkTurn(joint, slides, limits);
                         });
-        // A motor that holds the speed 0 with a torque is dry friction.
-        double load =
-                options.hold() ? Math.max(joint.effort(), joint.friction()) : joint.friction();
-        if (load > 0) {
-            physics.put(slides ? "driveForce" : "motorTorque", Numeral.of(load));
+        if (options.hold() && joint.effort() > 0) {
+            physics.put(slides ? "driveForce" : "motorTorque", Numeral.of(joint.effort()));
         }
+        loads(joint.loads(), slides, physics);
         Map<String, Object> item = new LinkedHashMap<>();
         item.put(
                 "name",
@@ -353,6 +351,23 @@ final class RobotWorld {
         }
         item.put("physics", physics);
         items.add(item);
+    }
+
+    private static void loads(RobotModel.Loads loads, boolean slides, Map<String, Object> physics) {
+        String kind = slides ? "travel" : "angle";
+        putPositive(physics, kind + "Damping", loads.damping());
+        putPositive(physics, kind + "Friction", loads.friction());
+        putPositive(physics, kind + "Stiffness", loads.stiffness());
+        if (loads.rest() != 0) {
+            physics.put(slides ? "restTravel" : "restAngle", Numeral.of(loads.rest()));
+        }
+        putPositive(physics, slides ? "rotorMass" : "rotorInertia", loads.rotor());
+    }
+
+    private static void putPositive(Map<String, Object> physics, String name, double value) {
+        if (value > 0) {
+            physics.put(name, Numeral.of(value));
+        }
     }
 
     private void checkTurn(Joint joint, boolean slides, double[] limits) {
