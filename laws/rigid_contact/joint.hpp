@@ -258,6 +258,20 @@ class Joint {
   Vector Turn() const { return angular_.Impulse() + axis_ * (motor_ + low_turn_ + high_turn_); }
   double angle() const { return angle_; }
   double travel() const { return travel_; }
+  bool IsHinge() const { return settings.type == JointType::kHinge; }
+  /** Returns the rate of the angle of a hinge [rad/s], of the travel of a slider or the length of a
+   *  distance [m/s]; 0 for other types. */
+  double Speed(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
+    switch (settings.type) {
+      case JointType::kHinge:
+        return Dot(Turning(motion_a, motion_b), axis_);
+      case JointType::kSlider:
+      case JointType::kDistance:
+        return Dot(Relative(motion_a, motion_b), Along());
+      default:
+        return 0;
+    }
+  }
 
  private:
   // Fraction of a position error that a substep corrects.

@@ -47,6 +47,8 @@ struct JointColumns {
   OptionalRead<Real> rest_travel{"restTravel", "joint", units::metre};
   OptionalRead<Real> rotor_inertia{"rotorInertia", "joint", units::kilogram_metre_squared};
   OptionalRead<Real> rotor_mass{"rotorMass", "joint", units::kilogram};
+  OptionalReadWrite<Real> angle_speed{"angleSpeed", "joint", units::radian_per_second};
+  OptionalReadWrite<Real> travel_speed{"travelSpeed", "joint", units::metre_per_second};
 
   auto Properties() {
     return std::tie(joined, joint_type, anchor, axis, angle_limits, travel_limits, motor_speed,
@@ -56,7 +58,8 @@ struct JointColumns {
   /** The columns that only some worlds have. */
   auto LaterProperties() {
     return std::tie(angle_damping, travel_damping, angle_friction, travel_friction, angle_stiffness,
-                    travel_stiffness, rest_angle, rest_travel, rotor_inertia, rotor_mass);
+                    travel_stiffness, rest_angle, rest_travel, rotor_inertia, rotor_mass,
+                    angle_speed, travel_speed);
   }
 
   /** Fills `joints` with the joints that hold. `law` knows the bodies. */
@@ -70,8 +73,9 @@ struct JointColumns {
     joints.Sort();
   }
 
-  /** Writes the state of the joints. */
-  void Scatter(const JointSolver<Real>& joints, double dt) {
+  /** Writes the state of the joints. `law` knows the motions of the bodies. */
+  template <class Law>
+  void Scatter(const JointSolver<Real>& joints, const Law& law, double dt) {
     for (size_t k = 0; k < joints.count(); ++k) {
       const uint64_t i = joints.row(k);
       const Joint<Real>& joint = joints[k];
@@ -80,6 +84,9 @@ struct JointColumns {
       if (joint_torque.present()) joint_torque[i] = Narrow<Real>(joint.Turn() * (1 / dt));
       if (joint_angle.present()) joint_angle[i] = static_cast<Real>(joint.angle());
       if (joint_travel.present()) joint_travel[i] = static_cast<Real>(joint.travel());
+      const double speed = joint.Speed(law.MotionOf(joint.a), law.MotionOf(joint.b));
+      if (angle_speed.present()) angle_speed[i] = Real(joint.IsHinge() ? speed : 0);
+      if (travel_speed.present()) travel_speed[i] = Real(joint.IsHinge() ? 0 : speed);
       const double most = breaking_force.present() ? double{breaking_force[i]} : 0;
       if (most > 0 && broken.present() && Dot(load, load) > most * most) {
         broken[i] = 1;

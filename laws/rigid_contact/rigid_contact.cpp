@@ -116,7 +116,7 @@ struct RigidContact {
     FindContacts(step);
     Solve(step, solver);
     Remember();
-    joint_columns.Scatter(joints_, step.dt);
+    joint_columns.Scatter(joints_, *this, step.dt);
     Scatter(step);
   }
 
@@ -126,6 +126,9 @@ struct RigidContact {
   bool IsBroken(uint32_t body) const { return bodies_[body].broken; }
   void MarkJointed(uint32_t body) { bodies_[body].jointed = true; }
   uint32_t BodyOf(uint32_t row) const { return row < rows() && Movable(row) ? row : kImmovable; }
+  const Motion<Real>& MotionOf(uint32_t body) const {
+    return body == kImmovable ? still_ : motions_[body];
+  }
   /** Returns the velocities of a body at the start of the step. */
   Motion<Real> StoredMotion(uint32_t body) const {
     Motion<Real> motion;
@@ -442,10 +445,6 @@ struct RigidContact {
                                           double otherwise) {
     return {ContactColumns<Real>::ValueOf(column, pair.a, otherwise),
             ContactColumns<Real>::ValueOf(column, pair.b, otherwise)};
-  }
-
-  const Motion<Real>& MotionOf(uint32_t body) const {
-    return body == kImmovable ? still_ : motions_[body];
   }
 
   void PrepareContact(uint64_t i) {

@@ -468,6 +468,25 @@ TYPED_TEST(RigidJointTest, MotorAgainstDampingAndFrictionReachesTheSpeedOfItsTor
   EXPECT_NEAR(scene.Spin(1).y, 2, 1e-4);
 }
 
+TYPED_TEST(RigidJointTest, SpeedsOfJointsAreThoseOfTheirBodies) {
+  auto scene = Turntable<TypeParam>(3);
+  const uint32_t car = scene.AddBox({0.2, 0.2, 0.2}, 2, {1, -1, 0});
+  scene.Join(JointType::kSlider, 0, car, {1, -1, 0}, {0, -1, 0});
+  const uint32_t weight = scene.AddBall(0.1, 1, {2, -1, 0}, {0, -2, 0});
+  scene.Join(JointType::kDistance, 0, weight, {2, 0, 0});
+  scene.travel_limits[4] = 0;
+  scene.travel_limits[5] = 100;
+  scene.joint_loads["angleSpeed"] = {9, 9, 9};
+  scene.joint_loads["travelSpeed"] = {9, 9, 9};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 240, 120);
+  EXPECT_NEAR(scene.joint_loads["angleSpeed"][0], 3, 1e-5);
+  EXPECT_EQ(scene.joint_loads["travelSpeed"][0], 0);
+  EXPECT_NEAR(scene.joint_loads["travelSpeed"][1], kG * 0.5, 1e-4);
+  EXPECT_EQ(scene.joint_loads["angleSpeed"][1], 0);
+  EXPECT_NEAR(scene.joint_loads["travelSpeed"][2], 2 + kG * 0.5, 1e-4);
+}
+
 TYPED_TEST(RigidJointTest, DampedFreeBodiesKeepTheirMomenta) {
   RigidScene<TypeParam> scene;
   scene.AddBox({1, 0.2, 0.4}, 2, {0, 0, 0}, {0, 1, 0});

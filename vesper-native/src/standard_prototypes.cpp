@@ -213,6 +213,10 @@ constexpr vesper_property_descriptor kProperties[] = {
                 "Moment of inertia that a hinge adds about its axis."),
     NotNegative(real, 1, "joint", "rotorMass", VESPER_UNIT_KILOGRAM,
                 "Mass that a slider adds along its axis."),
+    Describe(real, 1, "joint", "angleSpeed", VESPER_UNIT_RADIAN_PER_SECOND, VESPER_READ_WRITE,
+             "Speed of the angle of a hinge."),
+    Describe(real, 1, "joint", "travelSpeed", VESPER_UNIT_METRE_PER_SECOND, VESPER_READ_WRITE,
+             "Speed of the travel of a slider, or of the length of a distance."),
 };
 
 template <vesper_scalar_type real>

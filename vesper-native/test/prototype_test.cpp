@@ -126,6 +126,8 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"restTravel", {"joint", 1, "m", VESPER_READ}},
       {"rotorInertia", {"joint", 1, "kg*m^2", VESPER_READ}},
       {"rotorMass", {"joint", 1, "kg", VESPER_READ}},
+      {"angleSpeed", {"joint", 1, "rad/s", VESPER_READ_WRITE}},
+      {"travelSpeed", {"joint", 1, "m/s", VESPER_READ_WRITE}},
   };
   const vesper_prototype* prototype = vesper_prototype_standard("si-f64");
   ASSERT_EQ(prototype->property_count, expected.size());

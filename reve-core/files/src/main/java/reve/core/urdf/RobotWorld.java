@@ -134,6 +134,33 @@ final class RobotWorld {
         return turned;
     }
 
+    /**
+     * Returns the rules by which agents perceive the joints, as a part of a world file; empty
+     * without hinges and sliders.
+     */
+    String rules() {
+        Map<String, Object> rules = new LinkedHashMap<>();
+        for (Joint joint : tree.joints()) {
+            Optional<String> type = type(joint);
+            if (type.equals(Optional.of("hinge"))) {
+                rules.put("angle", rule("jointAngle", "Angle of a hinge [rad]."));
+                rules.put("angleSpeed", rule("angleSpeed", "Speed of the angle [rad/s]."));
+            } else if (type.equals(Optional.of("slider"))) {
+                rules.put("travel", rule("jointTravel", "Travel of a slider [m]."));
+                rules.put("travelSpeed", rule("travelSpeed", "Speed of the travel [m/s]."));
+            }
+        }
+        return rules.isEmpty() ? "" : YamlWriter.write(Map.of("rules", rules)) + "\n";
+    }
+
+    private static Map<String, Object> rule(String property, String doc) {
+        Map<String, Object> rule = new LinkedHashMap<>();
+        rule.put("is", "physics." + property);
+        rule.put("kind", "joint");
+        rule.put("doc", doc);
+        return rule;
+    }
+
     /** Returns the items of the scenery as a part of a world file; empty without scenery. */
     String scenery() {
         List<Map<String, Object>> scenery = new ArrayList<>();

@@ -354,7 +354,9 @@ public final class WorldPrototype {
                 number(JOINT, "restAngle", real, 1, "1", "Angle without torque of the spring."),
                 number(JOINT, "restTravel", real, 1, "m", "Travel without force of the spring."),
                 notNegative(JOINT, "rotorInertia", real, 1, "kg*m^2", "Added about the axis."),
-                notNegative(JOINT, "rotorMass", real, 1, "kg", "Added along the axis."));
+                notNegative(JOINT, "rotorMass", real, 1, "kg", "Added along the axis."),
+                number(JOINT, "angleSpeed", real, 1, "rad/s", "Speed of a hinge's angle."),
+                number(JOINT, "travelSpeed", real, 1, "m/s", "Speed of a slider's travel."));
     }
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {
