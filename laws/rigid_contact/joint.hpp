@@ -195,25 +195,30 @@ class Joint {
   }
   /** Applies the first guess to the two bodies. */
   void ApplyStart(Motion<Real>& motion_a, Motion<Real>& motion_b) const {
-    Apply(linear_.Impulse() + axis_ * drive_, angular_.Impulse() + axis_ * motor_, motion_a,
-          motion_b);
+    Apply(linear_.Impulse() + axis_ * GuessedDrive(), angular_.Impulse() + axis_ * GuessedMotor(),
+          motion_a, motion_b);
+  }
+  /** Applies the first guess of the loads of the axis, which Work and Reduce do not contain. */
+  void ApplyLoads(Motion<Real>& motion_a, Motion<Real>& motion_b) const {
+    if (HasLoads()) Apply(axis_ * drive_, axis_ * motor_, motion_a, motion_b);
   }
   /** Returns the row of a movable body of the joint: the second one, if the first is immovable. */
   uint32_t MovableRow() const { return a == kImmovable ? row_b : row_a; }
 
   /** Returns the dot product of the first guess of the impulses and the relative velocities [J]. */
   double Work(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
-    return Dot(linear_.Impulse() + axis_ * drive_, Relative(motion_a, motion_b)) +
-           Dot(angular_.Impulse() + axis_ * motor_, Turning(motion_a, motion_b));
+    return Dot(linear_.Impulse() + axis_ * GuessedDrive(), Relative(motion_a, motion_b)) +
+           Dot(angular_.Impulse() + axis_ * GuessedMotor(), Turning(motion_a, motion_b));
   }
 
   /** Scales the first guess by a factor below 1, also in the motions. */
   void Reduce(double part, Motion<Real>& motion_a, Motion<Real>& motion_b) {
     const Vector impulse = linear_.Impulse(), turn = angular_.Impulse();
-    Apply((impulse + axis_ * drive_) * (part - 1), (turn + axis_ * motor_) * (part - 1), motion_a,
-          motion_b);
+    Apply((impulse + axis_ * GuessedDrive()) * (part - 1),
+          (turn + axis_ * GuessedMotor()) * (part - 1), motion_a, motion_b);
     linear_.Start(impulse * part);
     angular_.Start(turn * part);
+    if (HasLoads()) return;
     drive_ *= part;
     motor_ *= part;
   }
@@ -258,6 +263,7 @@ class Joint {
   Vector Turn() const { return angular_.Impulse() + axis_ * (motor_ + low_turn_ + high_turn_); }
   double angle() const { return angle_; }
   double travel() const { return travel_; }
+  bool HasRotor() const { return HasLoads() && settings.loads.rotor > 0; }
   bool IsHinge() const { return settings.type == JointType::kHinge; }
   /** Returns the rate of the angle of a hinge [rad/s], of the travel of a slider or the length of a
    *  distance [m/s]; 0 for other types. */
@@ -286,6 +292,8 @@ class Joint {
 
   bool HasMotor() const { return settings.type == JointType::kHinge && settings.motor_torque > 0; }
   bool HasDrive() const { return settings.type == JointType::kSlider && settings.drive_force > 0; }
+  double GuessedMotor() const { return HasLoads() ? 0 : motor_; }
+  double GuessedDrive() const { return HasLoads() ? 0 : drive_; }
   bool IsSlider() const { return settings.type == JointType::kSlider; }
   bool HasLoads() const {
     return (IsSlider() || settings.type == JointType::kHinge) && settings.loads.Any();
@@ -383,9 +391,9 @@ class Joint {
     const Vector relative =
         earlier_[2] + Cross(earlier_[3], arm_b_) - earlier_[0] - Cross(earlier_[1], arm_a_);
     const double speed = Dot(slides ? relative : earlier_[3] - earlier_[1], axis_);
-    loads_ = AxisLoads(settings.loads, Away(slides ? travel_ : angle_, settings.loads.rest), speed,
-                       AxisMass(), dt, slides ? settings.drive_speed : settings.motor_speed,
-                       slides ? settings.drive_force : settings.motor_torque);
+    const double value = slides ? travel_ : angle_;
+    loads_ = AxisLoads(settings.loads, Away(value, settings.loads.rest),
+                       -Away(value, settings.loads.place), speed, AxisMass(), dt);
     AxisImpulse() = loads_.Guess(Dot(slides ? start_ : start_turn_, axis_));
   }
   /** Returns the way from a place to the present one: for a hinge without limits, the shorter one.

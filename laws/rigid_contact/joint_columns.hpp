@@ -47,6 +47,12 @@ struct JointColumns {
   OptionalRead<Real> rest_travel{"restTravel", "joint", units::metre};
   OptionalRead<Real> rotor_inertia{"rotorInertia", "joint", units::kilogram_metre_squared};
   OptionalRead<Real> rotor_mass{"rotorMass", "joint", units::kilogram};
+  OptionalRead<Real> motor_angle{"motorAngle", "joint", units::one};
+  OptionalRead<Real> motor_stiffness{"motorStiffness", "joint", units::newton_metre};
+  OptionalRead<Real> motor_damping{"motorDamping", "joint", kNewtonMetreSecond};
+  OptionalRead<Real> drive_travel{"driveTravel", "joint", units::metre};
+  OptionalRead<Real> drive_stiffness{"driveStiffness", "joint", units::newton_per_metre};
+  OptionalRead<Real> drive_damping{"driveDamping", "joint", units::newton_second_per_metre};
   OptionalReadWrite<Real> angle_speed{"angleSpeed", "joint", units::radian_per_second};
   OptionalReadWrite<Real> travel_speed{"travelSpeed", "joint", units::metre_per_second};
 
@@ -59,7 +65,8 @@ struct JointColumns {
   auto LaterProperties() {
     return std::tie(angle_damping, travel_damping, angle_friction, travel_friction, angle_stiffness,
                     travel_stiffness, rest_angle, rest_travel, rotor_inertia, rotor_mass,
-                    angle_speed, travel_speed);
+                    angle_speed, travel_speed, motor_angle, motor_stiffness, motor_damping,
+                    drive_travel, drive_stiffness, drive_damping);
   }
 
   /** Fills `joints` with the joints that hold. `law` knows the bodies. */
@@ -172,6 +179,11 @@ struct JointColumns {
     loads.damping = number(angle_damping, travel_damping);
     loads.friction = number(angle_friction, travel_friction);
     loads.rotor = number(rotor_inertia, rotor_mass);
+    loads.motor_speed = slides ? settings.drive_speed : settings.motor_speed;
+    loads.motor_most = slides ? settings.drive_force : settings.motor_torque;
+    loads.place = number(motor_angle, drive_travel);
+    loads.servo_stiffness = number(motor_stiffness, drive_stiffness);
+    loads.servo_damping = number(motor_damping, drive_damping);
     CheckFinite(loads.Sum(), i);
     settings.ball_damping = loads.damping * dt;
   }

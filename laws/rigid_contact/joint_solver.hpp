@@ -39,6 +39,7 @@ class JointSolver {
   using Motions = std::vector<Motion<Real>>;
 
   void Reset(uint64_t bodies) {
+    has_rotors_ = false;
     joints_.clear();
     rows_.clear();
     pairs_.clear();
@@ -46,6 +47,7 @@ class JointSolver {
   }
   void Add(const Joint<Real>& joint, uint64_t row) {
     if (joint.a != kImmovable && joint.b != kImmovable) assemblies_.Join(joint.a, joint.b);
+    has_rotors_ = has_rotors_ || joint.HasRotor();
     joints_.push_back(joint);
     rows_.push_back(row);
     pairs_.push_back({std::min(joint.row_a, joint.row_b), std::max(joint.row_a, joint.row_b)});
@@ -74,14 +76,16 @@ class JointSolver {
   /** Applies the impulses of the last step as a first guess, scaled so that each set of joined
    * bodies has the least kinetic energy, but at most fully. The exact impulses minimise this
    * energy; after an impact, those of the last step could add energy that the few sweeps of the
-   * solver do not remove. */
+   * solver do not remove. Springs, rotors and servos do not minimise it, so their impulses are
+   * applied before, and not scaled. */
   void WarmStart(Motions& motions, const SolverStep<Real>& step) {
     before_.resize(joints_.size());
     work_.assign(motions.size(), {});
-    for (size_t k = 0; k < joints_.size(); ++k) {
-      joints_[k].Start(double{step.dt});
-      before_[k] = Work(joints_[k], motions);
+    for (Joint<Real>& joint : joints_) {
+      joint.Start(double{step.dt});
+      Act(motions, joint, [&](auto& a, auto& b) { joint.ApplyLoads(a, b); });
     }
+    for (size_t k = 0; k < joints_.size(); ++k) before_[k] = Work(joints_[k], motions);
     for (Joint<Real>& joint : joints_) {
       Act(motions, joint, [&](auto& a, auto& b) { joint.ApplyStart(a, b); });
     }
@@ -102,7 +106,8 @@ class JointSolver {
    * excite oscillations of a chain that starts with the impulses of the last step. */
   void Solve(Motions& motions, const SolverStep<Real>& step, bool push) {
     const size_t count = joints_.size();
-    for (size_t k = 0; k < 2 * kSweeps * count; ++k) {
+    const size_t sweeps = has_rotors_ && !push ? kRotorSweeps : kSweeps;
+    for (size_t k = 0; k < 2 * sweeps * count; ++k) {
       const size_t in_sweep = k % count;
       Joint<Real>& joint = joints_[k / count % 2 == 0 ? in_sweep : count - 1 - in_sweep];
       Act(motions, joint, [&](auto& a, auto& b) { joint.Solve(a, b, step, push); });
@@ -112,6 +117,9 @@ class JointSolver {
  private:
   // Number of forward and backward sweeps over the joints in each half of a substep.
   static constexpr size_t kSweeps = 4;
+  // The same in the second half, if there are rotors. A rotor that has more inertia than the bodies
+  // slows the convergence, and the velocities that undo errors must not remain.
+  static constexpr size_t kRotorSweeps = 24;
 
   static Motion<Real> Get(const Motions& motions, uint32_t body) {
     return body == kImmovable ? Motion<Real>{} : motions[body];
@@ -126,6 +134,7 @@ class JointSolver {
            joint.b == kImmovable ? still_b : motions[joint.b]);
   }
 
+  bool has_rotors_ = false;
   std::vector<Joint<Real>> joints_;
   std::vector<uint64_t> rows_;                   // (joints)
   std::vector<Pair> pairs_;                      // (joints) in ascending order

@@ -487,6 +487,88 @@ TYPED_TEST(RigidJointTest, SpeedsOfJointsAreThoseOfTheirBodies) {
   EXPECT_NEAR(scene.joint_loads["travelSpeed"][2], 2 + kG * 0.5, 1e-4);
 }
 
+// I x'' = kp (target - x) - kv x' with I = 1, kp = 100, kv = 4: a damped oscillation.
+TYPED_TEST(RigidJointTest, ServoMovesADiscAsADampedSpring) {
+  auto scene = Turntable<TypeParam>(0);
+  scene.motor_torque = {1000};
+  scene.joint_loads["motorAngle"] = {TypeParam(0.8)};
+  scene.joint_loads["motorStiffness"] = {100};
+  scene.joint_loads["motorDamping"] = {4};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  const double dt = 1.0 / 3840, rate = 2, wave = std::sqrt(100 - rate * rate);
+  for (int i = 1; i <= 2 * 3840; ++i) {
+    engine.Advance(dt);
+    if (i % 384 != 0) continue;
+    const double t = i * dt;
+    const double angle =
+        0.8 - 0.8 * std::exp(-rate * t) * (std::cos(wave * t) + rate / wave * std::sin(wave * t));
+    EXPECT_NEAR(scene.joint_angle[0], angle, 4e-3) << "after " << t << " s";
+  }
+}
+
+TYPED_TEST(RigidJointTest, ServoAcceleratesWithItsLargestTorqueThenStaysAtItsAngle) {
+  auto scene = Turntable<TypeParam>(0);
+  scene.motor_torque = {2};
+  scene.joint_loads["motorAngle"] = {3};
+  scene.joint_loads["motorStiffness"] = {TypeParam(1e7)};
+  scene.joint_loads["motorDamping"] = {TypeParam(1e7)};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 960, 480);
+  EXPECT_NEAR(scene.Spin(1).y, 1, 2e-3);  // 2 N m at 1 kg m^2
+  EXPECT_NEAR(scene.joint_torque[1], 2, 1e-3);
+  engine.Advance(1.0 / 960, 19 * 960);
+  EXPECT_NEAR(scene.joint_angle[0], 3, 1e-4);
+  EXPECT_LT(Length(scene.Spin(1)), 1e-3);
+}
+
+// The servo yields by weight / stiffness: 9.81 N m / 200 N m.
+TYPED_TEST(RigidJointTest, ServosHoldAnArmAndYieldToItsWeight) {
+  for (const double friction : {0.0, 0.1}) {
+    auto scene = Hanging<TypeParam>();
+    const uint32_t arm = scene.AddBox({1, 0.1, 0.1}, 2, {0.5, 0, 0});
+    scene.Join(JointType::kHinge, 0, arm, {0, 0, 0}, {0, 0, 1});
+    scene.motor_torque = {50};
+    scene.joint_loads["motorStiffness"] = {200};
+    scene.joint_loads["motorDamping"] = {20};
+    scene.joint_loads["angleFriction"] = {TypeParam(friction)};
+    PhysicsEngine engine = scene.MakeRigidEngine();
+    engine.Advance(1.0 / 960, 4800);
+    const double yielded = 9.81 / 200 * std::cos(scene.joint_angle[0]);
+    EXPECT_NEAR(scene.joint_angle[0], -yielded, friction / 200 + 1e-5) << friction;
+    EXPECT_LT(Length(scene.Spin(arm)), 1e-5) << friction;
+  }
+}
+
+TYPED_TEST(RigidJointTest, ServoOfASliderLiftsAWeightAndServosOfWheelsTurnTheShortWay) {
+  auto scene = Turntable<TypeParam>(0);
+  const uint32_t car = scene.AddBox({0.2, 0.2, 0.2}, 2, {1, -1, 0});
+  scene.Join(JointType::kSlider, 0, car, {1, -1, 0}, {0, 1, 0});
+  scene.motor_torque = {10, 0};
+  scene.drive_force = {0, 100};
+  scene.joint_loads["motorAngle"] = {TypeParam(1.5 * kPi), 0};
+  scene.joint_loads["motorStiffness"] = {10, 0};
+  scene.joint_loads["motorDamping"] = {6, 0};
+  scene.joint_loads["driveTravel"] = {0, TypeParam(0.4)};
+  scene.joint_loads["driveStiffness"] = {0, 400};
+  scene.joint_loads["driveDamping"] = {0, 60};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 960, 9600);
+  EXPECT_NEAR(scene.joint_angle[0], -0.5 * kPi, 1e-3);
+  EXPECT_NEAR(scene.joint_travel[1], 0.4 - 2 * kG / 400, 1e-4);
+}
+
+// A motor of a finite gain: kv (5 - speed) = 2 speed.
+TYPED_TEST(RigidJointTest, MotorWithDampingOnlyIsAProportionalSpeedControl) {
+  auto scene = Turntable<TypeParam>(0);
+  scene.motor_speed = {5};
+  scene.motor_torque = {100};
+  scene.joint_loads["motorDamping"] = {3};
+  scene.joint_loads["angleDamping"] = {2};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 960, 9600);
+  EXPECT_NEAR(scene.Spin(1).y, 3, 1e-4);
+}
+
 TYPED_TEST(RigidJointTest, DampedFreeBodiesKeepTheirMomenta) {
   RigidScene<TypeParam> scene;
   scene.AddBox({1, 0.2, 0.4}, 2, {0, 0, 0}, {0, 1, 0});

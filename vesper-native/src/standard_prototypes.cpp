@@ -217,6 +217,18 @@ constexpr vesper_property_descriptor kProperties[] = {
              "Speed of the angle of a hinge."),
     Describe(real, 1, "joint", "travelSpeed", VESPER_UNIT_METRE_PER_SECOND, VESPER_READ_WRITE,
              "Speed of the travel of a slider, or of the length of a distance."),
+    Describe(real, 1, "joint", "motorAngle", VESPER_UNIT_ONE, VESPER_READ,
+             "Angle to which the motor of a hinge moves, with a stiffness."),
+    NotNegative(real, 1, "joint", "motorStiffness", VESPER_UNIT_NEWTON_METRE,
+                "Torque of the motor of a hinge per angle to motorAngle."),
+    NotNegative(real, 1, "joint", "motorDamping", kNewtonMetreSecond,
+                "Torque of the motor of a hinge per difference to motorSpeed."),
+    Describe(real, 1, "joint", "driveTravel", VESPER_UNIT_METRE, VESPER_READ,
+             "Travel to which the drive of a slider moves, with a stiffness."),
+    NotNegative(real, 1, "joint", "driveStiffness", VESPER_UNIT_NEWTON_PER_METRE,
+                "Force of the drive of a slider per travel to driveTravel."),
+    NotNegative(real, 1, "joint", "driveDamping", VESPER_UNIT_NEWTON_SECOND_PER_METRE,
+                "Force of the drive of a slider per difference to driveSpeed."),
 };
 
 template <vesper_scalar_type real>

@@ -128,6 +128,12 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"rotorMass", {"joint", 1, "kg", VESPER_READ}},
       {"angleSpeed", {"joint", 1, "rad/s", VESPER_READ_WRITE}},
       {"travelSpeed", {"joint", 1, "m/s", VESPER_READ_WRITE}},
+      {"motorAngle", {"joint", 1, "1", VESPER_READ}},
+      {"motorStiffness", {"joint", 1, "N*m", VESPER_READ}},
+      {"motorDamping", {"joint", 1, "N*m*s", VESPER_READ}},
+      {"driveTravel", {"joint", 1, "m", VESPER_READ}},
+      {"driveStiffness", {"joint", 1, "N/m", VESPER_READ}},
+      {"driveDamping", {"joint", 1, "N*s/m", VESPER_READ}},
   };
   const vesper_prototype* prototype = vesper_prototype_standard("si-f64");
   ASSERT_EQ(prototype->property_count, expected.size());

@@ -6,9 +6,11 @@ import reve.core.urdf.RobotModel.Drive;
 import reve.core.urdf.RobotModel.DriveKind;
 import reve.core.urdf.RobotModel.Joint;
 
+import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 
 /** Actions that drive a joint by the motor that the law {@code rigid_contact} gives it. */
 final class DriveActions {
@@ -20,6 +22,7 @@ final class DriveActions {
     /** Returns the actions of a joint by their names, one of each kind. */
     static Map<String, Object> of(Joint joint, boolean slides, List<String> notes) {
         Map<String, Object> actions = new LinkedHashMap<>();
+        Optional<Drive> servo = servo(joint);
         for (Drive drive : joint.drives()) {
             String name =
                     switch (drive.kind()) {
@@ -38,19 +41,38 @@ final class DriveActions {
                                 + " of another actuator");
                 continue;
             }
-            actions.put(name, action(drive, slides));
+            actions.put(name, action(drive, slides, servo));
         }
         return actions;
     }
 
-    private static Map<String, Object> action(Drive drive, boolean slides) {
+    /** Returns the servo of a joint. */
+    static Optional<Drive> servo(Joint joint) {
+        return joint.drives().stream().filter(drive -> drive.kind() == DriveKind.PLACE).findFirst();
+    }
+
+    /** Writes the servo of a joint, which holds the place 0 until the first act. */
+    static void putServo(Drive servo, boolean slides, Map<String, Object> physics) {
+        String motor = slides ? "drive" : "motor";
+        physics.put(
+                slides ? "driveForce" : "motorTorque",
+                Numeral.of(servo.most() > 0 ? servo.most() : ENDLESS));
+        physics.put(motor + "Stiffness", Numeral.of(servo.stiffness()));
+        if (servo.damping() > 0) {
+            physics.put(motor + "Damping", Numeral.of(servo.damping()));
+        }
+        physics.put(slides ? "driveTravel" : "motorAngle", Numeral.of(0));
+    }
+
+    private static Map<String, Object> action(Drive drive, boolean slides, Optional<Drive> servo) {
         String load = slides ? "force" : "torque";
         String speedProperty = slides ? "driveSpeed" : "motorSpeed";
         String loadProperty = slides ? "driveForce" : "motorTorque";
         Map<String, Object> parameters = new LinkedHashMap<>();
         String doc;
-        String speed;
-        String most;
+        Object speed;
+        String most = "$" + load;
+        List<Object> effects = new ArrayList<>();
         switch (drive.kind()) {
             case SPEED -> {
                 doc =
@@ -59,7 +81,6 @@ final class DriveActions {
                                 + "; the speed 0 holds it.";
                 parameters.put("speed", parameter(slides ? "m/s" : "rad/s", drive.range()));
                 speed = "$speed";
-                most = "$" + load;
             }
             case LOAD -> {
                 doc = "Exerts a " + load + " on the joint until the next act.";
@@ -69,15 +90,14 @@ final class DriveActions {
             default -> {
                 String place = slides ? "travel" : "angle";
                 doc =
-                        "Moves the joint towards the "
+                        "Moves the joint to the "
                                 + place
                                 + ", with at most a "
                                 + load
-                                + "; repeat it in each frame.";
+                                + ", and holds it there.";
                 parameters.put(place, parameter(slides ? "m" : "rad", drive.range()));
-                String state = slides ? "physics.jointTravel" : "physics.jointAngle";
-                speed = "$(" + place + " - " + state + ") * " + drive.rate();
-                most = "$" + load;
+                effects.add(set(slides ? "driveTravel" : "motorAngle", "$" + place));
+                speed = Numeral.of(0);
             }
         }
         double bound = drive.most() > 0 ? drive.most() : Double.POSITIVE_INFINITY;
@@ -88,7 +108,17 @@ final class DriveActions {
                 "doc",
                 drive.actuator().isEmpty() ? doc : doc + " Actuator " + drive.actuator() + ".");
         action.put("parameters", parameters);
-        action.put("effects", List.of(set(speedProperty, speed), set(loadProperty, most)));
+        effects.add(set(speedProperty, speed));
+        effects.add(set(loadProperty, most));
+        if (servo.isPresent()) {
+            // An act of another kind switches the servo off.
+            String motor = slides ? "drive" : "motor";
+            effects.add(set(motor + "Stiffness", Numeral.of(drive.stiffness())));
+            if (servo.get().damping() > 0) {
+                effects.add(set(motor + "Damping", Numeral.of(drive.damping())));
+            }
+        }
+        action.put("effects", effects);
         return action;
     }
 
@@ -104,7 +134,7 @@ final class DriveActions {
         return parameter;
     }
 
-    private static Map<String, Object> set(String property, String value) {
+    private static Map<String, Object> set(String property, Object value) {
         Map<String, Object> effect = new LinkedHashMap<>();
         effect.put("set", "physics." + property);
         effect.put("to", value);

@@ -14,8 +14,6 @@ import java.util.Set;
 
 /** Reader of the actuators of a file of MJCF, which become actions of joints. */
 final class MjcfActuators {
-    private static final double USUAL_RATE = 10; // of a position servo without damping [1/s]
-    private static final double LARGEST_RATE = 30; // at which 60 acts per second are stable [1/s]
     private static final Set<String> READ =
             Set.of(
                     "name",
@@ -167,13 +165,13 @@ final class MjcfActuators {
             range[0] = Math.max(range[0], loads[0]);
             range[1] = Math.min(range[1], loads[1]);
             double most = Math.max(Math.abs(range[0]), Math.abs(range[1]));
-            return new Drive(DriveKind.LOAD, range, Double.isFinite(most) ? most : 0, 0, name);
+            return new Drive(DriveKind.LOAD, range, Double.isFinite(most) ? most : 0, 0, 0, name);
         }
         double most = Math.max(Math.abs(loads[0]), Math.abs(loads[1]));
         double[] range = control.map(each -> scaled(each, 1 / gear)).orElse(endless());
         if (force.stiffness == 0) {
             ignored.add("gain of <velocity>: the motor reaches the speed with the largest force");
-            return new Drive(DriveKind.SPEED, range, Double.isFinite(most) ? most : 0, 0, name);
+            return new Drive(DriveKind.SPEED, range, Double.isFinite(most) ? most : 0, 0, 0, name);
         }
         double inherit = element.number("inheritrange", 0);
         if (inherit > 0 && joint.limits().isPresent()) {
@@ -182,13 +180,12 @@ final class MjcfActuators {
             double half = 0.5 * inherit * (limits[1] - limits[0]);
             range = new double[] {middle - half, middle + half};
         }
-        ignored.add("gains of <position>: the motor approaches the place at a rate");
-        double rate = force.damping > 0 ? force.stiffness / force.damping : USUAL_RATE;
         return new Drive(
                 DriveKind.PLACE,
                 range,
                 Double.isFinite(most) ? most : 0,
-                Math.min(rate, LARGEST_RATE),
+                gear * gear * force.stiffness,
+                gear * gear * force.damping,
                 name);
     }
 

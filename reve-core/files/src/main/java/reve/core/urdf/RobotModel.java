@@ -123,7 +123,7 @@ record RobotModel(
         SPEED,
         /** The torque or force that acts on the joint. */
         LOAD,
-        /** The angle or travel, which a motor approaches. */
+        /** The angle or travel, to which a servo moves. */
         PLACE
     }
 
@@ -132,14 +132,21 @@ record RobotModel(
      *
      * @param range least and greatest value of what the action sets, infinite without a bound
      * @param most largest torque or force [N*m or N], 0 without a bound
-     * @param rate share of the way to a place that the motor moves per second [1/s]
+     * @param stiffness of a servo [N*m or N/m], otherwise 0
+     * @param damping of a servo [N*m*s or N*s/m], otherwise 0
      * @param actuator name in the file, empty if the drive is the joint's own
      */
-    record Drive(DriveKind kind, double[] range, double most, double rate, String actuator) {
+    record Drive(
+            DriveKind kind,
+            double[] range,
+            double most,
+            double stiffness,
+            double damping,
+            String actuator) {
         /** Returns a drive with a speed of at most {@code speed}, or of any speed if that is 0. */
         static Drive ofSpeed(double speed, double most) {
             double bound = speed > 0 ? speed : Double.POSITIVE_INFINITY;
-            return new Drive(DriveKind.SPEED, new double[] {-bound, bound}, most, 0, "");
+            return new Drive(DriveKind.SPEED, new double[] {-bound, bound}, most, 0, 0, "");
         }
     }
 

@@ -363,7 +363,10 @@ final class RobotWorld {
                                     Numerals.exactly(limits));
                             checkTurn(joint, slides, limits);
                         });
-        if (options.hold() && joint.effort() > 0) {
+        Optional<RobotModel.Drive> servo = DriveActions.servo(joint);
+        if (servo.isPresent()) {
+            DriveActions.putServo(servo.get(), slides, physics);
+        } else if (options.hold() && joint.effort() > 0) {
             physics.put(slides ? "driveForce" : "motorTorque", Numeral.of(joint.effort()));
         }
         loads(joint.loads(), slides, physics);

@@ -190,9 +190,19 @@ class MjcfImportTest {
                         "push: doc: Exerts a torque on the joint until the next act. Actuator push."
                                 + " parameters: torque: {unit: N*m, min: -10, max: 20}",
                         "travel: {unit: m, min: 0, max: 0.1} force: {unit: N, min: 0, max: 7}",
-                        "to: $(travel - physics.jointTravel) * 5.0",
+                        "{set: physics.driveTravel, to: $travel}",
+                        "{set: physics.driveStiffness, to: 100}",
+                        "{set: physics.driveDamping, to: 20}",
                         "speed: {unit: m/s, min: -0.5, max: 0.5} force: {unit: N, min: 0}");
-        assertThat(items(robot).get("rail").actions()).hasSize(2);
+        ItemDefinition rail = items(robot).get("rail");
+        assertThat(rail.actions()).hasSize(2);
+        assertThat(rail.physics("driveStiffness").orElseThrow()).containsExactly(100);
+        assertThat(rail.physics("driveDamping").orElseThrow()).containsExactly(20);
+        assertThat(rail.physics("driveForce").orElseThrow()).containsExactly(7);
+        String geared = ROBOT.replace("kp=\"100\"", "kp=\"100\" gear=\"2\"");
+        ItemDefinition two = items(imported(geared)).get("rail");
+        assertThat(two.physics("driveStiffness").orElseThrow()).containsExactly(400);
+        assertThat(two.physics("driveForce").orElseThrow()).containsExactly(14);
     }
 
     @Test

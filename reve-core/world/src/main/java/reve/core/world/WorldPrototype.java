@@ -119,8 +119,8 @@ public final class WorldPrototype {
 
     /**
      * Returns the properties that only worlds have which use them: those of contacts of bodies,
-     * except for {@code friction} and {@code restitution}, and those of springs, damping, friction
-     * and rotors of joints.
+     * except for {@code friction} and {@code restitution}, and those of springs, damping, friction,
+     * rotors, servos and speeds of joints.
      */
     public List<PropertyDescriptor> propertiesOnDemand() {
         List<PropertyDescriptor> properties = new ArrayList<>(contacts(realType));
@@ -356,7 +356,13 @@ public final class WorldPrototype {
                 notNegative(JOINT, "rotorInertia", real, 1, "kg*m^2", "Added about the axis."),
                 notNegative(JOINT, "rotorMass", real, 1, "kg", "Added along the axis."),
                 number(JOINT, "angleSpeed", real, 1, "rad/s", "Speed of a hinge's angle."),
-                number(JOINT, "travelSpeed", real, 1, "m/s", "Speed of a slider's travel."));
+                number(JOINT, "travelSpeed", real, 1, "m/s", "Speed of a slider's travel."),
+                number(JOINT, "motorAngle", real, 1, "1", "Angle to which the motor moves."),
+                notNegative(JOINT, "motorStiffness", real, 1, "N*m", "Torque per angle."),
+                notNegative(JOINT, "motorDamping", real, 1, "N*m*s", "Torque per speed."),
+                number(JOINT, "driveTravel", real, 1, "m", "Travel to which the drive moves."),
+                notNegative(JOINT, "driveStiffness", real, 1, "N/m", "Force per travel."),
+                notNegative(JOINT, "driveDamping", real, 1, "N*s/m", "Force per speed."));
     }
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {
