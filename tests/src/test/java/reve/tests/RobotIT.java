@@ -92,6 +92,37 @@ class RobotIT {
         assertThat(out.resolve("robot.yaml")).hasSameTextualContentAs(car.resolve("robot.yaml"));
     }
 
+    @Test
+    void theWalkerIsAsItIsImportedFromMjcf() throws Exception {
+        Path walker = Project.WORLDS.resolve("walker");
+        Path out = folder.resolve("walker");
+        Outcome imported =
+                Reve.run(
+                        "import", walker.resolve("walker.xml").toString(), "--out", out.toString());
+        assertThat(imported.code()).as(imported.err()).isZero();
+        assertThat(imported.err()).isEmpty();
+        assertThat(imported.out()).startsWith(out + "/world.yaml: walker, 9 bodies, 8 joints");
+        assertThat(out.resolve("robot.yaml")).hasSameTextualContentAs(walker.resolve("robot.yaml"));
+        // Agents perceive the joints of imported robots.
+        assertThat(out.resolve("world.yaml"))
+                .content()
+                .contains("angle: {is: physics.jointAngle, kind: joint");
+        Outcome run = Reve.run("run", out.toString(), "--seconds", "0.2");
+        assertThat(run.code()).as(run.err()).isZero();
+    }
+
+    /** It perceives the angles of its joints, too: the servos follow to within a fifth of a rad. */
+    @Test
+    void anAgentWalksTheWalkerAheadWithoutFalling() throws Exception {
+        String summary = drive("walker", "walk.py");
+        JsonNode walk = new JsonMapper().readTree(summary);
+        assertThat(walk.path("rounds").asInt()).as(summary).isEqualTo(900);
+        assertThat(walk.path("metres").asDouble()).as(summary).isBetween(3.0, 10.0);
+        assertThat(walk.path("aside").asDouble()).as(summary).isBetween(-0.5, 0.5);
+        assertThat(walk.path("lowest").asDouble()).as(summary).isGreaterThan(0.3);
+        assertThat(walk.path("missed").asDouble()).as(summary).isBetween(0.001, 0.5);
+    }
+
     private String push() throws IOException, InterruptedException {
         String summary = drive("robot-arm", "reach.py");
         JsonNode reach = new JsonMapper().readTree(summary);
