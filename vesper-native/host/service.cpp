@@ -359,6 +359,7 @@ void Service::WriteLaws(vesper_library_id library, Writer& reply) {
     for (const char* text : {info.library, info.name, info.version, info.doc}) reply.Text(text);
     reply.Value(info.phase);
     reply.Value(info.stages);
+    reply.Value(info.claims);
     reply.Value(info.use_count);
     ForEach(info.uses, info.use_count, [&](const vesper_property_use& use) {
       reply.Text(use.name);

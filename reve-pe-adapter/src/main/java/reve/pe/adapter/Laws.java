@@ -303,6 +303,10 @@ public final class Laws {
         byte[] bytes = prepared.bytes();
         attempt(
                 made -> {
+                    if (!loaded.containsKey(libraryId)) {
+                        throw new PhysicsException(
+                                Status.NOT_FOUND, "the library was unloaded meanwhile");
+                    }
                     refuseQuarantined(prepared);
                     guard.check(prepared.name(), file, bytes);
                     replaceBy(
@@ -477,6 +481,18 @@ public final class Laws {
                 .filter(library -> library.getValue().sha256().equals(sha256))
                 .map(Map.Entry::getKey)
                 .filter(forFolder::contains)
+                .toList();
+    }
+
+    /**
+     * Returns the ids of the loaded libraries of this name that a laws folder may adopt and that
+     * are not in {@code owned}.
+     */
+    List<Integer> forFolderNamed(String name, Set<Integer> owned) {
+        return loaded.entrySet().stream()
+                .filter(library -> library.getValue().name().equals(name))
+                .map(Map.Entry::getKey)
+                .filter(id -> forFolder.contains(id) && !owned.contains(id))
                 .toList();
     }
 
@@ -708,6 +724,31 @@ public final class Laws {
         } catch (PhysicsException | IllegalStateException refused) {
             return Optional.empty(); // the library is unloaded instead
         }
+    }
+
+    /**
+     * Ends a library between two frames: the version that it replaced lately takes its place, or it
+     * is unloaded. Neither is quarantined.
+     *
+     * @return the version that came back
+     */
+    Optional<LawLibrary> retire(long frame, int libraryId) {
+        Previous last = previous.remove(libraryId);
+        if (last != null
+                && frame <= last.untilFrame
+                && !quarantined.containsKey(last.library.sha256())) {
+            Optional<TimeBudget> budget = Optional.ofNullable(budgets.get(last.library.name()));
+            try (PreparedLibrary prepared = engine.prepare(last.library.bytes())) {
+                LawLibrary old = last.library.withBudget(budget).withInterval(1);
+                exchange(frame, libraryId, prepared, old);
+                tell(new LawChange.Replaced(List.copyOf(loaded.keySet()).indexOf(libraryId), old));
+                return Optional.of(old);
+            } catch (PhysicsException refused) {
+                // it is unloaded instead
+            }
+        }
+        unload(frame, libraryId);
+        return Optional.empty();
     }
 
     private void putBack(int libraryId, LawLibrary old) {
