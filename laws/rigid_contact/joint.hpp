@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "axis_loads.hpp"
 #include "shape.hpp"
 #include "solver.hpp"
 
@@ -121,6 +122,8 @@ struct JointSettings {
   double travel_low = 0, travel_high = 0;    // [m]; equal: no limits, except for a distance joint
   double motor_speed = 0, motor_torque = 0;  // [rad/s], [N m]
   double drive_speed = 0, drive_force = 0;   // [m/s], [N]
+  AxisSettings loads;                        // of a hinge or slider
+  double ball_damping = 0;                   // damping of a ball times the step [N m s^2]
 };
 
 /** A joint during a step. */
@@ -164,7 +167,9 @@ class Joint {
              Wide(motion_b.inverse_inertia * Narrow<Real>(d));
     };
     linear_.Prepare(at_anchor);
-    angular_.Prepare(turning);
+    angular_.Prepare([&](const Vector& d) {
+      return IsDampedBall() ? turning(d) + d * (1 / settings.ball_damping) : turning(d);
+    });
     along_mass_ = Inverse(Dot(at_anchor(Along()), Along()));
     about_mass_ = Inverse(Dot(turning(axis_), axis_));
   }
@@ -174,10 +179,16 @@ class Joint {
     start_ = impulse;
     start_turn_ = turn;
   }
+  /** Sets the motions of the bodies without the forces of this step. */
+  void StartFrom(const Motion<Real>& motion_a, const Motion<Real>& motion_b) {
+    earlier_ = {Wide(motion_a.velocity), Wide(motion_a.spin), Wide(motion_b.velocity),
+                Wide(motion_b.spin)};
+  }
   /** Projects this guess on the directions in which the joint can act. Call after Refresh. */
   void Start(double dt) {
     linear_.Start(start_);
     angular_.Start(start_turn_);
+    if (HasLoads()) return StartLoads(dt);
     const double turn = settings.motor_torque * dt, push = settings.drive_force * dt;
     if (HasMotor()) motor_ = std::clamp(Dot(start_turn_, axis_), -turn, turn);
     if (HasDrive()) drive_ = std::clamp(Dot(start_, axis_), -push, push);
@@ -226,7 +237,10 @@ class Joint {
       Apply({}, axis_ * (low + high), motion_a, motion_b);
     }
     const double undo = push ? kUndone / h : 0;
-    if (angular_.count() > 0) {
+    if (IsDampedBall()) {
+      const Vector yielding = angular_.Impulse() * (1 / settings.ball_damping);
+      Apply({}, angular_.Stop(Turning(motion_a, motion_b) + yielding), motion_a, motion_b);
+    } else if (angular_.count() > 0) {
       const Vector turn =
           angular_.Stop(Turning(motion_a, motion_b) + AtMost(turned_ * undo, step.push_speed));
       Apply({}, turn, motion_a, motion_b);
@@ -244,6 +258,20 @@ class Joint {
   Vector Turn() const { return angular_.Impulse() + axis_ * (motor_ + low_turn_ + high_turn_); }
   double angle() const { return angle_; }
   double travel() const { return travel_; }
+  bool IsHinge() const { return settings.type == JointType::kHinge; }
+  /** Returns the rate of the angle of a hinge [rad/s], of the travel of a slider or the length of a
+   *  distance [m/s]; 0 for other types. */
+  double Speed(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
+    switch (settings.type) {
+      case JointType::kHinge:
+        return Dot(Turning(motion_a, motion_b), axis_);
+      case JointType::kSlider:
+      case JointType::kDistance:
+        return Dot(Relative(motion_a, motion_b), Along());
+      default:
+        return 0;
+    }
+  }
 
  private:
   // Fraction of a position error that a substep corrects.
@@ -258,6 +286,13 @@ class Joint {
 
   bool HasMotor() const { return settings.type == JointType::kHinge && settings.motor_torque > 0; }
   bool HasDrive() const { return settings.type == JointType::kSlider && settings.drive_force > 0; }
+  bool IsSlider() const { return settings.type == JointType::kSlider; }
+  bool HasLoads() const {
+    return (IsSlider() || settings.type == JointType::kHinge) && settings.loads.Any();
+  }
+  bool IsDampedBall() const {
+    return settings.type == JointType::kBall && settings.ball_damping > 0;
+  }
   bool HasAngleLimits() const {
     return settings.type == JointType::kHinge && settings.angle_low < settings.angle_high;
   }
@@ -288,7 +323,7 @@ class Joint {
         break;
       case JointType::kBall:
         linear_.Set(world, 3);
-        angular_.Set(world, 0);
+        angular_.Set(world, IsDampedBall() ? 3 : 0);
         break;
       case JointType::kHinge:
         linear_.Set(world, 3);
@@ -325,6 +360,7 @@ class Joint {
   /** Changes the relative velocity towards the motor's and drive's speeds, up to their torque and
    *  force. */
   void Drive(Motion<Real>& motion_a, Motion<Real>& motion_b, double dt) {
+    if (HasLoads()) return SolveLoads(motion_a, motion_b);
     if (HasMotor()) {
       const double off = settings.motor_speed - Dot(Turning(motion_a, motion_b), axis_);
       const double most = settings.motor_torque * dt;
@@ -339,6 +375,45 @@ class Joint {
       Apply(axis_ * (to - drive_), {}, motion_a, motion_b);
       drive_ = to;
     }
+  }
+
+  /** Sets the loads of this step, and the first guess for their impulse. */
+  void StartLoads(double dt) {
+    const bool slides = IsSlider();
+    const Vector relative =
+        earlier_[2] + Cross(earlier_[3], arm_b_) - earlier_[0] - Cross(earlier_[1], arm_a_);
+    const double speed = Dot(slides ? relative : earlier_[3] - earlier_[1], axis_);
+    loads_ = AxisLoads(settings.loads, Away(slides ? travel_ : angle_, settings.loads.rest), speed,
+                       AxisMass(), dt, slides ? settings.drive_speed : settings.motor_speed,
+                       slides ? settings.drive_force : settings.motor_torque);
+    AxisImpulse() = loads_.Guess(Dot(slides ? start_ : start_turn_, axis_));
+  }
+  /** Returns the way from a place to the present one: for a hinge without limits, the shorter one.
+   */
+  double Away(double value, double place) const {
+    double away = value - place;
+    if (IsSlider() || HasAngleLimits()) return away;
+    constexpr double kTurn = 2 * 3.14159265358979323846;
+    away -= kTurn * std::floor(away / kTurn + 0.5);
+    return away;
+  }
+  double AxisMass() const { return IsSlider() ? along_mass_ : about_mass_; }
+  double& AxisImpulse() { return IsSlider() ? drive_ : motor_; }
+
+  /** Changes the relative velocity along the axis so that its loads and the inertia of the bodies
+   *  are in balance. */
+  void SolveLoads(Motion<Real>& motion_a, Motion<Real>& motion_b) {
+    const double mass = AxisMass();
+    if (!(mass > 0)) return;
+    double& impulse = AxisImpulse();
+    const double rate =
+        Dot(IsSlider() ? Relative(motion_a, motion_b) : Turning(motion_a, motion_b), axis_);
+    const double free = rate - impulse / mass;
+    const double to = mass * (loads_.Speed(free, mass) - free);
+    const Vector change = axis_ * (to - impulse);
+    impulse = to;
+    if (IsSlider()) return Apply(change, {}, motion_a, motion_b);
+    Apply({}, change, motion_a, motion_b);
   }
 
   /** Changes the impulses of the lower and the upper limit so that `value` stays between them.
@@ -362,6 +437,8 @@ class Joint {
 
   Block linear_, angular_;
   Vector start_, start_turn_;
+  std::array<Vector, 4> earlier_;  // velocity and spin of the first, then of the second body
+  AxisLoads loads_;
   Vector arm_a_, arm_b_, apart_, turned_, axis_;
   double angle_ = 0, travel_ = 0, along_mass_ = 0, about_mass_ = 0;
   double motor_ = 0, drive_ = 0, low_push_ = 0, high_push_ = 0, low_turn_ = 0, high_turn_ = 0;

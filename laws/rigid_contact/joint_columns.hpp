@@ -13,6 +13,8 @@
 
 namespace vesper::rigid {
 
+constexpr vesper_unit kNewtonMetreSecond = VESPER_UNIT_INIT(2, 1, -1, 0, 0, 0, 0, 1.0, "N*m*s");
+
 template <class Real>
 struct JointColumns {
   using Vector3 = Vec3<Real>;
@@ -35,11 +37,29 @@ struct JointColumns {
   OptionalReadWrite<Real> joint_angle{"jointAngle", "joint", units::one};
   OptionalReadWrite<Real> joint_travel{"jointTravel", "joint", units::metre};
   OptionalReadWrite<int32_t> broken{"broken", "joint", units::one};
+  OptionalRead<Real> angle_damping{"angleDamping", "joint", kNewtonMetreSecond};
+  OptionalRead<Real> travel_damping{"travelDamping", "joint", units::newton_second_per_metre};
+  OptionalRead<Real> angle_friction{"angleFriction", "joint", units::newton_metre};
+  OptionalRead<Real> travel_friction{"travelFriction", "joint", units::newton};
+  OptionalRead<Real> angle_stiffness{"angleStiffness", "joint", units::newton_metre};
+  OptionalRead<Real> travel_stiffness{"travelStiffness", "joint", units::newton_per_metre};
+  OptionalRead<Real> rest_angle{"restAngle", "joint", units::one};
+  OptionalRead<Real> rest_travel{"restTravel", "joint", units::metre};
+  OptionalRead<Real> rotor_inertia{"rotorInertia", "joint", units::kilogram_metre_squared};
+  OptionalRead<Real> rotor_mass{"rotorMass", "joint", units::kilogram};
+  OptionalReadWrite<Real> angle_speed{"angleSpeed", "joint", units::radian_per_second};
+  OptionalReadWrite<Real> travel_speed{"travelSpeed", "joint", units::metre_per_second};
 
   auto Properties() {
     return std::tie(joined, joint_type, anchor, axis, angle_limits, travel_limits, motor_speed,
                     motor_torque, drive_speed, drive_force, breaking_force, other_anchor,
                     other_turn, joint_force, joint_torque, joint_angle, joint_travel, broken);
+  }
+  /** The columns that only some worlds have. */
+  auto LaterProperties() {
+    return std::tie(angle_damping, travel_damping, angle_friction, travel_friction, angle_stiffness,
+                    travel_stiffness, rest_angle, rest_travel, rotor_inertia, rotor_mass,
+                    angle_speed, travel_speed);
   }
 
   /** Fills `joints` with the joints that hold. `law` knows the bodies. */
@@ -53,8 +73,9 @@ struct JointColumns {
     joints.Sort();
   }
 
-  /** Writes the state of the joints. */
-  void Scatter(const JointSolver<Real>& joints, double dt) {
+  /** Writes the state of the joints. `law` knows the motions of the bodies. */
+  template <class Law>
+  void Scatter(const JointSolver<Real>& joints, const Law& law, double dt) {
     for (size_t k = 0; k < joints.count(); ++k) {
       const uint64_t i = joints.row(k);
       const Joint<Real>& joint = joints[k];
@@ -63,6 +84,9 @@ struct JointColumns {
       if (joint_torque.present()) joint_torque[i] = Narrow<Real>(joint.Turn() * (1 / dt));
       if (joint_angle.present()) joint_angle[i] = static_cast<Real>(joint.angle());
       if (joint_travel.present()) joint_travel[i] = static_cast<Real>(joint.travel());
+      const double speed = joint.Speed(law.MotionOf(joint.a), law.MotionOf(joint.b));
+      if (angle_speed.present()) angle_speed[i] = Real(joint.IsHinge() ? speed : 0);
+      if (travel_speed.present()) travel_speed[i] = Real(joint.IsHinge() ? 0 : speed);
       const double most = breaking_force.present() ? double{breaking_force[i]} : 0;
       if (most > 0 && broken.present() && Dot(load, load) > most * most) {
         broken[i] = 1;
@@ -87,6 +111,8 @@ struct JointColumns {
     joint.a = law.BodyOf(a);
     joint.b = law.BodyOf(b);
     joint.settings = SettingsOf(i, type, law.PoseOf(a), law.PoseOf(b));
+    SetLoads(joint.settings, i, dt);
+    joint.StartFrom(law.StoredMotion(a), law.StoredMotion(b));
     const Vector load = joint_force.present() ? Wide(joint_force[i]) : Vector{};
     const Vector moment = joint_torque.present() ? Wide(joint_torque[i]) : Vector{};
     joint.StartWith(load * dt, moment * dt);
@@ -104,9 +130,7 @@ struct JointColumns {
     if (other_turn[i] == std::array<Real, 4>{}) Join(i, type, a, b);
     settings.anchor_b = Wide(other_anchor[i]);
     settings.rest = Quaternion::Load(other_turn[i]).Normalised();
-    const auto number = [&](const auto& column) {
-      return column.present() ? double{column[i]} : 0;
-    };
+    const auto number = [&](const auto& column) { return Number(column, i); };
     const auto limit = [&](const auto& column, int side) {
       return column.present() ? double{column[i][side]} : 0;
     };
@@ -123,11 +147,33 @@ struct JointColumns {
                        settings.angle_low + settings.angle_high + settings.travel_low +
                        settings.travel_high + settings.motor_speed + settings.motor_torque +
                        settings.drive_speed + settings.drive_force + number(breaking_force);
-    if (!std::isfinite(sum)) {
-      throw std::runtime_error("joint row " + std::to_string(i) +
-                               " has values that are not finite");
-    }
+    CheckFinite(sum, i);
     return settings;
+  }
+
+  template <class Column>
+  static double Number(const Column& column, uint64_t i) {
+    return column.present() ? double{column[i]} : 0;
+  }
+  static void CheckFinite(double sum, uint64_t i) {
+    if (std::isfinite(sum)) return;
+    throw std::runtime_error("joint row " + std::to_string(i) + " has values that are not finite");
+  }
+
+  /** Reads what acts along the axis of a hinge or slider, and the damping of a ball. */
+  void SetLoads(JointSettings& settings, uint64_t i, double dt) const {
+    const bool slides = settings.type == JointType::kSlider;
+    AxisSettings& loads = settings.loads;
+    const auto number = [&](const auto& turning, const auto& sliding) {
+      return slides ? Number(sliding, i) : Number(turning, i);
+    };
+    loads.stiffness = number(angle_stiffness, travel_stiffness);
+    loads.rest = number(rest_angle, rest_travel);
+    loads.damping = number(angle_damping, travel_damping);
+    loads.friction = number(angle_friction, travel_friction);
+    loads.rotor = number(rotor_inertia, rotor_mass);
+    CheckFinite(loads.Sum(), i);
+    settings.ball_damping = loads.damping * dt;
   }
 
   /** Stores the present anchor and rotation of the second body as those at which the joint is at

@@ -103,7 +103,8 @@ struct RigidContact {
                           std::tie(scenery_position, scenery_orientation, scenery_shape,
                                    scenery_size, scenery_carrier),
                           joint_columns.Properties(), std::tie(partners, places, impulses),
-                          contact_columns.LaterProperties(), mesh_columns.Properties());
+                          contact_columns.LaterProperties(), mesh_columns.Properties(),
+                          joint_columns.LaterProperties());
   }
 
   void Advance(const Step& step) {
@@ -115,7 +116,7 @@ struct RigidContact {
     FindContacts(step);
     Solve(step, solver);
     Remember();
-    joint_columns.Scatter(joints_, step.dt);
+    joint_columns.Scatter(joints_, *this, step.dt);
     Scatter(step);
   }
 
@@ -125,6 +126,16 @@ struct RigidContact {
   bool IsBroken(uint32_t body) const { return bodies_[body].broken; }
   void MarkJointed(uint32_t body) { bodies_[body].jointed = true; }
   uint32_t BodyOf(uint32_t row) const { return row < rows() && Movable(row) ? row : kImmovable; }
+  const Motion<Real>& MotionOf(uint32_t body) const {
+    return body == kImmovable ? still_ : motions_[body];
+  }
+  /** Returns the velocities of a body at the start of the step. */
+  Motion<Real> StoredMotion(uint32_t body) const {
+    Motion<Real> motion;
+    if (bodies_[body].translates) motion.velocity = velocity[body];
+    if (bodies_[body].rotates) motion.spin = spin[body];
+    return motion;
+  }
   Pose PoseOf(uint32_t body) const {
     return {Wide(position[body]) + Wide(motions_[body].moved), bodies_[body].rotation};
   }
@@ -434,10 +445,6 @@ struct RigidContact {
                                           double otherwise) {
     return {ContactColumns<Real>::ValueOf(column, pair.a, otherwise),
             ContactColumns<Real>::ValueOf(column, pair.b, otherwise)};
-  }
-
-  const Motion<Real>& MotionOf(uint32_t body) const {
-    return body == kImmovable ? still_ : motions_[body];
   }
 
   void PrepareContact(uint64_t i) {

@@ -291,5 +291,223 @@ TYPED_TEST(RigidJointTest, FreeJointedBodiesKeepTheirMomenta) {
   EXPECT_LT(Length(scene.TotalAngularMomentum() - angular), 0.01 * Length(angular));
 }
 
+/// Returns a scene with a disc of the moment 1 kg m^2 on an axle of the type, at the spin [rad/s].
+template <class Real>
+RigidScene<Real> Turntable(double spin, JointType type = JointType::kHinge) {
+  auto scene = Hanging<Real>();
+  const uint32_t disc = scene.Add(rigid::ShapeCode::kCylinder, {1, 0.2, 1}, 8, {0, -1, 0});
+  scene.Join(type, 0, disc, {0, -1, 0}, {0, 1, 0});
+  scene.spin[3 * disc + 1] = Real(spin);
+  return scene;
+}
+
+TYPED_TEST(RigidJointTest, DampedDiscSlowsExponentially) {
+  for (const JointType type : {JointType::kHinge, JointType::kBall}) {
+    auto scene = Turntable<TypeParam>(10, type);
+    scene.joint_loads["angleDamping"] = {2};
+    PhysicsEngine engine = scene.MakeRigidEngine();
+    for (int i = 1; i <= 4; ++i) {
+      engine.Advance(1.0 / 3840, 1920);
+      EXPECT_NEAR(scene.Spin(1).y, 10 * std::exp(-2 * 0.5 * i), 2e-3) << "after " << 0.5 * i;
+    }
+  }
+}
+
+// I x'' = -c x' - m g l x: the amplitude falls as exp(-c t / (2 I)).
+TYPED_TEST(RigidJointTest, SwingOfADampedRodDecaysAsTheClosedForm) {
+  auto scene = Hanging<TypeParam>();
+  const double length = 1, tilt = 0.05, mass = 2, damping = 0.5;
+  const double inertia = mass * length * length / 3;
+  const uint32_t rod = scene.AddBox({0.001, length, 0.001}, mass,
+                                    Vector{std::sin(tilt), -std::cos(tilt), 0} * (length / 2), {},
+                                    {{0, 0, std::sin(tilt / 2)}, std::cos(tilt / 2)});
+  scene.Join(JointType::kHinge, 0, rod, {0, 0, 0}, {0, 0, 1});
+  scene.joint_loads["angleDamping"] = {TypeParam(damping)};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  const double rate = damping / (2 * inertia);
+  const double wave = std::sqrt(mass * kG * length / 2 / inertia - rate * rate);
+  const double dt = 1.0 / 3840;
+  for (int i = 1; i <= 3 * 3840; ++i) {
+    engine.Advance(dt);
+    const double t = i * dt;
+    if (i % 960 != 0) continue;
+    const double angle =
+        tilt * std::exp(-rate * t) * (std::cos(wave * t) + rate / wave * std::sin(wave * t));
+    EXPECT_NEAR(scene.Position(rod).x * 2 / length, angle, 0.01 * tilt) << "after " << t << " s";
+  }
+}
+
+TYPED_TEST(RigidJointTest, DampedSliderFallsAtItsTerminalSpeed) {
+  for (const double damping : {10.0, 1e4, 1e9}) {
+    auto scene = Hanging<TypeParam>();
+    const uint32_t car = scene.AddBox({0.2, 0.2, 0.2}, 2, {0, -1, 0});
+    scene.Join(JointType::kSlider, 0, car, {0, -1, 0}, {0, -1, 0});
+    scene.joint_loads["travelDamping"] = {TypeParam(damping)};
+    PhysicsEngine engine = scene.MakeRigidEngine();
+    engine.Advance(1.0 / 240, 480);
+    const double speed = 2 * kG / damping;
+    EXPECT_NEAR(scene.Velocity(car).y, -speed, 1e-4 * speed) << damping;
+    EXPECT_LE(std::abs(scene.Position(car).y + 1), 2.02 * speed) << damping;
+    EXPECT_NEAR(scene.joint_force[1], 2 * kG, 2e-3) << damping;
+  }
+}
+
+TYPED_TEST(RigidJointTest, DryFrictionStopsADiscAndThenHoldsIt) {
+  auto scene = Turntable<TypeParam>(3);
+  scene.joint_loads["angleFriction"] = {2};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 960, 960);
+  EXPECT_NEAR(scene.Spin(1).y, 1, 1e-3);
+  engine.Advance(1.0 / 960, 960);
+  EXPECT_LT(Length(scene.Spin(1)), 1e-5);
+  EXPECT_NEAR(scene.joint_angle[0], 3 * 3 / (2 * 2.0), 5e-3);
+}
+
+// The torque of the weight is 2 g * 0.5 m = 9.81 N m.
+TYPED_TEST(RigidJointTest, DryFrictionHoldsAnArmUpToItsTorque) {
+  for (const double friction : {9.7, 9.9}) {
+    auto scene = Hanging<TypeParam>();
+    const uint32_t arm = scene.AddBox({1, 0.1, 0.1}, 2, {0.5, 0, 0});
+    scene.Join(JointType::kHinge, 0, arm, {0, 0, 0}, {0, 0, 1});
+    scene.joint_loads["angleFriction"] = {TypeParam(friction)};
+    PhysicsEngine engine = scene.MakeRigidEngine();
+    engine.Advance(1.0 / 960, 2880);
+    EXPECT_EQ(std::abs(scene.joint_angle[0]) < 1e-3, friction > 9.81) << friction;
+  }
+}
+
+TYPED_TEST(RigidJointTest, SpringOfAHingeSwingsWithItsPeriodAndKeepsItsEnergy) {
+  auto scene = Turntable<TypeParam>(2);
+  scene.joint_loads["angleStiffness"] = {100};
+  scene.joint_loads["restAngle"] = {TypeParam(0.1)};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  const double dt = 1.0 / 1920;
+  for (int i = 1; i <= 20 * 1920; ++i) {  // 10 rad/s; 32 periods
+    engine.Advance(dt);
+    if (i % 1920 != 0) continue;
+    const double angle = scene.joint_angle[0] - 0.1, spin = scene.Spin(1).y;
+    // The energy is in error by 5 J * 10 rad/s * dt at most, and does not drift.
+    EXPECT_NEAR(100 * angle * angle + spin * spin, 100 * 0.01 + 4, 50 * dt) << i * dt;
+    const double t = i * dt;
+    EXPECT_NEAR(angle, -0.1 * std::cos(10 * t) + 0.2 * std::sin(10 * t), 2e-3) << t;
+  }
+}
+
+// The spring is a million times stiffer than an explicit step could integrate.
+TYPED_TEST(RigidJointTest, StiffSpringHoldsAWeightWithoutGainingEnergy) {
+  auto scene = Hanging<TypeParam>();
+  const uint32_t car = scene.AddBox({0.2, 0.2, 0.2}, 2, {0, -1, 0}, {0, -1, 0});
+  scene.Join(JointType::kSlider, 0, car, {0, -1, 0}, {0, -1, 0});
+  scene.joint_loads["travelStiffness"] = {TypeParam(4e11)};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  for (int i = 0; i < 480; ++i) {
+    engine.Advance(1.0 / 240);
+    ASSERT_LT(Length(scene.Velocity(car)), 1.001) << i;
+  }
+  EXPECT_NEAR(scene.Position(car).y, -1, 1e-4);
+}
+
+TYPED_TEST(RigidJointTest, SpringOfASliderStretchesByWeightPerStiffness) {
+  auto scene = Hanging<TypeParam>();
+  const uint32_t car = scene.AddBox({0.2, 0.2, 0.2}, 2, {0, -1, 0});
+  scene.Join(JointType::kSlider, 0, car, {0, -1, 0}, {0, -1, 0});
+  scene.joint_loads["travelStiffness"] = {200};
+  scene.joint_loads["travelDamping"] = {40};
+  scene.joint_loads["restTravel"] = {TypeParam(-0.05)};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 240, 720);
+  EXPECT_NEAR(scene.joint_travel[0], 2 * kG / 200 - 0.05, 1e-4);
+}
+
+TYPED_TEST(RigidJointTest, RotorAddsItsInertiaToTheMotorOfAHingeAndToASlider) {
+  auto scene = Turntable<TypeParam>(0);
+  const uint32_t car = scene.AddBox({0.2, 0.2, 0.2}, 2, {1, -1, 0});
+  scene.Join(JointType::kSlider, 0, car, {1, -1, 0}, {0, -1, 0});
+  scene.motor_speed = {100, 0};
+  scene.motor_torque = {6, 0};
+  scene.joint_loads["rotorInertia"] = {3, 0};
+  scene.joint_loads["rotorMass"] = {0, 6};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 960, 960);
+  EXPECT_NEAR(scene.Spin(1).y, 6 / (1 + 3.0), 2e-3);
+  EXPECT_NEAR(scene.Velocity(car).y, -kG * 2 / (2 + 6.0), 5e-3);
+}
+
+// The period of a rod about its end with a rotor: T = 2 pi sqrt((I + rotor) / (m g l)).
+TYPED_TEST(RigidJointTest, RotorSlowsTheSwingOfARod) {
+  auto scene = Hanging<TypeParam>();
+  const double length = 1, tilt = 0.05, mass = 2, rotor = 0.4;
+  const uint32_t rod = scene.AddBox({0.001, length, 0.001}, mass,
+                                    Vector{std::sin(tilt), -std::cos(tilt), 0} * (length / 2), {},
+                                    {{0, 0, std::sin(tilt / 2)}, std::cos(tilt / 2)});
+  scene.Join(JointType::kHinge, 0, rod, {0, 0, 0}, {0, 0, 1});
+  scene.joint_loads["rotorInertia"] = {TypeParam(rotor)};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  const double dt = 1.0 / 1920;
+  const double wave = std::sqrt(mass * kG * length / 2 / (mass * length * length / 3 + rotor));
+  for (int i = 1; i <= 4 * 1920; ++i) {
+    engine.Advance(dt);
+    if (i % 480 != 0) continue;
+    EXPECT_NEAR(scene.Position(rod).x * 2 / length, tilt * std::cos(wave * i * dt), 0.02 * tilt)
+        << "after " << i * dt << " s";
+  }
+}
+
+TYPED_TEST(RigidJointTest, MotorAgainstDampingAndFrictionReachesTheSpeedOfItsTorque) {
+  auto scene = Turntable<TypeParam>(0);
+  scene.motor_speed = {100};
+  scene.motor_torque = {7};
+  scene.joint_loads["angleDamping"] = {2};
+  scene.joint_loads["angleFriction"] = {1};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 240, 2400);
+  EXPECT_NEAR(scene.Spin(1).y, (7 - 1) / 2.0, 1e-4);  // 7 = 1 + 2 * 3
+  EXPECT_NEAR(scene.joint_torque[1], 0, 1e-3);
+  scene.motor_speed = {2};  // which the torque can reach
+  engine.Advance(1.0 / 240, 2400);
+  EXPECT_NEAR(scene.Spin(1).y, 2, 1e-4);
+}
+
+TYPED_TEST(RigidJointTest, SpeedsOfJointsAreThoseOfTheirBodies) {
+  auto scene = Turntable<TypeParam>(3);
+  const uint32_t car = scene.AddBox({0.2, 0.2, 0.2}, 2, {1, -1, 0});
+  scene.Join(JointType::kSlider, 0, car, {1, -1, 0}, {0, -1, 0});
+  const uint32_t weight = scene.AddBall(0.1, 1, {2, -1, 0}, {0, -2, 0});
+  scene.Join(JointType::kDistance, 0, weight, {2, 0, 0});
+  scene.travel_limits[4] = 0;
+  scene.travel_limits[5] = 100;
+  scene.joint_loads["angleSpeed"] = {9, 9, 9};
+  scene.joint_loads["travelSpeed"] = {9, 9, 9};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 240, 120);
+  EXPECT_NEAR(scene.joint_loads["angleSpeed"][0], 3, 1e-5);
+  EXPECT_EQ(scene.joint_loads["travelSpeed"][0], 0);
+  EXPECT_NEAR(scene.joint_loads["travelSpeed"][1], kG * 0.5, 1e-4);
+  EXPECT_EQ(scene.joint_loads["angleSpeed"][1], 0);
+  EXPECT_NEAR(scene.joint_loads["travelSpeed"][2], 2 + kG * 0.5, 1e-4);
+}
+
+TYPED_TEST(RigidJointTest, DampedFreeBodiesKeepTheirMomenta) {
+  RigidScene<TypeParam> scene;
+  scene.AddBox({1, 0.2, 0.4}, 2, {0, 0, 0}, {0, 1, 0});
+  scene.AddBox({1, 0.3, 0.2}, 1, {1, 0, 0}, {0, 0, 2});
+  scene.AddBox({1, 0.2, 0.2}, 3, {2, 0, 0}, {0, 0, 0});
+  scene.Join(JointType::kBall, 0, 1, {0.5, 0, 0});
+  scene.Join(JointType::kHinge, 1, 2, {1.5, 0, 0}, {0, 1, 0});
+  scene.joint_loads["angleDamping"] = {1, 5};
+  scene.joint_loads["angleStiffness"] = {0, 3};
+  const Vector momentum = scene.Momentum(), angular = scene.TotalAngularMomentum();
+  double energy = scene.TotalKineticEnergy();
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  for (int i = 0; i < 4; ++i) {
+    engine.Advance(1.0 / 240, 240);
+    const double angle = scene.joint_angle[1], spring = 1.5 * angle * angle;
+    EXPECT_LT(scene.TotalKineticEnergy() + spring, energy + 1e-6);
+    energy = scene.TotalKineticEnergy() + spring;
+  }
+  EXPECT_LT(Length(scene.Momentum() - momentum), Rounding<TypeParam>(1e4));
+  EXPECT_LT(Length(scene.TotalAngularMomentum() - angular), 0.01 * Length(angular));
+}
+
 }  // namespace
 }  // namespace vesper

@@ -2,6 +2,10 @@
 // Rigid bodies and scenery for the tests of rigid_contact, in the columns of a standard prototype.
 #pragma once
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "hull_by_search.hpp"
 #include "joint.hpp"
 #include "rigid/rotation.hpp"
@@ -34,7 +38,8 @@ struct RigidScene : Scene<Real> {
   std::vector<Real> motor_speed, motor_torque;                 // (joints)
   std::vector<Real> drive_speed, drive_force, breaking_force;  // (joints)
   std::vector<Real> other_anchor, other_turn, joint_force, joint_torque;
-  std::vector<Real> joint_angle, joint_travel;  // (joints)
+  std::vector<Real> joint_angle, joint_travel;           // (joints)
+  std::map<std::string, std::vector<Real>> joint_loads;  // (joints) by property
   // scenery
   std::vector<int32_t> scenery_shape;  // (scenery)
   std::vector<double> scenery_size;    // (scenery x 3) [m]
@@ -209,6 +214,7 @@ struct RigidScene : Scene<Real> {
       provider.AddPhysicalProperty("jointTorque", joint_torque);
       provider.AddPhysicalProperty("jointAngle", joint_angle);
       provider.AddPhysicalProperty("jointTravel", joint_travel);
+      for (auto& [name, column] : joint_loads) provider.AddPhysicalProperty(name, column);
     }
     engine.LoadPhysicsLaw("gravity_field");
     engine.LoadPhysicsLaw("rigid_contact", parameters);

@@ -8,6 +8,7 @@
 namespace vesper {
 namespace {
 
+constexpr vesper_unit kNewtonMetreSecond = VESPER_UNIT_INIT(2, 1, -1, 0, 0, 0, 0, 1.0, "N*m*s");
 constexpr vesper_access kAccumulator = VESPER_READ | VESPER_ACCUMULATE;
 
 constexpr vesper_property_descriptor Describe(vesper_scalar_type type, uint32_t components,
@@ -191,6 +192,31 @@ constexpr vesper_property_descriptor kProperties[] = {
              "Corners and vertices in the axes of the item."),
     Describe(VESPER_I32, 1, "meshNumber", "meshIndices", VESPER_UNIT_ONE, VESPER_READ,
              "Faces: number of corners, then the corners; triangles: three vertices each."),
+
+    NotNegative(real, 1, "joint", "angleDamping", kNewtonMetreSecond,
+                "Torque of a hinge or ball against its rotation, per angular speed."),
+    NotNegative(real, 1, "joint", "travelDamping", VESPER_UNIT_NEWTON_SECOND_PER_METRE,
+                "Force of a slider against its motion, per speed."),
+    NotNegative(real, 1, "joint", "angleFriction", VESPER_UNIT_NEWTON_METRE,
+                "Torque of the dry friction of a hinge."),
+    NotNegative(real, 1, "joint", "travelFriction", VESPER_UNIT_NEWTON,
+                "Force of the dry friction of a slider."),
+    NotNegative(real, 1, "joint", "angleStiffness", VESPER_UNIT_NEWTON_METRE,
+                "Torque of a hinge towards restAngle, per angle."),
+    NotNegative(real, 1, "joint", "travelStiffness", VESPER_UNIT_NEWTON_PER_METRE,
+                "Force of a slider towards restTravel, per travel."),
+    Describe(real, 1, "joint", "restAngle", VESPER_UNIT_ONE, VESPER_READ,
+             "Angle at which the spring of a hinge exerts no torque."),
+    Describe(real, 1, "joint", "restTravel", VESPER_UNIT_METRE, VESPER_READ,
+             "Travel at which the spring of a slider exerts no force."),
+    NotNegative(real, 1, "joint", "rotorInertia", VESPER_UNIT_KILOGRAM_METRE_SQUARED,
+                "Moment of inertia that a hinge adds about its axis."),
+    NotNegative(real, 1, "joint", "rotorMass", VESPER_UNIT_KILOGRAM,
+                "Mass that a slider adds along its axis."),
+    Describe(real, 1, "joint", "angleSpeed", VESPER_UNIT_RADIAN_PER_SECOND, VESPER_READ_WRITE,
+             "Speed of the angle of a hinge."),
+    Describe(real, 1, "joint", "travelSpeed", VESPER_UNIT_METRE_PER_SECOND, VESPER_READ_WRITE,
+             "Speed of the travel of a slider, or of the length of a distance."),
 };
 
 template <vesper_scalar_type real>

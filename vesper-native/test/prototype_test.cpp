@@ -116,6 +116,18 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"jointAngle", {"joint", 1, "1", VESPER_READ_WRITE}},
       {"jointTravel", {"joint", 1, "m", VESPER_READ_WRITE}},
       {"broken", {"joint", 1, "1", VESPER_READ_WRITE}},
+      {"angleDamping", {"joint", 1, "N*m*s", VESPER_READ}},
+      {"travelDamping", {"joint", 1, "N*s/m", VESPER_READ}},
+      {"angleFriction", {"joint", 1, "N*m", VESPER_READ}},
+      {"travelFriction", {"joint", 1, "N", VESPER_READ}},
+      {"angleStiffness", {"joint", 1, "N*m", VESPER_READ}},
+      {"travelStiffness", {"joint", 1, "N/m", VESPER_READ}},
+      {"restAngle", {"joint", 1, "1", VESPER_READ}},
+      {"restTravel", {"joint", 1, "m", VESPER_READ}},
+      {"rotorInertia", {"joint", 1, "kg*m^2", VESPER_READ}},
+      {"rotorMass", {"joint", 1, "kg", VESPER_READ}},
+      {"angleSpeed", {"joint", 1, "rad/s", VESPER_READ_WRITE}},
+      {"travelSpeed", {"joint", 1, "m/s", VESPER_READ_WRITE}},
   };
   const vesper_prototype* prototype = vesper_prototype_standard("si-f64");
   ASSERT_EQ(prototype->property_count, expected.size());

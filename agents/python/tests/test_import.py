@@ -105,6 +105,16 @@ _ZOO = """<mujoco model="zoo">
 """
 _WEDGE = """v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.2 0.1 1
 f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"""
+# The same arms with damping, springs and rotors in their joints.
+_DAMPED_ARM = re.sub(
+    r'(<axis xyz="0 1 0[^>]*>)', r'\1<dynamics damping="0.4"/>', _ARM.replace("arm", "damped")
+)
+_DAMPED_SWING = _SWING.replace(
+    '<joint name="shoulder"/>', '<joint name="shoulder" damping="0.3" armature="0.2"/>'
+).replace(
+    '<joint name="elbow" pos',
+    '<joint name="elbow" stiffness="4" springref="30" damping="0.2" armature="0.05" pos',
+)
 _RATE = 9600  # steps of MuJoCo per second
 _UP = numpy.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # from axes with +Z up
 
@@ -195,7 +205,13 @@ class ImportTest(unittest.TestCase):
                     self.assertLess(error, 1e-5 * abs(inertia).max(), called)
 
     def test_a_swinging_arm_moves_as_in_mujoco(self):
-        for file_name, text in (("arm.urdf", _ARM), ("arm.xml", _SWING)):
+        self.assertEqual(_DAMPED_ARM.count("damping"), 2)
+        for file_name, text in (
+            ("arm.urdf", _ARM),
+            ("arm.xml", _SWING),
+            ("damped.urdf", _DAMPED_ARM),
+            ("damped.xml", _DAMPED_SWING),
+        ):
             with tempfile.TemporaryDirectory() as name:
                 folder = pathlib.Path(name)
                 file, out = imported(folder, file_name, text)

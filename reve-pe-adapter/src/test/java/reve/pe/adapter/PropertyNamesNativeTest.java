@@ -26,7 +26,7 @@ class PropertyNamesNativeTest {
         Prototype engine = VesperEngine.standardPrototype(name);
         WorldPrototype world = WorldPrototype.standard(name).withJoints();
         Prototype reve =
-                PropertyNames.prototype(world.extendedBy(world.propertiesOfContacts()), engine);
+                PropertyNames.prototype(world.extendedBy(world.propertiesOnDemand()), engine);
         assertThat(reve)
                 .usingRecursiveComparison()
                 .ignoringFieldsMatchingRegexes(".*doc", ".*symbol")

@@ -11,6 +11,8 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
 
 /**
  * Reader of the keys {@code prototype} and {@code properties}, which define the properties that the
@@ -25,6 +27,8 @@ final class PrototypeReader {
 
     /** The property that a law writes for each body with this one. */
     private static final Map<String, String> WRITTEN_WITH = Map.of("touchSensor", "touchCount");
+
+    private static final Pattern PHYSICS_NAME = Pattern.compile("\\bphysics\\.(\\w+)");
 
     private final Problems problems;
     private final Quantities quantities;
@@ -48,15 +52,18 @@ final class PrototypeReader {
         if (!ownJoints && parts.stream().anyMatch(PrototypeReader::hasJoints)) {
             prototype = prototype.withJoints();
         }
-        prototype = withContacts(prototype, properties, parts);
+        prototype = withPropertiesOnDemand(prototype, properties, parts);
         for (Node property : properties) {
             prototype = extend(prototype, property);
         }
         return prototype;
     }
 
-    /** Adds the properties of contacts that the items set and the file does not declare. */
-    private static WorldPrototype withContacts(
+    /**
+     * Adds the properties on demand that items set or rules of joints read, and that the file does
+     * not declare.
+     */
+    private static WorldPrototype withPropertiesOnDemand(
             WorldPrototype prototype, List<Node> properties, List<Node> parts) {
         Set<String> set = new HashSet<>();
         for (Node part : parts) {
@@ -72,15 +79,24 @@ final class PrototypeReader {
             property.get("name").flatMap(Node::text).ifPresent(set::remove);
         }
         return prototype.extendedBy(
-                prototype.propertiesOfContacts().stream()
+                prototype.propertiesOnDemand().stream()
                         .filter(property -> set.contains(property.name()))
+                        .filter(property -> prototype.hasKind(property.kind()))
                         .toList());
     }
 
-    /** Adds the keys of all mappings with the key {@code physics} in a node. */
+    /**
+     * Adds the keys of all mappings with the key {@code physics} in a node, and the names after
+     * {@code physics.} in the rules of joints.
+     */
     private static void findProperties(Node node, Set<String> found) {
         if (node.key().equals("physics") && node.isMapping()) {
             node.children().forEach(value -> found.add(value.key()));
+        } else if (isOfJoints(node) && node.get("is").isPresent()) {
+            Matcher names = PHYSICS_NAME.matcher(node.get("is").flatMap(Node::text).orElse(""));
+            while (names.find()) {
+                found.add(names.group(1));
+            }
         } else if (!MESH_KEYS.contains(node.key())) {
             node.children().forEach(child -> findProperties(child, found));
         }

@@ -91,29 +91,36 @@ public final class WorldWriter {
     }
 
     /**
-     * Returns the trees of the items. A world has a property of contacts if one of its items sets
-     * it, so the first body sets those that are 0 at all items.
+     * Returns the trees of the items. A world has a property on demand if one of its items sets it,
+     * so the first item of the kind sets those that are 0 at all items.
      */
     private List<Map<String, Object>> items() {
         List<Map<String, Object>> trees = world.items().stream().map(items::tree).toList();
+        for (PropertyDescriptor property : world.prototype().propertiesOnDemand()) {
+            if (world.prototype().properties().contains(property)) {
+                List<Map<Object, Object>> aspects = physics(trees, property.kind());
+                if (aspects.stream().noneMatch(one -> one.containsKey(property.name()))) {
+                    aspects.stream()
+                            .findFirst()
+                            .ifPresent(first -> first.put(property.name(), zero(property)));
+                }
+            }
+        }
+        return trees;
+    }
+
+    /** Returns the physics aspects of the items of a kind. */
+    private List<Map<Object, Object>> physics(List<Map<String, Object>> trees, String kind) {
         List<Map<Object, Object>> aspects = new ArrayList<>();
         for (int i = 0; i < trees.size(); i++) {
-            if (world.items().get(i).kind().equals(WorldPrototype.BODY)
+            if (world.items().get(i).kind().equals(kind)
                     && trees.get(i).get("physics") instanceof Map<?, ?> physics) {
                 @SuppressWarnings("unchecked") // keys are names of properties
                 var aspect = (Map<Object, Object>) physics;
                 aspects.add(aspect);
             }
         }
-        for (PropertyDescriptor property : world.prototype().propertiesOfContacts()) {
-            if (world.prototype().properties().contains(property)
-                    && aspects.stream().noneMatch(one -> one.containsKey(property.name()))) {
-                aspects.stream()
-                        .findFirst()
-                        .ifPresent(first -> first.put(property.name(), zero(property)));
-            }
-        }
-        return trees;
+        return aspects;
     }
 
     private static Object zero(PropertyDescriptor property) {
@@ -203,7 +210,7 @@ public final class WorldWriter {
         for (PropertyDescriptor property :
                 prototype.properties().subList(standard, prototype.properties().size())) {
             if (!prototype.isOfJoints(property)
-                    && !prototype.propertiesOfContacts().contains(property)) {
+                    && !prototype.propertiesOnDemand().contains(property)) {
                 own.add(property(property));
             }
         }

@@ -100,7 +100,7 @@ final class MjcfActuators {
                         joint.axis(),
                         joint.limits(),
                         Math.max(joint.effort(), drive.most()),
-                        joint.friction(),
+                        joint.loads(),
                         drives));
     }
 

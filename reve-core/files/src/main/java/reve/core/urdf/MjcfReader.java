@@ -8,6 +8,7 @@ import reve.core.urdf.RobotModel.Inertial;
 import reve.core.urdf.RobotModel.Joint;
 import reve.core.urdf.RobotModel.JointType;
 import reve.core.urdf.RobotModel.Link;
+import reve.core.urdf.RobotModel.Loads;
 import reve.core.urdf.RobotModel.Scene;
 import reve.core.urdf.RobotModel.Scenery;
 import reve.core.urdf.RobotModel.Surface;
@@ -45,6 +46,10 @@ final class MjcfReader {
                     "range",
                     "limited",
                     "frictionloss",
+                    "damping",
+                    "armature",
+                    "stiffness",
+                    "springref",
                     "ref",
                     "actuatorfrcrange",
                     "actuatorfrclimited",
@@ -362,7 +367,7 @@ final class MjcfReader {
                 new double[] {0, 0, 1},
                 Optional.empty(),
                 0,
-                0,
+                Loads.NONE,
                 List.of());
     }
 
@@ -417,7 +422,49 @@ final class MjcfReader {
                 MjcfCompiler.unit(element, "axis", axis[0], axis[1], axis[2]),
                 limits.map(each -> new double[] {factor * each[0] - ref, factor * each[1] - ref}),
                 0,
-                type == JointType.FLOATING ? 0 : element.number("frictionloss", 0),
+                loads(element, type, factor, ref),
                 List.<Drive>of());
+    }
+
+    /**
+     * Reads what acts along the axis of a joint.
+     *
+     * @param factor of angles, or 1
+     * @param ref angle or travel of the file at the start
+     */
+    private Loads loads(XmlElement element, JointType type, double factor, double ref)
+            throws RobotFileException {
+        double damping = notNegative(element, "damping");
+        double friction = notNegative(element, "frictionloss");
+        double stiffness = notNegative(element, "stiffness");
+        double rotor = notNegative(element, "armature");
+        double rest = factor * element.number("springref", 0) - ref;
+        if (type == JointType.CONTINUOUS || type == JointType.PRISMATIC) {
+            return new Loads(damping, friction, stiffness, stiffness > 0 ? rest : 0, rotor);
+        }
+        boolean isBall = type == JointType.BALL;
+        String of = " of joints of type " + (isBall ? "ball" : "free");
+        if (friction != 0) {
+            ignored.add("frictionloss" + of);
+        }
+        if (stiffness != 0) {
+            ignored.add("stiffness" + of);
+        }
+        if (rotor != 0) {
+            ignored.add("armature" + of);
+        }
+        if (damping != 0 && !isBall) {
+            ignored.add("damping" + of);
+        }
+        return isBall ? new Loads(damping, 0, 0, 0, 0) : Loads.NONE;
+    }
+
+    private static double notNegative(XmlElement element, String attribute)
+            throws RobotFileException {
+        double number = element.number(attribute, 0);
+        if (number < 0) {
+            throw element.problem(attribute + " is " + number + ", expected 0 or more");
+        }
+        return number;
     }
 }

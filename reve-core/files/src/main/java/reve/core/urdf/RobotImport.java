@@ -112,11 +112,15 @@ public record RobotImport(
                 WorldFile.NAME,
                 model.scene().isPresent()
                         ? world(name, file, model.scene().get(), robot)
-                        : world(name, file, robot.isFixed() ? Math.min(ground, 0) : ground));
+                        : world(
+                                name,
+                                file,
+                                robot.isFixed() ? Math.min(ground, 0) : ground,
+                                robot.rules()));
         return new RobotImport(name, files, robot.bodyCount(), robot.jointCount(), notes);
     }
 
-    private static String world(String name, Path file, double ground) {
+    private static String world(String name, Path file, double ground, String rules) {
         return """
         reve: 1
         name: %s
@@ -130,7 +134,7 @@ public record RobotImport(
         agents:
           body: {physical: {location: [0, 1, 0]}}   # who drives the joints
 
-        items:
+        %sitems:
           - name: ground
             physical: {shape: box, size: [20, 1, 20], location: [0, %s, 0], colour: "#dfe6e9"}
         """
@@ -138,6 +142,7 @@ public record RobotImport(
                         name,
                         file.getFileName().toString().replaceAll("[^A-Za-z0-9._-]", "_"),
                         ROBOT,
+                        rules,
                         Double.toString(ground - 0.5));
     }
 
@@ -168,6 +173,7 @@ public record RobotImport(
                                 RATE * steps,
                                 Double.toString(scene.friction()),
                                 Arrays.toString(robot.turned(scene.gravity())))
+                + robot.rules()
                 + robot.scenery();
     }
 

@@ -144,13 +144,26 @@ record RobotModel(
     }
 
     /**
+     * What acts along the axis of a hinge or slider; a ball has only damping.
+     *
+     * @param damping torque or force per speed [N*m*s or N*s/m]
+     * @param friction dry friction [N*m or N]
+     * @param stiffness of the spring [N*m or N/m]
+     * @param rest angle or travel at which the spring exerts nothing [1 or m]
+     * @param rotor inertia that the joint adds [kg*m^2 or kg]
+     */
+    record Loads(double damping, double friction, double stiffness, double rest, double rotor) {
+        static final Loads NONE = new Loads(0, 0, 0, 0, 0);
+    }
+
+    /**
      * @param pose of the joint, and of the child at the angle 0, in the frame of the parent
      * @param anchor point that parent and child share, in the frame of the joint (3) [m]
      * @param axis unit vector in the frame of the joint
      * @param limits least and greatest angle or travel [1 or m], if there are any
      * @param effort largest torque or force that can hold the joint [N*m or N], 0 if the file
      *     states none
-     * @param friction dry friction [N*m or N]
+     * @param loads what acts along the axis besides the drives
      * @param drives the actions of the joint
      */
     record Joint(
@@ -164,7 +177,7 @@ record RobotModel(
             double[] axis,
             Optional<double[]> limits,
             double effort,
-            double friction,
+            Loads loads,
             List<Drive> drives) {
         /** Returns whether the child cannot move. */
         boolean isRigid() {

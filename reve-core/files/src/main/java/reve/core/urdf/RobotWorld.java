@@ -134,6 +134,33 @@ final class RobotWorld {
         return turned;
     }
 
+    /**
+     * Returns the rules by which agents perceive the joints, as a part of a world file; empty
+     * without hinges and sliders.
+     */
+    String rules() {
+        Map<String, Object> rules = new LinkedHashMap<>();
+        for (Joint joint : tree.joints()) {
+            Optional<String> type = type(joint);
+            if (type.equals(Optional.of("hinge"))) {
+                rules.put("angle", rule("jointAngle", "Angle of a hinge [rad]."));
+                rules.put("angleSpeed", rule("angleSpeed", "Speed of the angle [rad/s]."));
+            } else if (type.equals(Optional.of("slider"))) {
+                rules.put("travel", rule("jointTravel", "Travel of a slider [m]."));
+                rules.put("travelSpeed", rule("travelSpeed", "Speed of the travel [m/s]."));
+            }
+        }
+        return rules.isEmpty() ? "" : YamlWriter.write(Map.of("rules", rules)) + "\n";
+    }
+
+    private static Map<String, Object> rule(String property, String doc) {
+        Map<String, Object> rule = new LinkedHashMap<>();
+        rule.put("is", "physics." + property);
+        rule.put("kind", "joint");
+        rule.put("doc", doc);
+        return rule;
+    }
+
     /** Returns the items of the scenery as a part of a world file; empty without scenery. */
     String scenery() {
         List<Map<String, Object>> scenery = new ArrayList<>();
@@ -336,12 +363,10 @@ final class RobotWorld {
                                     Numerals.exactly(limits));
                             checkTurn(joint, slides, limits);
                         });
-        // A motor that holds the speed 0 with a torque is dry friction.
-        double load =
-                options.hold() ? Math.max(joint.effort(), joint.friction()) : joint.friction();
-        if (load > 0) {
-            physics.put(slides ? "driveForce" : "motorTorque", Numeral.of(load));
+        if (options.hold() && joint.effort() > 0) {
+            physics.put(slides ? "driveForce" : "motorTorque", Numeral.of(joint.effort()));
         }
+        loads(joint.loads(), slides, physics);
         Map<String, Object> item = new LinkedHashMap<>();
         item.put(
                 "name",
@@ -353,6 +378,23 @@ final class RobotWorld {
         }
         item.put("physics", physics);
         items.add(item);
+    }
+
+    private static void loads(RobotModel.Loads loads, boolean slides, Map<String, Object> physics) {
+        String kind = slides ? "travel" : "angle";
+        putPositive(physics, kind + "Damping", loads.damping());
+        putPositive(physics, kind + "Friction", loads.friction());
+        putPositive(physics, kind + "Stiffness", loads.stiffness());
+        if (loads.rest() != 0) {
+            physics.put(slides ? "restTravel" : "restAngle", Numeral.of(loads.rest()));
+        }
+        putPositive(physics, slides ? "rotorMass" : "rotorInertia", loads.rotor());
+    }
+
+    private static void putPositive(Map<String, Object> physics, String name, double value) {
+        if (value > 0) {
+            physics.put(name, Numeral.of(value));
+        }
     }
 
     private void checkTurn(Joint joint, boolean slides, double[] limits) {

@@ -8,6 +8,7 @@ import reve.core.urdf.RobotModel.Inertial;
 import reve.core.urdf.RobotModel.Joint;
 import reve.core.urdf.RobotModel.JointType;
 import reve.core.urdf.RobotModel.Link;
+import reve.core.urdf.RobotModel.Loads;
 import reve.core.world.Pose;
 
 import java.util.ArrayList;
@@ -194,12 +195,7 @@ final class UrdfReader {
         JointType type = type(element);
         for (XmlElement child : element.children()) {
             switch (child.name()) {
-                case "origin", "parent", "child", "axis", "limit" -> {}
-                case "dynamics" -> {
-                    if (child.number("damping", 0) != 0) {
-                        ignore("damping of joints");
-                    }
-                }
+                case "origin", "parent", "child", "axis", "limit", "dynamics" -> {}
                 case "mimic" -> ignore("<mimic> of joints, which then move freely");
                 default -> ignore("<" + child.name() + "> of joints");
             }
@@ -235,8 +231,17 @@ final class UrdfReader {
                 axis(element),
                 limits,
                 effort,
-                dynamics.isPresent() ? Math.abs(dynamics.get().number("friction", 0)) : 0,
+                dynamics.isPresent() ? loads(dynamics.get()) : Loads.NONE,
                 List.of(Drive.ofSpeed(speed, effort)));
+    }
+
+    private static Loads loads(XmlElement dynamics) throws RobotFileException {
+        return new Loads(
+                Math.abs(dynamics.number("damping", 0)),
+                Math.abs(dynamics.number("friction", 0)),
+                0,
+                0,
+                0);
     }
 
     private static JointType type(XmlElement element) throws RobotFileException {

@@ -80,7 +80,7 @@ class ContactKeysTest {
         assertThat(world.prototype().find("body", "touchCount")).as("of sensors").isPresent();
         assertThat(world.prototype().find("body", "touchLayer")).isEmpty();
         assertThat(parse("items: [{name: a, physics: {mass: 1}}]").prototype().properties())
-                .doesNotContainAnyElementsOf(world.prototype().propertiesOfContacts());
+                .doesNotContainAnyElementsOf(world.prototype().propertiesOnDemand());
     }
 
     @Test
@@ -94,7 +94,7 @@ class ContactKeysTest {
                           - {name: plate, physics: {mass: 2, touchLayer: 0, touchCount: 0}}
                           - {name: ball, physics: {mass: 1, rollingFriction: 0.5}}
                         """);
-        assertThat(world.prototype().propertiesOfContacts().stream())
+        assertThat(world.prototype().propertiesOnDemand().stream())
                 .filteredOn(world.prototype().properties()::contains)
                 .hasSize(3);
         WorldDescription again = WorldFileTest.parse(WorldWriter.write(world));
@@ -112,6 +112,34 @@ class ContactKeysTest {
         WorldDescription again = WorldFileTest.parse(WorldWriter.write(world));
         assertThat(again.rules()).hasSize(1);
         assertThat(again.prototype().kinds()).contains(WorldPrototype.JOINT);
+    }
+
+    @Test
+    void aWorldHasThePropertiesOfJointsThatItsItemsSetOrItsRulesRead() throws WorldFileException {
+        WorldDescription world =
+                parse(
+                        """
+                        rules: {worn: {is: "physics.angleFriction > 1.0", kind: joint}}
+                        items:
+                          - {name: a, physics: {mass: 0}}
+                          - {name: b, physics: {mass: 1}}
+                          - name: axle
+                            kind: joint
+                            physics: {joined: [a, b], jointType: hinge, angleDamping: 2 N*m*s/rad, rotorInertia: 0}
+                        """);
+        WorldPrototype prototype = world.prototype();
+        assertThat(prototype.find("joint", "angleDamping")).isPresent();
+        assertThat(prototype.find("joint", "rotorInertia")).isPresent();
+        assertThat(prototype.find("joint", "angleFriction")).as("of the rule").isPresent();
+        assertThat(prototype.find("joint", "angleStiffness")).isEmpty();
+        WorldDescription again = WorldFileTest.parse(WorldWriter.write(world));
+        assertThat(again.prototype().properties()).isEqualTo(prototype.properties());
+        assertThatThrownBy(
+                        () ->
+                                parse(
+                                        "items: [{name: a, kind: joint, physics: {jointType: hinge,"
+                                                + " angleDamping: -1}}]"))
+                .hasMessageContaining("angleDamping: found -1.0, expected 0 or more [N*m*s]");
     }
 
     @Test

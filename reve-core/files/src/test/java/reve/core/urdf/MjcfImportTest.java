@@ -117,7 +117,10 @@ class MjcfImportTest {
         double degree = Math.PI / 180;
         assertThat(hip.physics("angleLimits").orElseThrow())
                 .containsExactly(new double[] {-90 * degree, 30 * degree}, within(1e-12));
-        assertThat(hip.physics("motorTorque").orElseThrow()).containsExactly(0.3);
+        assertThat(hip.physics("angleFriction").orElseThrow()).containsExactly(0.3);
+        assertThat(hip.physics("angleDamping").orElseThrow()).containsExactly(1);
+        assertThat(hip.physics("motorTorque")).isEmpty();
+        assertThat(items.get("rail").physics("travelDamping").orElseThrow()).containsExactly(1);
         assertThat(items.get("rail").physics("travelLimits").orElseThrow())
                 .containsExactly(-0.1, 0.2);
         assertThat(robot.notes())
@@ -125,9 +128,42 @@ class MjcfImportTest {
                         "joint hip: its angle or travel is 0 at the start, not " + 30 * degree,
                         "not imported: <muscle> of the actuators",
                         "not imported: <sensor> <gyro> (2 times)",
-                        "not imported: damping of <joint> (2 times)",
                         "not imported: solver of <option>",
                         "actuator second: the joint rail has the action drive of another actuator");
+    }
+
+    @Test
+    void springsAndRotorsOfJointsAreThoseOfTheFile() throws Exception {
+        RobotImport robot =
+                imported(
+                        """
+                        <mujoco><worldbody><body name='a'>
+                        <joint name='turn' stiffness='3' springref='90' ref='30' armature='0.2'/>
+                        <geom size='1'/>
+                        <body name='b'><joint name='slip' type='slide' stiffness='4' springref='0.5'
+                        armature='2'/><geom size='1'/>
+                        <body name='c'><joint name='ball' type='ball' damping='5' stiffness='1'
+                        armature='1' frictionloss='1' springref='9'/><geom size='1'/></body></body>
+                        </body><body name='d'><joint type='free' damping='1'/><geom size='1'/></body>
+                        </worldbody></mujoco>
+                        """);
+        Map<String, ItemDefinition> items = items(robot);
+        ItemDefinition turn = items.get("turn");
+        assertThat(turn.physics("angleStiffness").orElseThrow()).containsExactly(3);
+        assertThat(turn.physics("restAngle").orElseThrow())
+                .containsExactly(new double[] {Math.PI / 3}, within(1e-12));
+        assertThat(turn.physics("rotorInertia").orElseThrow()).containsExactly(0.2);
+        ItemDefinition slip = items.get("slip");
+        assertThat(slip.physics("travelStiffness").orElseThrow()).containsExactly(4);
+        assertThat(slip.physics("restTravel").orElseThrow()).containsExactly(0.5);
+        assertThat(slip.physics("rotorMass").orElseThrow()).containsExactly(2);
+        assertThat(items.get("ball").physics("angleDamping").orElseThrow()).containsExactly(5);
+        assertThat(robot.notes())
+                .contains(
+                        "not imported: stiffness of joints of type ball",
+                        "not imported: armature of joints of type ball",
+                        "not imported: frictionloss of joints of type ball",
+                        "not imported: damping of joints of type free");
     }
 
     /** Types and affinities of the parts match the floor, not each other. */
@@ -260,6 +296,8 @@ class MjcfImportTest {
                         + " body has the name a",
                 "<mujoco><worldbody><body name='a'><joint/><geom type='plane' size='1'/></body></worldbody></mujoco>"
                         + " | a plane is on a body that moves",
+                "<mujoco><worldbody><body name='a'><joint damping='-1'/></body></worldbody></mujoco>"
+                        + " | damping is -1.0, expected 0 or more",
                 "<mujoco><worldbody><geom size='1'/></worldbody><actuator><motor"
                         + " joint='x'/></actuator></mujoco> | there is no joint x",
                 "<mujoco><default><default class='a'/><default class='a'/></default></mujoco> | a"

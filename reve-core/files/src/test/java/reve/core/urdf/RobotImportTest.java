@@ -187,9 +187,11 @@ class RobotImportTest {
                 .containsExactly(
                         "not imported: <gazebo> (2 times)",
                         "not imported: <mimic> of joints, which then move freely",
-                        "not imported: <transmission>",
-                        "not imported: damping of joints");
+                        "not imported: <transmission>");
         Map<String, ItemDefinition> items = items(robot);
+        assertThat(items.get("shoulder").physics("angleDamping").orElseThrow()).containsExactly(1);
+        assertThat(items.get("shoulder").physics("angleFriction").orElseThrow())
+                .containsExactly(0.5);
         assertThat(items.get("base").physics("mass").orElseThrow()).containsExactly(0);
         // The file's x is the robot's -z after the turn about +Z, and its z is +Y.
         assertThat(items.get("upper").location())
@@ -213,7 +215,7 @@ class RobotImportTest {
         ItemDefinition shoulder = items.get("shoulder");
         assertThat(shoulder.references().get("joined")).containsExactly("base", "upper");
         assertThat(shoulder.physics("angleLimits").orElseThrow()).containsExactly(-1, 2);
-        assertThat(shoulder.physics("motorTorque").orElseThrow()).containsExactly(0.5);
+        assertThat(shoulder.physics("angleFriction").orElseThrow()).containsExactly(0.5);
         Pose base = pose(items.get("base"));
         double[] axis = shoulder.physics("axis").orElseThrow();
         Pose inWorld = new Pose(axis[0], axis[1], axis[2], 0, 0, 0, 1).within(base);

@@ -118,11 +118,14 @@ public final class WorldPrototype {
     }
 
     /**
-     * Returns the properties of bodies that only worlds have which use them: those of contacts,
-     * except for {@code friction} and {@code restitution}.
+     * Returns the properties that only worlds have which use them: those of contacts of bodies,
+     * except for {@code friction} and {@code restitution}, and those of springs, damping, friction
+     * and rotors of joints.
      */
-    public List<PropertyDescriptor> propertiesOfContacts() {
-        return contacts(realType);
+    public List<PropertyDescriptor> propertiesOnDemand() {
+        List<PropertyDescriptor> properties = new ArrayList<>(contacts(realType));
+        properties.addAll(loadsOfJoints(realType));
+        return properties;
     }
 
     /**
@@ -338,6 +341,22 @@ public final class WorldPrototype {
                 number(BODY, "touchSensor", I32, 1, "1", "1: counts what touches it, no force."),
                 number(BODY, "partOfBody", I32, 1, "1", "1: collides as part of its carrier."),
                 number(BODY, "touchCount", I32, 1, "1", "Number of shapes that touch it."));
+    }
+
+    private static List<PropertyDescriptor> loadsOfJoints(ScalarType real) {
+        return List.of(
+                notNegative(JOINT, "angleDamping", real, 1, "N*m*s", "Torque per angular speed."),
+                notNegative(JOINT, "travelDamping", real, 1, "N*s/m", "Force per speed."),
+                notNegative(JOINT, "angleFriction", real, 1, "N*m", "Torque of dry friction."),
+                notNegative(JOINT, "travelFriction", real, 1, "N", "Force of dry friction."),
+                notNegative(JOINT, "angleStiffness", real, 1, "N*m", "Torque per angle."),
+                notNegative(JOINT, "travelStiffness", real, 1, "N/m", "Force per travel."),
+                number(JOINT, "restAngle", real, 1, "1", "Angle without torque of the spring."),
+                number(JOINT, "restTravel", real, 1, "m", "Travel without force of the spring."),
+                notNegative(JOINT, "rotorInertia", real, 1, "kg*m^2", "Added about the axis."),
+                notNegative(JOINT, "rotorMass", real, 1, "kg", "Added along the axis."),
+                number(JOINT, "angleSpeed", real, 1, "rad/s", "Speed of a hinge's angle."),
+                number(JOINT, "travelSpeed", real, 1, "m/s", "Speed of a slider's travel."));
     }
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {
