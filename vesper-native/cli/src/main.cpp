@@ -76,15 +76,18 @@ void AddLaws(CLI::App& app, int& code) {
 
 void AddTest(CLI::App& app, int& code) {
   auto* command = app.add_subcommand(
-      "test", "Checks law libraries against the rules for laws and against their claims.");
+      "test", "Checks laws, compiled, as text or in Python, against the rules and their claims.");
   auto options = std::make_shared<TestOptions>();
-  command->add_option("LIBRARY", options->libraries, "Files of law libraries")
+  command->add_option("FILE", options->libraries, "Files of laws: .so, .law or .py")
       ->required()
       ->check(CLI::ExistingFile);
   command->add_option("--only", options->only, "Run only these checks, such as threads,rows")
       ->type_name("CHECK,...")
       ->delimiter(',')
       ->check(CLI::IsMember(CheckNames()));
+  command->add_option("--python", options->python, "Virtual environment of laws in Python")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
   command->add_flag("--json", options->json, "Print the report as one JSON document");
   command->callback([options, &code] { code = TestLaws(*options); });
 }

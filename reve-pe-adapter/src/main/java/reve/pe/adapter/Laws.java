@@ -2,6 +2,8 @@
 package reve.pe.adapter;
 
 import org.jspecify.annotations.Nullable;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
 
 import reve.core.frame.TimeBudget;
 import reve.core.world.Item;
@@ -31,6 +33,8 @@ import java.util.function.Consumer;
  * called, and their wall-clock milliseconds. World's thread only.
  */
 public final class Laws {
+    private static final Logger LOG = LoggerFactory.getLogger("laws");
+
     /** Maximum number of attempts at a change, if the engine's process is lost during it. */
     private static final int MOST_TRIES = 10;
 
@@ -527,6 +531,7 @@ public final class Laws {
                 // Journals of earlier versions contain no Released.
                 quarantined.remove(added.library().sha256());
                 try (PreparedLibrary prepared = engine.prepare(added.library().bytes())) {
+                    warnOfOtherVersions(added.library(), prepared);
                     int id = load(frame, prepared, added.library().parameters());
                     apply(id, added.library().budget(), added.library().interval());
                     leaveToFolder(id);
@@ -535,7 +540,12 @@ public final class Laws {
             case LawChange.Replaced replaced -> {
                 int id = idAt(replaced.place());
                 try (PreparedLibrary prepared = engine.prepare(replaced.library().bytes())) {
-                    replaceBy(frame, id, prepared, replaced.library());
+                    warnOfOtherVersions(replaced.library(), prepared);
+                    replaceBy(
+                            frame,
+                            id,
+                            prepared,
+                            replaced.library().withVersions(prepared.versions()));
                 }
                 apply(id, replaced.library().budget(), replaced.library().interval());
                 leaveToFolder(id);
@@ -569,6 +579,18 @@ public final class Laws {
                     world.find(arrested.item()).ifPresent(world.arrests()::arrest);
             case LawChange.Released released -> release(released.sha256());
             case LawChange.Unmoved _ -> unmoved = true;
+        }
+    }
+
+    /** Recordings of earlier versions of this program contain no versions. */
+    private static void warnOfOtherVersions(LawLibrary recorded, PreparedLibrary here) {
+        if (!recorded.versions().isEmpty() && !recorded.versions().equals(here.versions())) {
+            LOG.warn(
+                    "law {} was recorded with {}, and here it runs with {}: its results may have"
+                            + " other bits; install the recorded versions to get the same bits",
+                    recorded.name(),
+                    recorded.versions(),
+                    here.versions());
         }
     }
 
