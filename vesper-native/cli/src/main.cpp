@@ -114,6 +114,10 @@ void AddLawRun(CLI::App& law, int& code) {
       ->check(CLI::ExistingFile);
   command->add_option("--parameter", options->parameters, "NAME=VALUE in SI units; may be repeated")
       ->type_name("NAME=VALUE");
+  command
+      ->add_option("--set", options->properties,
+                   "Value of a property, also of the law's own; may be repeated")
+      ->type_name("NAME=VALUE");
   command->add_option("--seconds", options->seconds, "Time to run [s]")
       ->check(CLI::Range(1e-6, 1e6))
       ->capture_default_str();
@@ -135,6 +139,10 @@ void AddLawPlot(CLI::App& law, int& code) {
       ->required()
       ->check(CLI::ExistingFile);
   command->add_option("--parameter", options->parameters, "NAME=VALUE in SI units; may be repeated")
+      ->type_name("NAME=VALUE");
+  command
+      ->add_option("--set", options->properties,
+                   "Value of a property, also of the law's own; may be repeated")
       ->type_name("NAME=VALUE");
   command->add_option("--over", options->over, "Default: what the force depends on")
       ->check(CLI::IsMember({"distance", "speed", "place"}));
