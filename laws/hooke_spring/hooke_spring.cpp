@@ -28,7 +28,8 @@ constexpr uint64_t kUnknown = UINT64_MAX;
  *  tile, all springs attached to one of its bodies are computed, and their forces on these
  *  bodies are summed in a fixed order; other tiles compute the forces on their own bodies. If
  *  consecutive springs belong to distant bodies, the law reads copies of the springs' columns in
- *  tile order. It also copies columns in good order, after kSettled calls without edits. */
+ *  tile order. After kSettled calls without edits, it also copies columns whose springs are in
+ *  that order already. */
 template <class Real>
 struct HookeSpring {
   static constexpr auto kName = "hooke_spring", kVersion = "1.0.0";

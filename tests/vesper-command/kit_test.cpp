@@ -63,7 +63,231 @@ INSTANTIATE_TEST_SUITE_P(
                       Fault{"place", "translation f64", "'externalForce' differs in row 0"},
                       Fault{"energy", "potential-energy f64", "but the energy falls by"},
                       Fault{"leak", "reload f64", "leaves open files"},
+                      Fault{"repeat", "repeat f64", "has other bits in a second run"},
+                      Fault{"rollback", "rollback f32", "has other bits after a rollback"},
+                      Fault{"mass_0", "mass-0 f64", "with bodies of mass 0"},
+                      Fault{"output", "output f64", "writes to standard error: 'a line'"},
+                      Fault{"moves_all", "mass-0 f64", "moves the body of mass 0 in row 0"},
                       Fault{"motion", "convergence f64", "expected at least order 1"}));
+
+/// The text of a law in Python that adds forces; `body` is the lines of its function.
+std::string PythonLaw(const std::string& body, const std::string& before = "",
+                      const std::string& claims = "") {
+  return "import numpy\nimport vesper\n" + before + "\n@vesper.law(phase=\"force\", claims=(" +
+         claims +
+         "))\ndef wrong(\n"
+         "    position: vesper.Read(\"body\", \"m\"),\n"
+         "    velocity: vesper.Read(\"body\", \"m/s\"),\n"
+         "    mass: vesper.Read(\"body\", \"kg\"),\n"
+         "    force: vesper.Accumulate(\"body\", \"N\"),\n"
+         "):\n    \"Breaks one promise.\"\n    " +
+         body + "\n";
+}
+
+struct PythonFault {
+  const char* name;
+  std::string text;
+  const char* check;  // that fails, in both precisions
+  const char* note;   // part of its reason
+};
+void PrintTo(const PythonFault& fault, std::ostream* out) { *out << fault.name; }
+
+class PythonKitFaultTest : public ::testing::TestWithParam<PythonFault> {};
+
+TEST_P(PythonKitFaultTest, LawInPythonThatBreaksAPromiseFailsItsCheck) {
+  const auto& [name, text, check, note] = GetParam();
+  const Folder folder;
+  const Outcome outcome =
+      RunVesper({"test", folder.Write("wrong.py", text), "--only", check, "--json"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.errors;
+  const auto report = nlohmann::json::parse(outcome.output);
+  const auto failed = Verdicts(report, "FAIL");
+  const std::string first = failed.empty() ? "" : failed.begin()->first;
+  ASSERT_EQ(first.substr(0, std::string(check).size()), check) << outcome.output;
+  for (const auto& [_, reason] : failed) {
+    EXPECT_NE(reason.find(note), std::string::npos) << reason;
+  }
+}
+
+std::string NameOfFault(const ::testing::TestParamInfo<PythonFault>& info) {
+  return info.param.name;
+}
+
+const PythonFault kPythonFaults[] = {
+    {"ReadColumn", PythonLaw("mass[:] = 1"), "guard-pages",
+     "on 0 rows, wrong: wrong.py:12: ValueError: assignment destination is read-only"},
+    {"ReadColumnByAddress",
+     PythonLaw("ctypes.memset(mass.ctypes.data, 1, mass.nbytes)", "import ctypes\n"), "guard-pages",
+     "writes to 'mass', which it declares as READ"},
+    {"BehindTheLastRow",
+     PythonLaw("ctypes.memset(force.ctypes.data, 0, force.nbytes + 8)", "import ctypes\n"),
+     "guard-pages", "behind the last row of 'externalForce'"},
+    {"OneRow", PythonLaw("force[0] += 1"), "rows", "on 0 rows: "},
+    {"Random", PythonLaw("force += numpy.random.random(force.shape)"), "repeat",
+     "'externalForce' has other bits in a second run of the same world"},
+    {"Clock", PythonLaw("force += time.perf_counter_ns() % 2 ** 20", "import time\n"), "repeat",
+     "'externalForce' has other bits"},
+    {"Global", PythonLaw("global calls; calls += 1; force += calls", "calls = 0\n"), "rollback",
+     "'externalForce' has other bits after a rollback by 3 steps"},
+    {"ListOfTheModule", PythonLaw("kept.append(1); force += len(kept)", "kept = []\n"), "rollback",
+     "SCRATCH memory"},
+    {"DivisionByMass", PythonLaw("force += 1 / mass[:, None]"), "mass-0",
+     "with bodies of mass 0: "},
+    {"Print", PythonLaw("print('row', len(mass))"), "output",
+     "writes to standard output: 'row 101'"},
+    {"PrintWhenOpened", PythonLaw("force += 0", "print('hello')\n"), "output",
+     "writes to standard output: 'hello'"},
+    {"Warning", PythonLaw("numpy.log(-mass)"), "output", "writes to standard error: "},
+    {"NotANumber", PythonLaw("force += numpy.nan_to_num(position)"), "not-a-number",
+     "NaN in 'position' changes 'externalForce' without an error"},
+    {"Momentum", PythonLaw("force += mass[:, None]", "", "\"momentum\""), "momentum",
+     "forces sum to "},
+    {"Translation", PythonLaw("force += position", "", "\"translation\""), "translation",
+     "'externalForce' differs in row 0"},
+    {"Rotation", PythonLaw("force += mass[:, None] * (1, 0, 0)", "", "\"rotation\""), "rotation",
+     "'externalForce' differs in row 0"},
+    {"Thread",
+     PythonLaw("threading.Thread(target=time.sleep, args=(9,), daemon=True).start()",
+               "import threading, time\n"),
+     "reload", "leaves threads"},
+    {"File", PythonLaw("kept.append(open('/dev/null'))", "kept = []\n"), "reload",
+     "leaves open files"},
+    {"NoDocumentation",
+     "import vesper\n@vesper.law(phase='force')\ndef wrong(force: vesper.Accumulate('body', "
+     "'N')):\n    force += 1\n",
+     "table", "'wrong' has no doc"},
+    {"OtherName",
+     "import vesper\n@vesper.law(phase='force')\ndef right(force: vesper.Accumulate('body', "
+     "'N')):\n    'Pushes.'\n    force += 1\n",
+     "table", "calls itself 'right'; expected the name in its file's, right.py"},
+    {"End", PythonLaw("os._exit(7)", "import os\n"), "rows",
+     "the law ended the process with exit code 7"},
+    {"Crash", PythonLaw("ctypes.memset(8, 0, 8)", "import ctypes\n"), "rows",
+     "the law crashed: Segmentation fault"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Faults, PythonKitFaultTest, ::testing::ValuesIn(kPythonFaults),
+                         NameOfFault);
+
+TEST(PythonKitTest, GoodLawsPassEveryCheckThatAppliesToThem) {
+  const Outcome outcome =
+      RunVesper({"test", std::string(LAW_SOURCES) + "/python/good.py", "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << outcome.errors;
+  const auto report = nlohmann::json::parse(outcome.output);
+  const auto passed = Verdicts(report, "PASS");
+  for (const char* check : {"table", "precisions", "guard-pages f32", "rows f64", "reload f32",
+                            "threads f64", "repeat f64", "rollback f32", "mass-0 f64", "output f64",
+                            "parameters f64", "not-a-number f32", "convergence f64", "time f64"}) {
+    EXPECT_TRUE(passed.contains(check)) << check << outcome.output;
+  }
+  EXPECT_EQ(Verdicts(report, "skip").at("exports"), "is not a shared object");
+}
+
+/// Makes a virtual environment as `python3 -m venv` does, with a package of one module.
+std::string MakeEnvironment(const Folder& folder, const std::string& version) {
+  const std::string environment = folder / "environment";
+  const Outcome made = RunProgram(
+      "/usr/bin/python3", {"-m", "venv", "--without-pip", "--system-site-packages", environment});
+  EXPECT_EQ(made.exit_code, 0) << made.errors;
+  const Outcome place =
+      RunProgram(environment + "/bin/python3",
+                 {"-c", "import sysconfig; print(sysconfig.get_path('purelib'), end='')"});
+  const std::string info = place.output + "/stiffness-" + version + ".dist-info";
+  std::filesystem::create_directories(info);
+  std::ofstream(place.output + "/stiff.py") << "K = 2.0\n";
+  std::ofstream(info + "/METADATA")
+      << "Metadata-Version: 2.1\nName: stiffness\nVersion: " << version << "\n";
+  std::ofstream(info + "/RECORD") << "stiff.py,,\n";
+  return environment;
+}
+
+TEST(PythonKitTest, LawImportsThePackagesOfTheVirtualEnvironmentThatAnOptionNames) {
+  const Folder folder;
+  const std::string file =
+      folder.Write("wrong.py", PythonLaw("force += stiff.K", "import stiff\n"));
+  const std::string environment = MakeEnvironment(folder, "1.2");
+  const Outcome with = RunVesper({"test", file, "--only", "rows", "--python", environment});
+  EXPECT_EQ(with.exit_code, 0) << with.output << with.errors;
+  const Outcome without = RunVesper({"test", file, "--only", "rows"});
+  EXPECT_EQ(without.exit_code, 4);
+  EXPECT_NE(without.errors.find("wrong.py:3: ModuleNotFoundError: No module named 'stiff'; used "
+                                "/usr/bin/python3 (Python 3."),
+            std::string::npos)
+      << without.errors;
+  EXPECT_NE(without.errors.find("--python DIR"), std::string::npos) << without.errors;
+  const std::string other = folder.Write("wrong.py", PythonLaw("force += 1", "import stiffer\n"));
+  const Outcome missing = RunVesper({"test", other, "--python", environment});
+  EXPECT_EQ(missing.exit_code, 4);
+  EXPECT_NE(missing.errors.find("used " + environment + "/bin/python3 (Python 3."),
+            std::string::npos)
+      << missing.errors;
+  EXPECT_NE(missing.errors.find("-m pip install"), std::string::npos) << missing.errors;
+  const Outcome none = RunVesper({"test", file, "--python", folder / "."});
+  EXPECT_EQ(none.exit_code, 4);
+  std::ofstream(folder / "pyvenv.cfg") << "home = /opt/other/bin\nversion = 3.11.9\n";
+  const Outcome foreign = RunVesper({"test", file, "--python", folder / "."});
+  EXPECT_EQ(foreign.exit_code, 4);
+  EXPECT_NE(foreign.errors.find("is one of /opt/other/bin, expected "), std::string::npos)
+      << foreign.errors;
+  EXPECT_NE(none.errors.find("is no virtual environment, expected a virtual environment of "),
+            std::string::npos)
+      << none.errors;
+}
+
+/// Stands for Numba, which compiles a function for the types of its first arguments.
+constexpr const char* kCompiler = R"(
+def njit(function):
+    compiled = set()
+
+    def call(*arguments):
+        types = tuple((a.dtype.char, a.ndim, a.flags.writeable) for a in arguments)
+        if len(arguments[0]) == 1:
+            compiled.add(types)
+        elif types not in compiled:
+            raise RuntimeError("compiled in a frame")
+        return function(*arguments)
+
+    return call
+)";
+
+TEST(PythonKitTest, LawOfNumbaIsCompiledBeforeItsFirstFrame) {
+  const Folder folder;
+  const std::string environment = MakeEnvironment(folder, "1.2");
+  std::string packages;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(environment)) {
+    if (entry.path().filename() == "stiff.py") packages = entry.path().parent_path();
+  }
+  std::ofstream(packages + "/numba.py") << kCompiler;
+  const std::string kernel = "\n@numba.njit\ndef add(force, position):\n    force -= position\n";
+  const std::string named =
+      folder.Write("wrong.py", PythonLaw("add(force, position)", "import numba\n" + kernel));
+  const std::vector<std::string> options{"--only", "repeat", "--python", environment};
+  std::vector<std::string> arguments{"test", named};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  const Outcome outcome = RunVesper(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << outcome.errors;
+  // Without the import, nothing shows that the function must be compiled.
+  folder.Write("wrong.py",
+               PythonLaw("add(force, position)", "numba = __import__('numba')\n" + kernel));
+  const Outcome hidden = RunVesper(arguments);
+  EXPECT_NE(hidden.output.find("RuntimeError: compiled in a frame"), std::string::npos)
+      << hidden.output;
+}
+
+TEST(PythonKitTest, LawThatCannotBeLoadedEndsWith4AndNamesItsLine) {
+  const Folder folder;
+  const std::string file = folder.Write("wrong.py", PythonLaw("force += 1") + "x = (\n");
+  const Outcome outcome = RunVesper({"test", file});
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_NE(outcome.errors.find("wrong.py:13:"), std::string::npos) << outcome.errors;
+  std::string other = PythonLaw("force += 1");
+  other.replace(other.find("m/s"), 3, "N*s");
+  const Outcome unit = RunVesper({"test", folder.Write("wrong.py", other), "--json"});
+  EXPECT_EQ(unit.exit_code, 4);
+  EXPECT_NE(unit.errors.find("wrong.py:7: the unit of 'velocity' is m/s, the annotation says N*s"),
+            std::string::npos)
+      << unit.errors;
+}
 
 TEST(KitTest, LawThatWritesWhatItMayOnlyReadIsCaughtByItsPage) {
   const Outcome outcome =

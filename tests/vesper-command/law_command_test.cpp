@@ -60,6 +60,41 @@ TEST(LawCommandTest, ToCppWritesALawToTheOutputOrAFile) {
       << lost.errors;
 }
 
+// A drag whose coefficient is a property of the law's own: v(t) = v0 exp(-k t / m) with m = 1 kg.
+TEST(LawCommandTest, RunSetsThePropertiesOfTheLawItself) {
+  const Folder folder;
+  const std::string law =
+      folder.Write("sticky.law",
+                   "law sticky\n  each body has stickiness in kg/s\n  each body:\n"
+                   "    force -= stickiness velocity\n");
+  const auto kinetic = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"law", "run", law, "--seconds", "1", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = RunVesper(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return nlohmann::json::parse(outcome.output).at("rows")[5].at("kinetic").get<double>();
+  };
+  const double free = kinetic({});
+  EXPECT_NEAR(kinetic({"--set", "stickiness=0.5"}) / free, std::exp(-1.0), 1e-3);
+  EXPECT_NEAR(kinetic({"--set", "stickiness=0.5", "--set", "velocity=3,0,4"}),
+              27 * 12.5 * std::exp(-1.0), 0.2);
+  const Outcome plot = RunVesper({"law", "plot", law, "--set", "stickiness=0.5", "--over", "speed",
+                                  "--from", "0", "--to", "10", "--points", "2", "--json"});
+  ASSERT_EQ(plot.exit_code, 0) << plot.errors;
+  EXPECT_DOUBLE_EQ(nlohmann::json::parse(plot.output).at("points")[1][1], -5);
+  const std::pair<const char*, const char*> mistakes[] = {
+      {"stickiness", "--set stickiness: expected a property and its numbers"},
+      {"stickiness=1,", "expected a property and its numbers"},
+      {"stickiness=1,2", "--set stickiness: found 2 numbers, expected 1, in kg/s"},
+      {"stickines=1", "--set stickines: the law 'sticky' and the standard properties have no such"},
+      {"hookeConstant=1", "--set hookeConstant: the scene has no rows with this property"}};
+  for (const auto& [given, message] : mistakes) {
+    const Outcome wrong = RunVesper({"law", "run", law, "--set", given});
+    EXPECT_EQ(wrong.exit_code, 2) << given;
+    EXPECT_NE(wrong.errors.find(message), std::string::npos) << wrong.errors;
+  }
+}
+
 // The bodies of the scene have 1 kg, so work and energies have the numbers of the formulas.
 TEST(LawCommandTest, RunPrintsConservedQuantities) {
   const Outcome outcome = RunVesper({"law", "run", VESPER_TEXTS "/hooke_spring/hooke_spring.law",

@@ -17,6 +17,7 @@ install(TARGETS vesper sdk probe law_kit EXPORT VesperTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS command EXPORT VesperTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS law_python LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/include/vesper ${CMAKE_SOURCE_DIR}/kit/include/vesper DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT VesperTargets NAMESPACE Vesper:: DESTINATION ${package_dir})
 install(FILES ${CMAKE_BINARY_DIR}/VesperConfig.cmake ${CMAKE_BINARY_DIR}/VesperConfigVersion.cmake

@@ -234,7 +234,7 @@ apart::Options Service::SandboxOptions(bool incomplete) const {
           memory_limit_ == 0 ? kUnlimitedMemory : memory_limit_, incomplete};
 }
 
-vesper_prepared_library* Service::Open(Reader& request) {
+vesper_prepared_library* Service::Open(Reader& request, std::string* versions) {
   const std::string source = request.Text();
   const auto form = static_cast<Form>(request.Value<uint32_t>());
   const auto descriptor = request.Value<uint32_t>();
@@ -250,8 +250,8 @@ vesper_prepared_library* Service::Open(Reader& request) {
                                         bytes.size(), &prepared, &error_));
       return prepared;
     case Form::kPython:
-      Check(
-          PreparePython(prototype_->get(), source, bytes.data(), bytes.size(), &prepared, &error_));
+      Check(python::PreparePython(prototype_->get(), source, bytes.data(), bytes.size(), &prepared,
+                                  &error_, versions));
       return prepared;
     case Form::kApart:
     case Form::kApartWeakly:
@@ -263,8 +263,10 @@ vesper_prepared_library* Service::Open(Reader& request) {
 }
 
 void Service::Prepare(Reader& request, Writer& reply) {
-  vesper_prepared_library* prepared = Open(request);
+  std::string versions;
+  vesper_prepared_library* prepared = Open(request, &versions);
   reply.Text(vesper_library_name(prepared));
+  reply.Text(versions.c_str());
   vesper_library_discard(prepared);
 }
 
@@ -359,6 +361,7 @@ void Service::WriteLaws(vesper_library_id library, Writer& reply) {
     for (const char* text : {info.library, info.name, info.version, info.doc}) reply.Text(text);
     reply.Value(info.phase);
     reply.Value(info.stages);
+    reply.Value(info.claims);
     reply.Value(info.use_count);
     ForEach(info.uses, info.use_count, [&](const vesper_property_use& use) {
       reply.Text(use.name);

@@ -91,7 +91,7 @@ class Service {
   void Ledger(Reader& request, Writer& reply);
 
   apart::Options SandboxOptions(bool incomplete) const;
-  vesper_prepared_library* Open(Reader& request);
+  vesper_prepared_library* Open(Reader& request, std::string* versions = nullptr);
   void WriteLaws(vesper_library_id library, Writer& reply);
   void ProtectColumns();
   vesper_provider* provider() { return vesper_engine_property_provider(engine_.get()); }

@@ -207,6 +207,8 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_law_info, parameters),
     FIELD(vesper_law_info, calls),
     FIELD(vesper_law_info, nanoseconds),
+    FIELD(vesper_law_info, claims),
+    FIELD(vesper_law_info, reserved),
 
     STRUCT(vesper_ledger_entry),
     FIELD(vesper_ledger_entry, struct_size),
@@ -216,6 +218,8 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_ledger_entry, energy),
     FIELD(vesper_ledger_entry, initial_potential_energy),
     FIELD(vesper_ledger_entry, potential_energy),
+    FIELD(vesper_ledger_entry, impulse_size),
+    FIELD(vesper_ledger_entry, angular_impulse_size),
 
     STRUCT(vesper_layout_entry),
     FIELD(vesper_layout_entry, struct_name),

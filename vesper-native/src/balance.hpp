@@ -2,6 +2,8 @@
 // Momentum, angular momentum and energy, of bodies or of a change to them.
 #pragma once
 
+#include <cmath>
+
 namespace vesper {
 
 struct Vector {
@@ -20,6 +22,7 @@ struct Vector {
 inline Vector operator+(Vector a, const Vector& b) { return a += b; }
 inline Vector operator-(Vector a, const Vector& b) { return a -= b; }
 inline double Dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline double Length(const Vector& v) { return std::sqrt(Dot(v, v)); }
 inline Vector Cross(const Vector& a, const Vector& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }

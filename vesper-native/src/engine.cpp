@@ -33,7 +33,9 @@ void WriteEntry(const vesper::LedgerLine& line, vesper_ledger_entry& out) {
                                   {angular_momentum.x, angular_momentum.y, angular_momentum.z},
                                   line.balance.energy,
                                   potential.initial,
-                                  potential.present};
+                                  potential.present,
+                                  line.sizes.impulse,
+                                  line.sizes.angular_impulse};
   vesper::WriteStruct(out, entry, "out");
 }
 
@@ -496,7 +498,9 @@ void vesper_engine::LawInfo(vesper_library_id id, uint32_t index, vesper_law_inf
                              desc.uses,
                              desc.parameters,
                              law.calls(),
-                             law.nanoseconds()};
+                             law.nanoseconds(),
+                             desc.claims,
+                             0};
   vesper::WriteStruct(out, info, "out");
 }
 

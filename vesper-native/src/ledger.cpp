@@ -107,6 +107,7 @@ void Ledger::BeginAdvance() {
   bodies_.Bind();
   for (const auto& account : laws_) {
     account->pending = {};
+    account->pending_sizes = {};
     if (account->law->law.desc().potential_energy == nullptr) continue;
     if (!account->initial_potential) account->initial_potential = PotentialEnergy(*account);
   }
@@ -222,25 +223,30 @@ void Ledger::Gather(Account& account, size_t channel, uint32_t stage) {
   const double last_time = stage == 1 ? ForceWeight(integrator, 0) * dt_ : 0;
   const bool keeps = stage == integrator.stages && ForceWeight(integrator, 0) != 0;
   Vector moment, ground_moment;
+  double turning = 0;
   for (uint64_t row = 0; row < bodies_.count(); ++row) {
     const Vector force = share.Row(row);
     const Vector last = push.has_last ? Get(push.last, row) : force;
     Add(push.impulse, row, force * time + last * last_time);
     const Vector turn = channel == kForces ? Cross(bodies_.Position(row), force) : force;
     (Yields(channel, row) ? moment : ground_moment) += turn;
+    turning += Length(turn);
     if (keeps) Put(push.last, row, force);
   }
   if (!push.has_last) {
     push.last_moment = moment;
     push.last_ground_moment = ground_moment;
+    push.last_turning = turning;
   }
   Balance taken, ground;
   taken.angular_momentum = moment * time + push.last_moment * last_time;
   ground.angular_momentum = ground_moment * time + push.last_ground_moment * last_time;
+  account.pending_sizes.angular_impulse += turning * time + push.last_turning * last_time;
   Book(account, channel, taken, ground);
   if (!keeps) return;
   push.last_moment = moment;
   push.last_ground_moment = ground_moment;
+  push.last_turning = turning;
   push.has_last = true;
 }
 
@@ -253,7 +259,10 @@ void Ledger::Settle(Account& account, size_t channel) {
     const Vector impulse = Get(account.pushes[channel].impulse, row);
     const Vector middle = (Get(channels_[channel].begin, row) + Rate(channel, row)) * 0.5;
     Balance& side = Yields(channel, row) ? taken : ground;
-    if (channel == kForces) side.momentum += impulse;
+    if (channel == kForces) {
+      side.momentum += impulse;
+      account.pending_sizes.impulse += Length(impulse);
+    }
     side.energy += Dot(impulse, middle);
   }
   Book(account, channel, taken, ground);
@@ -269,7 +278,10 @@ void Ledger::Book(Account& account, size_t channel, const Balance& taken, const 
 }
 
 void Ledger::EndAdvance() {
-  const auto book = [](Account& account) { account.booked += account.pending; };
+  const auto book = [](Account& account) {
+    account.booked += account.pending;
+    account.booked_sizes += account.pending_sizes;
+  };
   ForEachGiver(book);
   book(ground_);
   booked_total_ = total_;
@@ -278,7 +290,7 @@ void Ledger::EndAdvance() {
 
 LedgerLine Ledger::Law(vesper_library_id library, uint32_t index) const {
   const auto account = Find(library, index);
-  LedgerLine line{account->booked, std::nullopt};
+  LedgerLine line{account->booked, std::nullopt, account->booked_sizes};
   if (account->law->law.desc().potential_energy == nullptr) return line;
   const double present = PotentialEnergy(*account);
   line.potential = {account->initial_potential.value_or(present), present};

@@ -19,9 +19,22 @@ struct PotentialEnergies {
   double present = 0;
 };
 
+/// Sums of magnitudes, with which the sums of vectors are compared.
+struct ImpulseSizes {
+  double impulse = 0;          // [kg*m/s]
+  double angular_impulse = 0;  // [kg*m^2/s], about the origin
+
+  ImpulseSizes& operator+=(const ImpulseSizes& other) {
+    impulse += other.impulse;
+    angular_impulse += other.angular_impulse;
+    return *this;
+  }
+};
+
 struct LedgerLine {
   Balance balance;
   std::optional<PotentialEnergies> potential;  // none: the law reports no potential energy
+  ImpulseSizes sizes = {};
 };
 
 /// Records the contribution of each law during the steps of an advance. EndAdvance commits the
@@ -69,6 +82,7 @@ class Ledger {
     std::vector<double> impulse;  // (bodies x 3), force times time
     std::vector<double> last;     // (bodies x 3), from the last stage of the previous step
     Vector last_moment, last_ground_moment;
+    double last_turning = 0;  // sum of the magnitudes of all moments
     bool has_last = false;
   };
   struct Account {
@@ -78,6 +92,7 @@ class Ledger {
     bool moves = false;        // true if the law writes properties on which the totals depend
     std::array<Push, 2> pushes;
     Balance booked, pending;
+    ImpulseSizes booked_sizes, pending_sizes;
     std::optional<double> initial_potential;  // [J], when the ledger first read the law's arrays
   };
   /// A property that sums forces, with the velocity that it changes; or one that sums torques, with

@@ -186,6 +186,25 @@ TEST_P(LedgerTest, ImmovableBodyHandsWhatItTakesToTheGround) {
   EXPECT_DOUBLE_EQ(Line(VESPER_LEDGER_TOTAL).values[0], -5);
 }
 
+TEST_P(LedgerTest, SizesOfImpulsesHaveNoDirection) {
+  Start(2);
+  AddChain();
+  const vesper_library_id springs = engine->Load("springs");
+  engine->Load("euler");
+  const auto arm = [this](size_t body) {
+    return std::hypot(bodies.position[3 * body + 1], bodies.position[3 * body + 2]);
+  };
+  const double arms = arm(0) + arm(1);  // the forces act along X
+  EXPECT_OK(engine->Advance(0.5, 1));
+  vesper_ledger_entry entry{};
+  EXPECT_OK(TryLine(springs, 0, entry));
+  EXPECT_EQ(entry.momentum[0], 0);
+  EXPECT_DOUBLE_EQ(entry.impulse_size, 2 * 5 * 0.5);  // 2 bodies, 5 N, 0.5 s
+  EXPECT_NEAR(entry.angular_impulse_size, 5 * 0.5 * arms, 1e-12);
+  EXPECT_OK(TryLine(VESPER_NO_LIBRARY, VESPER_LEDGER_TOTAL, entry));
+  EXPECT_EQ(entry.impulse_size, 0);
+}
+
 TEST_P(LedgerTest, ClientIsCreditedWithWhatItAppliesAndEdits) {
   EXPECT_OK(engine->Add("appliedForce", bodies.applied, 3));
   const vesper_library_id euler = engine->Load("euler");

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
+#include <cstdio>
 #include <cstdlib>
 
 #include "vesper/law.hpp"
@@ -26,9 +28,15 @@ enum Fault {
   kEnergy,
   kCrash,
   kLeak,
-  kExit
+  kExit,
+  kRepeat,
+  kRollback,
+  kMassZero,
+  kOutput
 };
 constexpr Fault kFault = FAULT;
+
+using Clock = std::chrono::steady_clock;
 
 std::atomic<int> order;
 
@@ -53,6 +61,10 @@ struct Broken {
   void Advance(const Step& step) {
     if (kFault == kCrash) std::abort();
     if (kFault == kExit) _exit(7);
+    if (kFault == kOutput) std::fputs("a line\n", stderr);
+    if (kFault == kRepeat)
+      sum_ = static_cast<Real>(Clock::now().time_since_epoch().count() % (1 << 20));
+    if (kFault == kRollback) sum_ += 1;
     if (kFault == kLeak) open("/dev/null", O_RDONLY);
     if (kFault == kWritesRead && mass.size() > 0) const_cast<Real&>(mass[0]) += 1;
     order = 0;
@@ -68,6 +80,8 @@ struct Broken {
   Vec3<Real> Pull(uint64_t i, int turn) const {
     if (kFault == kThreads) return {static_cast<Real>(turn), 0, 0};
     if (kFault == kNotANumber && !(position[i].x == position[i].x)) return {};
+    if (kFault == kRepeat || kFault == kRollback) return {sum_, 0, 0};
+    if (kFault == kMassZero) return {1 / mass[i], 0, 0};
     if (kFault == kRotation_ || kFault == kMomentum) return {mass[i], 0, 0};
     if (kFault == kAngularMomentum) return {-position[i].y, position[i].x, 0};
     return -position[i] * mass[i];
@@ -83,6 +97,7 @@ struct Broken {
 
  private:
   volatile Real sink_ = 0;
+  Real sum_ = 0;
 };
 
 }  // namespace

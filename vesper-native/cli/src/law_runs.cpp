@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -30,23 +31,43 @@ std::string Number(double value) {
 
 double Length(const Vector& v) { return std::hypot(v[0], v[1], v[2]); }
 
-/// Splits "c=20" into a name and a number. Throws std::invalid_argument.
+/// Splits "w=1,2,3" into a name and numbers. Throws std::invalid_argument.
+PropertyValue Given(const char* option, const std::string& text, const char* expected) {
+  const size_t sign = text.find('=');
+  PropertyValue value{text.substr(0, sign), {}};
+  bool valid = sign != std::string::npos && sign > 0;
+  for (size_t begin = sign + 1; valid;) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    const std::string number = text.substr(begin, end - begin);
+    char* rest = nullptr;
+    value.components.push_back(std::strtod(number.c_str(), &rest));
+    valid = !number.empty() && *rest == '\0' && std::isfinite(value.components.back());
+    if (end == text.size()) break;
+    begin = end + 1;
+  }
+  if (valid) return value;
+  throw std::invalid_argument(std::string(option) + " " + text + ": expected " + expected);
+}
+
 std::vector<ParameterValue> Parameters(const std::vector<std::string>& texts) {
+  constexpr const char* kExpected = "a name and a number in SI units, such as c=20";
   std::vector<ParameterValue> values;
   for (const std::string& text : texts) {
-    const size_t sign = text.find('=');
-    size_t used = 0;
-    double value = 0;
-    try {
-      value = std::stod(text.substr(sign == std::string::npos ? text.size() : sign + 1), &used);
-    } catch (const std::exception&) {
-      used = 0;
+    const PropertyValue value = Given("--parameter", text, kExpected);
+    if (value.components.size() != 1) {
+      throw std::invalid_argument("--parameter " + text + ": expected " + kExpected);
     }
-    if (sign == std::string::npos || sign == 0 || used != text.size() - sign - 1) {
-      throw std::invalid_argument("--parameter " + text +
-                                  ": expected a name and a number in SI units, such as c=20");
-    }
-    values.push_back({text.substr(0, sign), value});
+    values.push_back({value.name, value.components.front()});
+  }
+  return values;
+}
+
+std::vector<PropertyValue> Properties(const std::vector<std::string>& texts) {
+  std::vector<PropertyValue> values;
+  for (const std::string& text : texts) {
+    values.push_back(Given("--set", text,
+                           "a property and its numbers in the property's unit, such as "
+                           "temperature=300 or velocity=1,0,0"));
   }
   return values;
 }
@@ -122,7 +143,7 @@ void PrintRun(const LawScene& scene, const LawRunOptions& options, const std::st
 }
 
 int RunScene(const LawRunOptions& options) {
-  LawScene scene(options.file, options.bodies);
+  LawScene scene(options.file, options.bodies, Properties(options.properties));
   scene.Load(Parameters(options.parameters));
   const bool integrates = scene.law().phase == VESPER_PHASE_INTEGRATE;
   const std::string partner = integrates ? "hooke_spring" : "velocity_verlet";
@@ -167,7 +188,8 @@ class Curve {
     std::optional<double> energy;  // [J]
   };
 
-  explicit Curve(const LawPlotOptions& options) : scene_(options.file, 2) {
+  explicit Curve(const LawPlotOptions& options)
+      : scene_(options.file, 2, Properties(options.properties)) {
     if (scene_.law().phase != VESPER_PHASE_FORCE) {
       throw std::runtime_error(options.file + ": " + scene_.law().name +
                                " adds no forces, so there is nothing to plot; `law run` shows what "

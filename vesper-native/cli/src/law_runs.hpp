@@ -14,6 +14,7 @@ namespace vesper::cli {
 struct LawRunOptions {
   std::string file;
   std::vector<std::string> parameters;  // NAME=VALUE
+  std::vector<std::string> properties;  // NAME=VALUE or NAME=X,Y,Z
   double seconds = 5;
   double dt = 0.001;  // [s]
   uint64_t bodies = 27;
@@ -26,6 +27,7 @@ int RunLaw(const LawRunOptions& options);
 struct LawPlotOptions {
   std::string file;
   std::vector<std::string> parameters;  // NAME=VALUE
+  std::vector<std::string> properties;  // NAME=VALUE or NAME=X,Y,Z
   std::string over;                // distance, speed or place; empty: what the force depends on
   std::optional<double> from, to;  // [m] or [m/s]
   uint32_t points = 201;

@@ -39,12 +39,15 @@ const vesper_law_desc& FirstLaw(const LawFile& file, const std::string& path) {
 
 }  // namespace
 
-LawScene::LawScene(const std::string& file, uint64_t bodies)
-    : path_(WithFolder(file)),
-      file_(path_),
-      law_(&FirstLaw(file_, path_)),
-      bodies_(bodies),
-      engine_("si-f64", {.law_path = LawPath()}) {
+LawScene::LawScene(const std::string& file, uint64_t bodies,
+                   const std::vector<PropertyValue>& given)
+    : path_(WithFolder(file)), file_(path_), law_(&FirstLaw(file_, path_)), bodies_(bodies) {
+  vesper_prototype prototype = StandardPrototype("si-f64");
+  properties_.assign(prototype.properties, prototype.properties + prototype.property_count);
+  for (const PropertyValue& each : given) Declare(each);
+  prototype.properties = properties_.data();
+  prototype.property_count = static_cast<uint32_t>(properties_.size());
+  engine_.emplace(prototype, EngineConfig{.law_path = LawPath()});
   double least = INFINITY;
   for (const auto& parameter : std::span(law_->parameters, law_->parameter_count)) {
     if (IsMetre(parameter.unit) && parameter.default_value > 0) {
@@ -54,6 +57,43 @@ LawScene::LawScene(const std::string& file, uint64_t bodies)
   if (std::isfinite(least)) length_ = least;
   AddColumns();
   Arrange();
+  for (const PropertyValue& each : given) Set(each);
+}
+
+/// Makes a property of the law's own one of the scene, so that the law uses the scene's values.
+void LawScene::Declare(const PropertyValue& given) {
+  const auto named = [&](const auto& each) { return each.name == given.name; };
+  if (std::ranges::any_of(properties_, named)) return;
+  for (const vesper_law_desc* law : file_.Laws(VESPER_F64)) {
+    const std::span uses(law->uses, law->use_count);
+    const auto use = std::ranges::find_if(uses, named);
+    if (use == uses.end() || use->scalar_type != VESPER_F64) continue;
+    properties_.push_back({sizeof(vesper_property_descriptor), VESPER_F64, use->name, use->kind,
+                           use->components, VESPER_READ | VESPER_WRITE, use->unit, nullptr, nullptr,
+                           "Declared by the law.", 0, 0, 0});
+    return;
+  }
+  throw std::invalid_argument("--set " + given.name + ": the law '" + law_->name +
+                              "' and the standard properties have no such property");
+}
+
+void LawScene::Set(const PropertyValue& given) {
+  const auto column = columns_.find(given.name);
+  if (column == columns_.end()) {
+    throw std::invalid_argument("--set " + given.name +
+                                ": the scene has no rows with this property");
+  }
+  const auto property =
+      std::ranges::find_if(properties_, [&](const auto& each) { return each.name == given.name; });
+  if (given.components.size() != property->components) {
+    throw std::invalid_argument("--set " + given.name + ": found " +
+                                std::to_string(given.components.size()) + " numbers, expected " +
+                                std::to_string(property->components) + ", in " +
+                                property->unit.symbol);
+  }
+  for (size_t i = 0; i < column->second.size(); ++i) {
+    column->second[i] = given.components[i % given.components.size()];
+  }
 }
 
 bool LawScene::Uses(const std::string& property) const {
@@ -62,10 +102,9 @@ bool LawScene::Uses(const std::string& property) const {
 }
 
 void LawScene::AddColumns() {
-  const vesper_prototype& prototype = StandardPrototype("si-f64");
   const bool has_springs = Uses("endpoints") || law_->phase == VESPER_PHASE_INTEGRATE;
   const uint64_t springs = has_springs ? bodies_ - 1 : 0;
-  for (const auto& property : std::span(prototype.properties, prototype.property_count)) {
+  for (const vesper_property_descriptor& property : properties_) {
     const std::string kind = property.kind;
     if (property.scalar_type != VESPER_F64) continue;
     const uint64_t rows = kind == "body"     ? bodies_
@@ -111,23 +150,23 @@ void LawScene::Arrange() {
 }
 
 void LawScene::Load(const std::vector<ParameterValue>& parameters) {
-  auto provider = engine_.PropertyProvider();
+  auto provider = engine_->PropertyProvider();
   for (auto& [name, values] : columns_) provider.AddPhysicalProperty(name, values);
   if (!endpoints_.empty()) provider.AddPhysicalProperty("endpoints", endpoints_);
-  libraries_.push_back(engine_.LoadPhysicsLaw(path_, parameters));
+  libraries_.push_back(engine_->LoadPhysicsLaw(path_, parameters));
 }
 
 void LawScene::LoadMore(const std::string& name) {
-  libraries_.push_back(engine_.LoadPhysicsLaw(name));
+  libraries_.push_back(engine_->LoadPhysicsLaw(name));
 }
 
 std::optional<double> LawScene::PotentialEnergy() {
   std::optional<double> energy;
   for (const vesper_library_id library : libraries_) {
-    const auto laws = engine_.Laws(library);
+    const auto laws = engine_->Laws(library);
     for (uint32_t i = 0; i < laws.size(); ++i) {
       try {
-        energy = energy.value_or(0) + engine_.PotentialEnergy(library, i);
+        energy = energy.value_or(0) + engine_->PotentialEnergy(library, i);
       } catch (const Error& error) {
         if (error.status() != VESPER_NOT_FOUND) throw;
       }

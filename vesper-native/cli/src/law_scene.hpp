@@ -13,12 +13,20 @@
 
 namespace vesper::cli {
 
+/// The value of a property in all rows, in the property's unit.
+struct PropertyValue {
+  std::string name;
+  std::vector<double> components;
+};
+
 /// A law file and the properties that a scene gives it, in SI units and double precision.
 class LawScene {
  public:
   /// Prepares `bodies` bodies of 1 kg and ±1 µC in a cubic grid, and a spring between each body and
-  /// the next one if the law uses springs or is an integrator. Nothing is loaded yet.
-  LawScene(const std::string& file, uint64_t bodies);
+  /// the next one if the law uses springs or is an integrator. `given` replaces the scene's values
+  /// of properties, and gives values to properties of a text's own. Nothing is loaded yet. Throws
+  /// std::invalid_argument if a given value fits no property.
+  LawScene(const std::string& file, uint64_t bodies, const std::vector<PropertyValue>& given);
 
   const vesper_law_desc& law() const { return *law_; }
   bool Uses(const std::string& property) const;
@@ -32,22 +40,25 @@ class LawScene {
   void Load(const std::vector<ParameterValue>& parameters);
   /// Loads another law by its name.
   void LoadMore(const std::string& name);
-  void Advance(double dt, uint32_t steps) { engine_.Advance(dt, steps); }
+  void Advance(double dt, uint32_t steps) { engine_->Advance(dt, steps); }
   /// Returns the potential energy of all loaded laws [J]; nothing if none reports one.
   std::optional<double> PotentialEnergy();
 
  private:
+  void Declare(const PropertyValue& given);
   void AddColumns();
   void Arrange();
+  void Set(const PropertyValue& given);
 
   std::string path_;
   LawFile file_;
   const vesper_law_desc* law_;
   uint64_t bodies_;
   double length_ = 1;
+  std::vector<vesper_property_descriptor> properties_;  // standard ones, then the law's own
   std::map<std::string, std::vector<double>> columns_;
   std::vector<uint32_t> endpoints_;
-  PhysicsEngine engine_;
+  std::optional<PhysicsEngine> engine_;
   std::vector<vesper_library_id> libraries_;
 };
 

@@ -76,15 +76,18 @@ void AddLaws(CLI::App& app, int& code) {
 
 void AddTest(CLI::App& app, int& code) {
   auto* command = app.add_subcommand(
-      "test", "Checks law libraries against the rules for laws and against their claims.");
+      "test", "Checks laws, compiled, as text or in Python, against the rules and their claims.");
   auto options = std::make_shared<TestOptions>();
-  command->add_option("LIBRARY", options->libraries, "Files of law libraries")
+  command->add_option("FILE", options->libraries, "Files of laws: .so, .law or .py")
       ->required()
       ->check(CLI::ExistingFile);
   command->add_option("--only", options->only, "Run only these checks, such as threads,rows")
       ->type_name("CHECK,...")
       ->delimiter(',')
       ->check(CLI::IsMember(CheckNames()));
+  command->add_option("--python", options->python, "Virtual environment of laws in Python")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
   command->add_flag("--json", options->json, "Print the report as one JSON document");
   command->callback([options, &code] { code = TestLaws(*options); });
 }
@@ -111,6 +114,10 @@ void AddLawRun(CLI::App& law, int& code) {
       ->check(CLI::ExistingFile);
   command->add_option("--parameter", options->parameters, "NAME=VALUE in SI units; may be repeated")
       ->type_name("NAME=VALUE");
+  command
+      ->add_option("--set", options->properties,
+                   "Value of a property, also of the law's own; may be repeated")
+      ->type_name("NAME=VALUE");
   command->add_option("--seconds", options->seconds, "Time to run [s]")
       ->check(CLI::Range(1e-6, 1e6))
       ->capture_default_str();
@@ -132,6 +139,10 @@ void AddLawPlot(CLI::App& law, int& code) {
       ->required()
       ->check(CLI::ExistingFile);
   command->add_option("--parameter", options->parameters, "NAME=VALUE in SI units; may be repeated")
+      ->type_name("NAME=VALUE");
+  command
+      ->add_option("--set", options->properties,
+                   "Value of a property, also of the law's own; may be repeated")
       ->type_name("NAME=VALUE");
   command->add_option("--over", options->over, "Default: what the force depends on")
       ->check(CLI::IsMember({"distance", "speed", "place"}));

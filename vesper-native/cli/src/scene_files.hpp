@@ -18,9 +18,9 @@ class SceneFiles {
   std::string PathOf(const std::string& name) const;
 
   /// Returns the bytes of a file of at most 64 MiB. Throws std::runtime_error with the reason if
-  /// the file cannot be read. Unless the scene is trusted, refuses without reading all but regular
-  /// files in the scene's folder or below it: absolute paths, "..", links to other places, devices,
-  /// pipes, and files of the system such as those in /proc.
+  /// the file cannot be read. Unless the scene is trusted, only regular files in the scene's folder
+  /// or below it are read. Everything else is refused without being read: absolute paths, "..",
+  /// links to other places, devices, pipes, and files of the system such as those in /proc.
   std::string Read(const std::string& name) const;
 
  private:

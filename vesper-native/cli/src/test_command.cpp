@@ -2,6 +2,7 @@
 #include "test_command.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -9,7 +10,9 @@
 #include "exit_code.hpp"
 #include "text_table.hpp"
 #include "vesper/kit/check.hpp"
+#include "vesper/kit/law_file.hpp"
 #include "vesper/vesper.hpp"
+#include "visible.hpp"
 
 namespace vesper::cli {
 namespace {
@@ -68,8 +71,24 @@ void PrintResults(const std::vector<Result>& results) {
   Print(std::cout, table, "  ");
 }
 
-/// Throws if a library cannot be loaded. Loads it in a separate process first.
-void RequireLoadable(const std::string& file) { PreparedLibrary(EngineConfig{}, file); }
+/// Returns the reason why a library cannot be loaded, or an empty text. Loads it in a separate
+/// process first.
+std::string ReasonNotLoadable(const std::string& file) {
+  if (LawFile::IsPython(file)) {
+    const Check load{"load", "can be loaded", false, [](const Subject& subject) {
+                       const LawFile opened(subject.file);
+                       return std::string();
+                     }};
+    const CheckOutcome outcome = RunCheck(load, {file, 0});
+    return outcome.verdict == Verdict::kPass ? "" : outcome.note;
+  }
+  try {
+    PreparedLibrary(EngineConfig{}, file);
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
 
 }  // namespace
 
@@ -80,14 +99,16 @@ std::vector<std::string> CheckNames() {
 }
 
 int TestLaws(const TestOptions& options) {
+  if (!options.python.empty()) {
+    const std::string folder = std::filesystem::absolute(options.python).lexically_normal();
+    setenv("VESPER_PYTHON", folder.c_str(), 1);
+  }
   Json report = Json::array();
   int passed = 0, failed = 0, skipped = 0;
   for (const std::string& library : options.libraries) {
     const std::string file = std::filesystem::absolute(library).lexically_normal();
-    try {
-      RequireLoadable(file);
-    } catch (const Error& error) {
-      std::cerr << "vesper: " << error.what() << "\n";
+    if (const std::string reason = ReasonNotLoadable(file); !reason.empty()) {
+      std::cerr << "vesper: " << Visible(reason) << "\n";
       return kNotLoaded;
     }
     const std::vector<Result> results = TestLibrary(file, options.only);

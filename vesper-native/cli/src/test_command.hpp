@@ -10,6 +10,7 @@ namespace vesper::cli {
 struct TestOptions {
   std::vector<std::string> libraries;  // files
   std::vector<std::string> only;       // names of checks; empty: all checks
+  std::string python;                  // virtual environment of laws in Python; empty: the system's
   bool json = false;
 };
 

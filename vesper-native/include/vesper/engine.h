@@ -127,6 +127,8 @@ typedef struct vesper_law_info {
   uint64_t nanoseconds; /**< Wall-clock time [ns] in these calls and in `synchronize`. Concurrent
                              laws each count their full time. For display only; it must not
                              affect the world. */
+  uint32_t claims;      /**< VESPER_CLAIM_… joined with |, or 0. Since 1.2. */
+  uint32_t reserved;    /**< 0. */
 } vesper_law_info;
 
 /** One line of the ledger: the contribution of a law or another source since the ledger was
@@ -143,6 +145,11 @@ typedef struct vesper_ledger_entry {
                                         work. */
   double initial_potential_energy; /**< [J], when the ledger first recorded this law. */
   double potential_energy;         /**< [J], in the present state. */
+  double impulse_size; /**< Sum of the magnitudes of the impulses that the law's forces gave to each
+                            body in each step [kg*m/s]; says how exact `momentum` can be. 0 for
+                            lines that belong to no law. Since 1.2. */
+  double angular_impulse_size; /**< Likewise of the moments about the origin, of forces and torques,
+                                    in each stage [kg*m^2/s]. Since 1.2. */
 } vesper_ledger_entry;
 
 /** Ledger lines that belong to no law; see `vesper_engine_ledger`. */

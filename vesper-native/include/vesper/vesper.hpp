@@ -351,6 +351,9 @@ class PreparedLibrary {
     prepared_.reset(prepared);
   }
 
+  /** Takes over a library that a function of engine.h has prepared. */
+  explicit PreparedLibrary(vesper_prepared_library* prepared) : prepared_(prepared) {}
+
   /** Returns the name in the library's own table. */
   std::string name() const { return vesper_library_name(prepared_.get()); }
 

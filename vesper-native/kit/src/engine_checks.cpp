@@ -52,9 +52,9 @@ std::string CheckReload(const Subject& of) {
   const int mappings = CountMappings();
   const size_t files = CountEntries("/proc/self/fd"), threads = CountEntries("/proc/self/task");
   for (int i = 0; i < 25; ++i) {
-    const vesper_library_id id = engine.LoadPhysicsLaw(subject.file());
+    const vesper_library_id id = world.Load(engine, subject.file());
     engine.Advance(kDt);
-    Expect(CountMappings() > mappings || subject.library().is_text(),
+    Expect(CountMappings() > mappings || !subject.library().is_native(),
            "the library was not mapped again");
     engine.UnloadPhysicsLaw(id);
   }
@@ -145,8 +145,8 @@ std::string CheckParameters(const Subject& of) {
         World world = subject.MakeWorld(7);
         PhysicsEngine engine = world.MakeEngine(subject.file());
         engine.UnloadPhysicsLaw(1);
-        engine.LoadPhysicsLaw(subject.file(),
-                              {{std::string(law->name) + "." + parameter.name, value}});
+        world.Load(engine, subject.file(),
+                   {{std::string(law->name) + "." + parameter.name, value}});
       }
     }
   }

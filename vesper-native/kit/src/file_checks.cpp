@@ -50,7 +50,7 @@ void ExpectSameDeclaration(const vesper_law_desc& f32, const vesper_law_desc& f6
 
 std::string CheckExports(const Subject& subject) {
   const LawFile library(subject.file);
-  if (library.is_text()) throw CheckSkipped("is a text");
+  if (!library.is_native()) throw CheckSkipped("is not a shared object");
   for (const std::string& name : library.Exports()) {
     Expect(name == VESPER_LAW_LIBRARY_ENTRY,
            "also exports " + Quote(name) + "; build it with vesper_add_law");
@@ -65,7 +65,7 @@ std::string CheckImports(const Subject& subject) {
       "ld-linux[^/]*\\.so\\.[0-9]+|lib(asan|lsan|tsan|ubsan)\\.so\\.[0-9]+";
   const std::regex file(standard), provider(".*\\((" + standard + ").*\\)");
   const LawFile library(subject.file);
-  if (library.is_text()) throw CheckSkipped("is a text");
+  if (!library.is_native()) throw CheckSkipped("is not a shared object");
   for (const std::string& needed : library.Needed()) {
     Expect(std::regex_match(needed, file), "needs the library " + Quote(needed));
   }
@@ -80,8 +80,7 @@ std::string CheckTable(const Subject& subject) {
   const vesper_law_library& table = library.table();
   Expect(table.name == LawFile::NameOf(subject.file),
          "calls itself " + Quote(table.name) + "; expected the name in its file's, " +
-             (library.is_text() ? std::string(table.name) + ".law"
-                                : "libvesper_law_" + std::string(table.name) + ".so"));
+             LawFile::FileNameFor(subject.file, table.name));
   Expect((table.open == nullptr) == (table.close == nullptr), "has one of open and close");
   Expect(table.law_count > 0, "has no law");
   for (const auto& law : std::span(table.laws, table.law_count)) ExpectLaw(law);

@@ -99,7 +99,7 @@ std::string CheckGuardPages(const Subject& of) {
       for (const Side side : {Side::kBegin, Side::kEnd}) {
         World world = subject.MakeWorld(rows);
         try {
-          RunGuarded(subject.library().table(), *desc, world, side);
+          RunGuarded(subject.library().table(subject.real_type()), *desc, world, side);
         } catch (const std::exception& error) {
           throw CheckFailed("on " + std::to_string(rows) + " rows, " + desc->name + ": " +
                             error.what());

@@ -12,14 +12,29 @@
 #include <span>
 #include <stdexcept>
 
+#include "python_laws.hpp"
+
 namespace vesper {
 namespace {
 
 constexpr const char* kTextEnding = ".law";
+constexpr const char* kPythonEnding = ".py";
 
 std::string ReadFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void RequireOk(vesper_status status, const vesper_error& error) {
+  if (status != VESPER_OK) throw std::runtime_error(error.message);
+}
+
+const vesper_law_library& TableOf(vesper_prepared_library* prepared,
+                                  const vesper_prototype& prototype) {
+  const vesper_law_library* table = nullptr;
+  vesper_error error{};
+  RequireOk(vesper_library_table(prepared, &prototype, &table, &error), error);
+  return *table;
 }
 
 /// Returns the sections of one type of a 64-bit ELF file.
@@ -56,21 +71,38 @@ const char* Text(const std::string& elf, const Elf64_Shdr& section, uint64_t off
 
 void LawFile::Close::operator()(void* handle) const { dlclose(handle); }
 
+bool LawFile::IsPython(const std::string& path) { return path.ends_with(kPythonEnding); }
+
+LawFile::Prepared LawFile::PrepareFile(const vesper_prototype& prototype, const std::string& path) {
+  vesper_error error{};
+  vesper_prepared_library* prepared = nullptr;
+  if (IsPython(path)) {
+    const std::string text = ReadFile(path);
+    const std::string source = std::filesystem::path(path).filename();
+    RequireOk(python::PreparePython(prototype, source, text.data(), text.size(), &prepared, &error),
+              error);
+    return Prepared(prepared);
+  }
+  vesper_engine_config config;
+  vesper_engine_config_init(&config);
+  const std::string place = path.find('/') == std::string::npos ? "./" + path : path;
+  RequireOk(vesper_library_prepare(&config, place.c_str(), &prepared, &error), error);
+  return Prepared(prepared);
+}
+
+PreparedLibrary LawFile::Prepare(const vesper_prototype& prototype, const std::string& path) {
+  return PreparedLibrary(PrepareFile(prototype, path).release());
+}
+
 LawFile::LawFile(const std::string& path) : path_(path) {
-  if (path.ends_with(kTextEnding)) {
-    vesper_engine_config config;
-    vesper_engine_config_init(&config);
-    vesper_error error{};
-    vesper_prepared_library* prepared = nullptr;
-    const std::string place = path.find('/') == std::string::npos ? "./" + path : path;
-    if (vesper_library_prepare(&config, place.c_str(), &prepared, &error) != VESPER_OK) {
-      throw std::runtime_error(error.message);
-    }
-    prepared_.reset(prepared);
-    if (vesper_library_table(prepared, vesper_prototype_standard("si-f64"), &table_, &error) !=
-        VESPER_OK) {
-      throw std::runtime_error(error.message);
-    }
+  if (path.ends_with(kTextEnding) || IsPython(path)) {
+    const vesper_prototype& f64 = StandardPrototype("si-f64");
+    prepared_ = PrepareFile(f64, path);
+    table_ = &TableOf(prepared_.get(), f64);
+    if (!IsPython(path)) return;  // the table of a text has both precisions
+    const vesper_prototype& f32 = StandardPrototype("si-f32");
+    f32_prepared_ = PrepareFile(f32, path);
+    f32_table_ = &TableOf(f32_prepared_.get(), f32);
     return;
   }
   handle_.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL));
@@ -89,13 +121,19 @@ LawFile::LawFile(const std::string& path) : path_(path) {
 std::string LawFile::NameOf(const std::string& path) {
   const std::string stem = std::filesystem::path(path).stem();
   const std::string prefix = "libvesper_law_";
-  if (path.ends_with(kTextEnding)) return stem;
+  if (path.ends_with(kTextEnding) || IsPython(path)) return stem;
   return stem.starts_with(prefix) ? stem.substr(prefix.size()) : "";
+}
+
+std::string LawFile::FileNameFor(const std::string& path, const std::string& name) {
+  if (path.ends_with(kTextEnding)) return name + kTextEnding;
+  return IsPython(path) ? name + kPythonEnding : "libvesper_law_" + name + ".so";
 }
 
 std::vector<const vesper_law_desc*> LawFile::Laws(vesper_scalar_type real_type) const {
   std::vector<const vesper_law_desc*> laws;
-  for (const vesper_law_desc& law : std::span(table_->laws, table_->law_count)) {
+  const vesper_law_library& of = table(real_type);
+  for (const vesper_law_desc& law : std::span(of.laws, of.law_count)) {
     if (law.real_type == real_type || law.real_type == 0) laws.push_back(&law);
   }
   return laws;
@@ -169,10 +207,6 @@ const vesper_host kHost = {
       }
     },
     nullptr};
-
-void RequireOk(vesper_status status, const vesper_error& error) {
-  if (status != VESPER_OK) throw std::runtime_error(error.message);
-}
 
 vesper_host HostFor(const vesper_law_library* library) {
   vesper_host host = kHost;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 
@@ -67,11 +68,13 @@ CheckOutcome FromEnd(int status, std::chrono::seconds limit) {
 CheckOutcome RunCheck(const Check& check, const Subject& subject, std::chrono::seconds limit) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
+  std::fflush(nullptr);  // so that the check does not write buffered lines of this process
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
   if (child == 0) {
     close(ends[0]);
     LimitItself(limit);
+    dup2(STDERR_FILENO, STDOUT_FILENO);  // standard output is for the report alone
     const CheckOutcome outcome = RunHere(check, subject);
     WriteAll(ends[1], static_cast<char>('0' + static_cast<int>(outcome.verdict)) + outcome.note);
     _exit(0);

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "vesper/kit/law_file.hpp"
+
 namespace vesper {
 namespace {
 
@@ -242,8 +244,14 @@ PhysicsEngine World::MakeEngine(const std::string& library, uint32_t threads, bo
     const char* name = field.descriptor().name;
     if (!brought_.contains(name)) engine.PropertyProvider().SetField(name, field.function());
   }
-  engine.LoadPhysicsLaw(library);
+  Load(engine, library);
   return engine;
+}
+
+vesper_library_id World::Load(PhysicsEngine& engine, const std::string& library,
+                              const std::vector<ParameterValue>& parameters) const {
+  if (!LawFile::IsPython(library)) return engine.LoadPhysicsLaw(library, parameters);
+  return engine.LoadPhysicsLaw(LawFile::Prepare(prototype_, library), parameters);
 }
 
 }  // namespace vesper

@@ -3,6 +3,8 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <optional>
 
@@ -45,18 +47,62 @@ void KeepToOneThread() {
   }
 }
 
+/// Returns the virtual environment whose packages laws may import; empty: those of the system.
+std::string Environment() {
+  const char* folder = std::getenv("VESPER_PYTHON");
+  return folder == nullptr ? "" : folder;
+}
+
+/// Returns the folder of the Python from which a virtual environment was made; empty if none.
+std::string HomeOf(const std::string& environment) {
+  std::ifstream file(environment + "/pyvenv.cfg");
+  for (std::string line; std::getline(file, line);) {
+    const size_t value = line.find_first_not_of(' ', line.find('=') + 1);
+    if (line.starts_with("home") && value != std::string::npos) return line.substr(value);
+  }
+  return "";
+}
+
+/// Refuses a folder that is no virtual environment of the embedded Python, whose library of modules
+/// must fit.
+void RequireEnvironment(const std::string& folder) {
+  const std::filesystem::path program(VESPER_PYTHON_PROGRAM);
+  const std::string home = HomeOf(folder);
+  std::error_code unknown;
+  if (std::filesystem::equivalent(home, program.parent_path(), unknown)) return;
+  throw Failure(VESPER_LIBRARY_LOAD_FAILED,
+                "%s is %s%s, expected a virtual environment of %s; make it with %s -m venv DIR",
+                folder.c_str(), home.empty() ? "no virtual environment" : "one of ", home.c_str(),
+                program.c_str(), program.c_str());
+}
+
+/// Returns what to do if NumPy is missing.
+std::string NeedsNumPy() {
+  const std::string folder = Environment();
+  return "laws in Python need NumPy" +
+         (folder.empty() ? ": install the Debian package python3-numpy"
+                         : ": install it with " + folder + "/bin/python3 -m pip install numpy");
+}
+
 /// Starts Python without the user's environment variables, packages and byte code, and with fixed
 /// hashes of strings. So a law depends only on its file and the installed packages.
 void Initialize() {
+  if (const std::string folder = Environment(); !folder.empty()) RequireEnvironment(folder);
   KeepToOneThread();
   PyImport_AppendInittab("_vesper", InitModule);
   PyConfig config;
   PyConfig_InitIsolatedConfig(&config);
   config.install_signal_handlers = 0;
   config.write_bytecode = 0;
+  config.buffered_stdio = 0;  // so that what a law prints is in order with other output
   config.use_hash_seed = 1;
   config.hash_seed = 0;
-  PyStatus status = PyConfig_SetString(&config, &config.program_name, VESPER_PYTHON_PROGRAM);
+  // Python finds its packages from the path of the program.
+  const std::string folder = Environment();
+  PyStatus status = folder.empty()
+                        ? PyConfig_SetString(&config, &config.program_name, VESPER_PYTHON_PROGRAM)
+                        : PyConfig_SetBytesString(&config, &config.program_name,
+                                                  (folder + "/bin/python3").c_str());
   if (!PyStatus_Exception(status)) status = Py_InitializeFromConfig(&config);
   PyConfig_Clear(&config);
   if (PyStatus_Exception(status)) {
@@ -71,7 +117,7 @@ void RunModule() {
   const Object code(Py_CompileString(kModule, "vesper", Py_file_input));
   if (code) module = PyImport_ExecCodeModule(name, code.get());
   if (module != nullptr) return;
-  throw Raised(VESPER_LIBRARY_LOAD_FAILED, "vesper").Within("laws in Python need NumPy");
+  throw Raised(VESPER_LIBRARY_LOAD_FAILED, "vesper").Within(NeedsNumPy());
 }
 
 std::string TextOf(PyObject* object) {
@@ -109,8 +155,6 @@ void Start() {
 }
 
 Object Function(const char* name) { return Object(PyObject_GetAttrString(module, name)); }
-
-std::string Versions() { return TextOf(Function("_versions").get()); }
 
 Failure Raised(vesper_status status, const std::string& source) {
   const Object exception = Fetch();

@@ -46,14 +46,13 @@ class Turn {
   PyGILState_STATE state_;
 };
 
-/// Starts Python once, with the module `vesper`. Throws LIBRARY_LOAD_FAILED if it cannot start.
+/// Starts Python once, with the module `vesper`: that of the virtual environment that the
+/// environment variable VESPER_PYTHON names, or Debian's. Throws LIBRARY_LOAD_FAILED if it cannot
+/// start.
 void Start();
 
 /// Returns a function of the module `vesper`.
 Object Function(const char* name);
-
-/// Returns the versions of Python and NumPy.
-std::string Versions();
 
 /// Returns the pending exception as a failure, with the line of `source` at which it was raised,
 /// and clears it.

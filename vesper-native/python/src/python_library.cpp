@@ -49,7 +49,8 @@ class Library {
 
   const vesper_law_library& table() const { return table_; }
   const std::string& source() const { return source_; }
-  /// Returns the versions of Python and NumPy, on which the bits of the laws depend.
+  /// Returns the versions of Python, NumPy and other packages on which the bits of the laws
+  /// depend.
   const std::string& versions() const { return versions_; }
   const Declared& law(size_t index) const { return laws_[index]; }
 
@@ -235,15 +236,20 @@ Library::Library(const vesper_prototype& prototype, std::string source, const ch
   const Turn turn;
   const Object properties = Properties(prototype);
   const Object open = Checked(Function("_open").release(), VESPER_INTERNAL, source_);
-  const Object laws =
+  const Object opened =
       Checked(PyObject_CallFunction(open.get(), "sy#IOI", source_.c_str(), text,
                                     static_cast<Py_ssize_t>(size), prototype.real_type,
                                     properties.get(), static_cast<unsigned>(kMaxLaws)),
               VESPER_LIBRARY_LOAD_FAILED, source_);
-  versions_ = Versions();
-  laws_.resize(static_cast<size_t>(PyList_Size(laws.get())));
+  PyObject* laws;
+  const char* versions;
+  if (!PyArg_ParseTuple(opened.get(), "O!s", &PyList_Type, &laws, &versions)) {
+    throw Raised(VESPER_INTERNAL, source_);
+  }
+  versions_ = versions;
+  laws_.resize(static_cast<size_t>(PyList_GET_SIZE(laws)));
   for (size_t i = 0; i < laws_.size(); ++i) {
-    Read(PyList_GET_ITEM(laws.get(), static_cast<Py_ssize_t>(i)), laws_[i], prototype.real_type);
+    Read(PyList_GET_ITEM(laws, static_cast<Py_ssize_t>(i)), laws_[i], prototype.real_type);
     laws_[i].desc.create = kCreate[i];
     descs_.push_back(laws_[i].desc);
   }
@@ -259,7 +265,8 @@ Library::Library(const vesper_prototype& prototype, std::string source, const ch
 }  // namespace vesper::python
 
 vesper_status vesper_python_prepare(const vesper_prototype* prototype, const char* source,
-                                    const char* text, uint64_t size, vesper_prepared_library** out,
+                                    const char* text, uint64_t size, char* versions,
+                                    uint64_t versions_size, vesper_prepared_library** out,
                                     vesper_error* error) {
   using vesper::python::Library;
   return vesper::Guarded(error, [&] {
@@ -270,6 +277,9 @@ vesper_status vesper_python_prepare(const vesper_prototype* prototype, const cha
     if (vesper_library_prepare_table(&library->table(), release, library.get(), out, &refused) !=
         VESPER_OK) {
       throw vesper::Failure(refused).Within(source);
+    }
+    if (versions_size > 0) {
+      versions[library->versions().copy(versions, versions_size - 1)] = '\0';
     }
     library.release();
   });

@@ -2,7 +2,9 @@
 """The module `vesper`, which laws in Python import; see docs/laws-in-python.md."""
 
 import ast
+import contextlib
 import difflib
+import importlib.metadata
 import inspect
 import math
 import sys
@@ -21,7 +23,7 @@ _STEP = ("dt", "time")
 _SHORT_NAMES = {"force": "externalForce"}
 _LARGEST = sys.float_info.max
 
-_versions = f"Python {sys.version.split()[0]}, NumPy {numpy.__version__}"
+_PYTHON = f"Python {sys.version.split()[0]}"
 _declared = []  # the laws that the running file has declared so far
 
 
@@ -274,6 +276,18 @@ class _Law:
             self,
         )
 
+    def rehearse(self):
+        """Calls the function with one row of zeros, so that Numba compiles it before the first
+        frame."""
+        arguments = {name: parameter.default for name, parameter in self.parameters}
+        arguments.update((name, 0.0) for name in self.step)
+        for name, (_, _, scalar_type, components, access, _) in self.uses:
+            shape = (1,) if components == 1 else (1, components)
+            arguments[name] = numpy.zeros(shape, _TYPES[scalar_type])
+            arguments[name].flags.writeable = access != _READ  # Numba distinguishes the types
+        with numpy.errstate(all="ignore"), contextlib.suppress(Exception):
+            self.function(**arguments)
+
     def create(self, values):
         return _Instance(self, values)
 
@@ -306,9 +320,44 @@ class _Instance:
             )
 
 
+def _top(module):
+    return module.partition(".")[0]
+
+
+def _imports(text):
+    """Returns the packages that a file names in `import`, also inside functions."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            yield from (_top(each.name) for each in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield _top(node.module)
+
+
+def _versions(text, before):
+    """Returns the versions on which the results of a file depend: of Python, NumPy, and of the
+    distributions that it imports or has imported since the modules `before`."""
+    found = {*_imports(text), *(_top(name) for name in set(sys.modules) - before)}
+    found -= {"vesper", "_vesper", "numpy", *sys.stdlib_module_names}
+    owners = importlib.metadata.packages_distributions() if found else {}
+    names = {owner for package in found for owner in owners.get(package, ())}
+    versions = [f"{name} {importlib.metadata.version(name)}" for name in sorted(names)]
+    return ", ".join([_PYTHON, f"NumPy {numpy.__version__}", *versions])
+
+
+def _remedy():
+    """Returns which interpreter has searched, and what to do; short, because messages are."""
+    if sys.prefix == sys.base_prefix:
+        return (
+            f"; used {sys.executable} ({_PYTHON}): install it as python3-…, or name a virtual"
+            " environment with --python DIR"
+        )
+    return f"; used {sys.executable} ({_PYTHON}): add it there with -m pip install"
+
+
 def _open(source, text, real_type, properties, most):
-    """Runs a law file and returns the descriptions of its laws."""
+    """Runs a law file; returns the descriptions of its laws, and the versions that it uses."""
     _declared.clear()
+    before = set(sys.modules)
     module = types.ModuleType(source.removesuffix(".py"))
     module.__file__ = source
     try:
@@ -319,9 +368,12 @@ def _open(source, text, real_type, properties, most):
             )
         file = _File(source, text)
         laws = [_Law(declared, file, real_type, properties) for declared in _declared]
+        if "numba" in _imports(text):
+            for law in laws:
+                law.rehearse()
     finally:
         _declared.clear()
-    return [law.description() for law in laws]
+    return [law.description() for law in laws], _versions(text, before)
 
 
 def _describe(exception, source):
@@ -332,6 +384,8 @@ def _describe(exception, source):
     text = str(exception)
     if not isinstance(exception, _Refused):
         text = f"{type(exception).__name__}: {text}" if text else type(exception).__name__
+    if isinstance(exception, ModuleNotFoundError):
+        text += _remedy()
     lines = [
         line
         for frame, line in traceback.walk_tb(exception.__traceback__)

@@ -8,6 +8,9 @@
 #ifndef WIND_MOST
 #define WIND_MOST 100
 #endif
+#ifndef WIND_CLAIMS
+#define WIND_CLAIMS 0
+#endif
 
 static const vesper_property_use kUses[] = {
     TEST_USE("externalForce", 3, VESPER_ACCUMULATE, VESPER_UNIT_NEWTON)};
@@ -23,4 +26,4 @@ static vesper_status Advance(vesper_law* law, const vesper_step* step, vesper_er
 }
 
 TEST_LIBRARY("wind", "Constant force along X.", VESPER_ABI_VERSION, .phase = VESPER_PHASE_FORCE,
-             .parameter_count = 1, .parameters = kParameters)
+             .claims = WIND_CLAIMS, .parameter_count = 1, .parameters = kParameters)

@@ -11,20 +11,30 @@
 
 #include "vesper/engine.h"
 #include "vesper/law.h"
+#include "vesper/vesper.hpp"
 
 namespace vesper {
 
-/// A mapped law library, or a text that was compiled for the standard prototypes. Throws
-/// std::runtime_error if it cannot be loaded.
+/// A mapped law library, or a text or a file in Python that was prepared for the standard
+/// prototypes. Throws std::runtime_error if it cannot be loaded.
 class LawFile {
  public:
   explicit LawFile(const std::string& path);
 
-  /// Returns NAME of a path that ends with libvesper_law_NAME.so or NAME.law.
+  /// Returns NAME of a path that ends with libvesper_law_NAME.so, NAME.law or NAME.py.
   static std::string NameOf(const std::string& path);
+  /// Returns NAME.law, for example: the name of the file of a library NAME in the form of `path`.
+  static std::string FileNameFor(const std::string& path, const std::string& name);
+  static bool IsPython(const std::string& path);
+  /// Prepares a library of any form for engines of a prototype. Throws std::runtime_error.
+  static PreparedLibrary Prepare(const vesper_prototype& prototype, const std::string& path);
 
-  const vesper_law_library& table() const { return *table_; }
-  bool is_text() const { return prepared_ != nullptr; }
+  /// Returns the table, whose laws may depend on the precision if the file is in Python.
+  const vesper_law_library& table(vesper_scalar_type real_type = VESPER_F64) const {
+    return real_type == VESPER_F32 && f32_table_ != nullptr ? *f32_table_ : *table_;
+  }
+  /// Returns whether the file is a shared object, not a text or a file in Python.
+  bool is_native() const { return handle_ != nullptr; }
   /// Returns the laws of one precision, in the order of the table.
   std::vector<const vesper_law_desc*> Laws(vesper_scalar_type real_type) const;
   /// Returns the fields that it provides for FIELD properties.
@@ -51,11 +61,16 @@ class LawFile {
   struct Discard {
     void operator()(vesper_prepared_library* prepared) const { vesper_library_discard(prepared); }
   };
+  using Prepared = std::unique_ptr<vesper_prepared_library, Discard>;
+
+  static Prepared PrepareFile(const vesper_prototype& prototype, const std::string& path);
 
   std::string path_;
-  std::unique_ptr<void, Close> handle_;                           // null: a text
-  std::unique_ptr<vesper_prepared_library, Discard> prepared_{};  // of a text
+  std::unique_ptr<void, Close> handle_;  // null: not a shared object
+  Prepared prepared_{};                  // of a text, or of a file in Python for f64
+  Prepared f32_prepared_{};              // of a file in Python
   const vesper_law_library* table_;
+  const vesper_law_library* f32_table_ = nullptr;
 };
 
 /// One law, created and bound without an engine, on one thread.

@@ -48,6 +48,9 @@ class World {
   /// Creates an engine with one library. Its prototype contains the world's fields for FIELD
   /// properties that the library does not provide. The world must keep its address from now on.
   PhysicsEngine MakeEngine(const std::string& library, uint32_t threads = 1, bool validate = true);
+  /// Loads a library of any form into an engine of this world.
+  vesper_library_id Load(PhysicsEngine& engine, const std::string& library,
+                         const std::vector<ParameterValue>& parameters = {}) const;
 
  private:
   vesper_property PropertyFor(const vesper_property_use& use);

@@ -15,6 +15,10 @@ import java.util.List;
  * @param hasPotentialEnergy whether the law reports potential energy; otherwise the next two are 0
  * @param initialPotentialEnergy potential energy when the ledger first recorded this law [J]
  * @param potentialEnergy of the present state [J]
+ * @param impulseSize sum of the magnitudes of the impulses that the law's forces gave to each body
+ *     in each step [kg*m/s]; 0 for other sources
+ * @param angularImpulseSize likewise of the moments about the origin, of forces and torques, in
+ *     each stage of a step [kg*m^2/s]
  */
 public record LedgerLine(
         String name,
@@ -24,7 +28,9 @@ public record LedgerLine(
         double energy,
         boolean hasPotentialEnergy,
         double initialPotentialEnergy,
-        double potentialEnergy) {
+        double potentialEnergy,
+        double impulseSize,
+        double angularImpulseSize) {
     /** Copies the lists. */
     public LedgerLine {
         momentum = List.copyOf(momentum);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
+import java.util.EnumSet;
 import java.util.List;
+import java.util.Set;
 
 /**
  * A loaded law.
@@ -9,6 +11,7 @@ import java.util.List;
  * @param libraryId its library within the engine; at least 1, never reused
  * @param library name of that library
  * @param stages force evaluations per step, if the law is an integrator; otherwise 0
+ * @param claims what the law guarantees
  * @param uses properties in the order in which the law declares them
  * @param parameters in the order in which the law declares them
  * @param calls number of calls since the law was loaded
@@ -22,13 +25,38 @@ public record PhysicsLaw(
         String doc,
         Phase phase,
         int stages,
+        Set<Claim> claims,
         List<PropertyUse> uses,
         List<LawParameter> parameters,
         long calls,
         long nanoseconds) {
-    /** Copies the lists. */
+    /** An invariant that a law guarantees; in the order of the bits of `VESPER_CLAIM_…`. */
+    public enum Claim {
+        /** The sum of its forces is zero. */
+        MOMENTUM,
+        /** The sum of its moments is zero. */
+        ANGULAR_MOMENTUM,
+        /** It does not depend on the origin. */
+        TRANSLATION,
+        /** Its forces rotate with the world. */
+        ROTATION
+    }
+
+    /** Copies the collections. */
     public PhysicsLaw {
+        claims = Set.copyOf(claims);
         uses = List.copyOf(uses);
         parameters = List.copyOf(parameters);
+    }
+
+    /** Returns the claims of a set of bits `VESPER_CLAIM_…`; unknown bits have no meaning. */
+    public static Set<Claim> claims(int bits) {
+        Set<Claim> claims = EnumSet.noneOf(Claim.class);
+        for (Claim claim : Claim.values()) {
+            if ((bits & 1 << claim.ordinal()) != 0) {
+                claims.add(claim);
+            }
+        }
+        return claims;
     }
 }

@@ -57,6 +57,14 @@ public interface PreparedLibrary extends AutoCloseable {
     /** Returns the library's own name. */
     String name();
 
+    /**
+     * Returns the versions of the programs on which the results of the library depend besides its
+     * bytes, for example {@code Python 3.11.2, NumPy 1.24.2}; empty for native code and texts.
+     */
+    default String versions() {
+        return "";
+    }
+
     /** Returns the SHA-256 of the library's bytes, 64 lower-case hexadecimal digits. */
     String sha256();
 

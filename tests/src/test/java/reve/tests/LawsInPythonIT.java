@@ -14,8 +14,11 @@ import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
+import java.util.ArrayList;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
+import java.util.stream.Stream;
 
 /** Does what docs/laws-in-python.md says, and what its reader may do next. */
 @Tag("slow")
@@ -67,6 +70,105 @@ class LawsInPythonIT {
             run("remove.sh");
             server.events().await("law-unloaded", event -> named(event, "spin"));
         }
+    }
+
+    @Test
+    void theLawOfThePageKeepsTheContract() throws Exception {
+        Files.writeString(folder.resolve("spin.py"), law());
+        assertThat(run("test.sh")).contains("PASS  rollback", " 0 failed, ");
+        Files.writeString(
+                folder.resolve("spin.py"),
+                law().replace(LINE, "OMEGA[1] += 1; " + LINE + "  # remembers"));
+        assertThatThrownBy(() -> run("test.sh")).hasMessageContaining("after a rollback");
+    }
+
+    /** Makes a virtual environment with a distribution of one module, {@code stiff}. */
+    private Path environment() throws Exception {
+        shell.run(page.titled("environment.sh").text().lines().findFirst().orElseThrow());
+        Path environment = folder.resolve("environment");
+        try (Stream<Path> all = Files.walk(environment.resolve("lib"), 2)) {
+            Path packages =
+                    all.filter(path -> path.endsWith("site-packages")).findFirst().orElseThrow();
+            Files.writeString(packages.resolve("stiff.py"), "K = 1.0\n");
+            Path info = Files.createDirectory(packages.resolve("stiffness-1.0.dist-info"));
+            Files.writeString(info.resolve("RECORD"), "stiff.py,,\n");
+            release(info, "1.2");
+        }
+        return environment;
+    }
+
+    private static void release(Path distribution, String version) throws IOException {
+        Files.writeString(
+                distribution.resolve("METADATA"),
+                "Metadata-Version: 2.1\nName: stiffness\nVersion: " + version + "\n");
+    }
+
+    @Test
+    void aReplayWithOtherVersionsWarnsAndNamesBoth() throws Exception {
+        Path environment = environment();
+        Path info;
+        try (Stream<Path> all = Files.walk(environment)) {
+            info = all.filter(path -> path.endsWith("stiffness-1.0.dist-info")).findAny().get();
+        }
+        Path world = turning();
+        drop("import stiff\n" + law().replace("2 * mass", "2 * stiff.K * mass"));
+        String log = folder.resolve("run.log").toString();
+        List<String> python = List.of("--trust", "--python", environment.toString());
+        Reve.Outcome run = reve(python, "run", world.toString(), "--seconds", "1", "--record", log);
+        assertThat(run.code()).as(run.err()).isZero();
+        List<String> serve = new ArrayList<>(List.of("serve", world.toString(), "--port", "0"));
+        serve.addAll(List.of("--seconds", "0.2", "--store", folder.resolve("kept.db").toString()));
+        assertThat(reve(python, serve.toArray(String[]::new)).code()).isZero();
+
+        Reve.Outcome same = reve(python, "replay", log);
+        assertThat(same.out()).as(same.err()).startsWith("identical: 60 frames");
+        assertThat(same.err()).doesNotContain("was recorded with");
+        release(info, "1.3");
+        String both =
+                "law spin was recorded with Python 3\\.[0-9.]+, NumPy [0-9.]+, stiffness 1\\.2, and"
+                        + " here it runs with Python 3\\.[0-9.]+, NumPy [0-9.]+, stiffness 1\\.3:";
+        Reve.Outcome other = reve(python, "replay", log);
+        assertThat(other.out()).startsWith("identical: 60 frames");
+        assertThat(other.err()).containsPattern(both);
+        assertThat(reve(python, serve.toArray(String[]::new)).err()).containsPattern(both);
+        assertThat(reve(List.of("--trust"), "replay", log).err())
+                .contains("No module named 'stiff'; used /usr/bin/python3", "--python DIR");
+    }
+
+    private static Reve.Outcome reve(List<String> options, String... command) throws Exception {
+        List<String> all = new ArrayList<>(List.of(command));
+        all.addAll(options);
+        return Reve.run(all.toArray(String[]::new));
+    }
+
+    @Test
+    void aFolderThatIsNoVirtualEnvironmentIsRefused() throws Exception {
+        String world = turning().toString();
+        assertThat(Reve.run("check", world, "--python", folder.toString()).err())
+                .contains("is no virtual environment", "pyvenv.cfg", "-m venv");
+        Files.createFile(folder.resolve("pyvenv.cfg"));
+        assertThat(
+                        reve(
+                                        List.of("--python", folder.toString()),
+                                        "check",
+                                        world,
+                                        "--engine",
+                                        "in-process")
+                                .err())
+                .contains("remove --engine in-process");
+    }
+
+    private Path turning() throws IOException {
+        Files.createDirectories(folder.resolve("laws"));
+        return Files.writeString(
+                folder.resolve("world.yaml"),
+                """
+                reve: 1
+                name: turning
+                laws: [newton_motion, spin]
+                items:
+                  - {name: stone, physics: {mass: 2 kg, velocity: [3, 1, 4]}}
+                """);
     }
 
     private static boolean named(JsonNode event, String library) {
@@ -137,17 +239,7 @@ class LawsInPythonIT {
 
     @Test
     void aRecordingRepeatsToTheBitIfItIsTrusted() throws Exception {
-        Path world = folder.resolve("world.yaml");
-        Files.writeString(
-                world,
-                """
-                reve: 1
-                name: turning
-                laws: [newton_motion, spin]
-                items:
-                  - {name: stone, physics: {mass: 2 kg, velocity: [3, 1, 4]}}
-                """);
-        Files.createDirectory(folder.resolve("laws"));
+        Path world = turning();
         drop(law());
         String log = folder.resolve("run.log").toString();
         Reve.Outcome run =

@@ -3,6 +3,7 @@ package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
 
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
@@ -227,6 +228,42 @@ class SecurityIT {
             server.waitFor();
         }
         assertThat(err).content().doesNotContain("\nfault", "\u001b");
+    }
+
+    private String asEve(Server server, String request) throws Exception {
+        return shell.run(
+                "REVE_TOKEN=$(cat eve.token) \"$REVE/reve\" control --name eve --port "
+                        + server.port()
+                        + " "
+                        + request);
+    }
+
+    @Test
+    void aTokenOfSingleLawsChangesOnlyThese() throws Exception {
+        run("laws.sh");
+        String wind = "law wind\n  each body:\n    force -= 1 kg/s * velocity\n";
+        Files.writeString(folder.resolve("wind.law"), wind);
+        String serve = "\"$REVE/reve\" serve \"$REVE/worlds/spring-orbit\" --tokens tokens.json";
+        try (Server server = shell.serve(serve)) {
+            assertThat(asEve(server, "load-law file=wind.law")).startsWith("load-law: frame ");
+            assertThat(asEve(server, "laws")).contains("\"wind\"");
+            // The name of the file is not that of the law.
+            Files.writeString(folder.resolve("wind.law"), wind.replace("law wind", "law storm"));
+            assertThatThrownBy(() -> asEve(server, "load-law file=wind.law"))
+                    .hasMessageContaining("not-permitted")
+                    .hasMessageContaining("it may change only the laws drag.c, wind, not storm");
+            for (String other :
+                    List.of(
+                            "pause",
+                            "unload-law library=newton_motion",
+                            "edit item=blue property=mass value=3")) {
+                assertThatThrownBy(() -> asEve(server, other))
+                        .as(other)
+                        .hasMessageContaining("it may change only the laws drag.c, wind");
+            }
+            assertThat(asEve(server, "laws")).doesNotContain("storm").contains("newton_motion");
+            assertThat(asEve(server, "unload-law library=wind")).startsWith("unload-law: frame ");
+        }
     }
 
     private String run(String block) throws Exception {

@@ -101,6 +101,42 @@ class ShadowIT {
         assertThat(replay.out()).contains("identical: ");
     }
 
+    /**
+     * The store's image needs the bytes of the version before, which are in no folder any more. The
+     * file that was on trial is tried again.
+     */
+    @Test
+    void aWorldThatIsKilledBeforeAndAfterANewVersionTakesOverGoesOn() throws Exception {
+        String store = folder.resolve("k.db").toString();
+        try (Server server = world.serve("--store", store, "--shadow-seconds", "100")) {
+            server.port();
+            drop("wind");
+            server.events()
+                    .await("law-loaded", event -> event.path("library").asString().equals("wind"));
+            drop("strong_wind");
+            server.events()
+                    .await("law-shadow", event -> event.path("stage").asString().equals("begins"));
+            server.process().toHandle().destroyForcibly();
+        }
+        try (Server server = world.serve("--store", store, "--shadow-seconds", "0.2")) {
+            JsonNode end = awaitEnd(server, 0);
+            assertThat(end.path("stage").asString()).as(end.toString()).isEqualTo("accepted");
+            server.process().toHandle().destroyForcibly();
+        }
+        try (Server server = world.serve("--store", store);
+                AgentClient boss =
+                        AgentClient.connect(
+                                "127.0.0.1",
+                                Integer.parseInt(server.port()),
+                                Join.as("boss").withRole("control"))) {
+            assertThat(boss.report("laws", Map.of()).content().get("loaded").toString())
+                    .contains("wind");
+            server.process().toHandle().destroy();
+            assertThat(server.events().untilEnd())
+                    .noneMatch(event -> event.path("event").asString().equals("fault"));
+        }
+    }
+
     @Test
     void anOperatorSeesHowFarATextDivergesAndChoosesHowItTakesOver() throws Exception {
         String text = "law push\n  each body: force += %s N (1, 0, 0)\n";

@@ -131,8 +131,11 @@ final class BudgetWatch {
         switch (budget.response()) {
             case WARN -> report(ofFrame, excess, library, "");
             case UNLOAD -> {
-                report(ofFrame, excess, library, "; it is unloaded");
-                laws.unload(ofFrame, excess.libraryId);
+                Optional<LawLibrary> back = laws.retire(ofFrame, excess.libraryId);
+                String done =
+                        back.map(old -> "; the version before it is back, SHA-256 " + old.sha256())
+                                .orElse("; it is unloaded");
+                report(ofFrame, excess, library, done);
             }
             case SKIP_STEPS -> {
                 String done =

@@ -75,6 +75,7 @@ final class FolderLaws {
     void put(long frame, List<Put> puts) {
         Map<Put, NewVersion> tried = new LinkedHashMap<>();
         try {
+            adoptByName(puts);
             exchangeOwners(puts);
             Map<Put, PhysicsException> again = new LinkedHashMap<>();
             for (Put put : puts) {
@@ -145,6 +146,31 @@ final class FolderLaws {
                 owner,
                 new ActiveFile(old.libraryId, put.library.sha256(), put.parameters.values()));
         laws.leaveToFolder(old.libraryId);
+    }
+
+    /**
+     * Lets new files own the loaded libraries of their names, which a restored store brought: the
+     * files changed while no server ran, or their versions were on trial when it ended.
+     */
+    private void adoptByName(List<Put> puts) {
+        for (Put put : puts) {
+            if (byName.containsKey(put.name()) || free(put.library.sha256()).isPresent()) {
+                continue;
+            }
+            laws.forFolderNamed(put.library.name(), owned()).stream()
+                    .findFirst()
+                    .ifPresent(
+                            id -> {
+                                LawLibrary present = laws.byId().get(id);
+                                byName.put(
+                                        put.name(),
+                                        new ActiveFile(id, present.sha256(), present.parameters()));
+                            });
+        }
+    }
+
+    private Set<Integer> owned() {
+        return byName.values().stream().map(ActiveFile::libraryId).collect(Collectors.toSet());
     }
 
     /**
@@ -256,8 +282,7 @@ final class FolderLaws {
      * folder.
      */
     private Optional<Integer> free(String sha256) {
-        Set<Integer> owned =
-                byName.values().stream().map(ActiveFile::libraryId).collect(Collectors.toSet());
+        Set<Integer> owned = owned();
         return laws.forFolder(sha256).stream().filter(id -> !owned.contains(id)).findFirst();
     }
 

@@ -7,7 +7,10 @@ import reve.core.world.ItemId;
 import java.util.Map;
 import java.util.Optional;
 
-/** A change to the laws of a world. An index counts libraries in the order of loading, from 0. */
+/**
+ * A change to the laws of a world. A {@code place} is the position of a library in the list of
+ * loaded libraries, in the order of loading, from 0.
+ */
 public sealed interface LawChange {
     /** Returns the library that the change brings, if it brings one. */
     default Optional<LawLibrary> brought() {
@@ -24,35 +27,35 @@ public sealed interface LawChange {
     record Loaded(LawLibrary library) implements LawChange {}
 
     /**
-     * The library at an index was replaced by another one, which has its place and the state of its
+     * The library at a place was replaced by another one, which has its place and the state of its
      * laws where the layout is the same.
      */
     record Replaced(int place, LawLibrary library) implements LawChange {}
 
-    /** The library at an index was unloaded. */
+    /** The library at a place was unloaded. */
     record Unloaded(int place) implements LawChange {}
 
     /**
-     * Parameters of the library at an index were changed; the laws keep their SCRATCH memory.
+     * Parameters of the library at a place were changed; the laws keep their SCRATCH memory.
      *
      * @param changed values, keyed by {@code parameter} or {@code law.parameter}
      */
     record ParametersSet(int place, Map<String, Double> changed) implements LawChange {}
 
-    /** The library at an index got another budget, or none; its laws act in every step again. */
+    /** The library at a place got another budget, or none; its laws act in every step again. */
     record BudgetSet(int place, Optional<TimeBudget> budget) implements LawChange {}
 
-    /** The laws of the library at an index are evaluated in every n-th step only. */
+    /** The laws of the library at a place are evaluated in every n-th step only. */
     record IntervalSet(int place, int interval) implements LawChange {}
 
     /**
-     * The library at an index failed in PHYSICS, the frame's phase in which laws act, was unloaded
+     * The library at a place failed in PHYSICS, the frame's phase in which laws act, was unloaded
      * and is quarantined.
      */
     record Failed(int place, Quarantined reason) implements LawChange {}
 
     /**
-     * The library at an index failed in PHYSICS soon after it had replaced another one. It is
+     * The library at a place failed in PHYSICS soon after it had replaced another one. It is
      * quarantined, and the other one has its place again.
      *
      * @param library the one that was there before

@@ -37,8 +37,9 @@ import java.util.concurrent.TimeUnit;
  * A watched folder of law libraries. The laws of an added file act from the next frame on; those of
  * a removed file are unloaded; those of a replaced file are exchanged between two frames. Files
  * that are found ready in the same scan change together. Renamed files keep their laws. A separate
- * thread scans the folder and checks libraries; the world's thread only activates prepared ones, as
- * commands of the folder's origin. Each refusal becomes one "fault" event.
+ * thread scans the folder and checks the libraries. The world's thread only activates those that
+ * passed the check, by commands that name this folder as their origin. Each refusal becomes one
+ * "fault" event.
  *
  * <p>Only files whose name ends in ".so", ".law" or ".py" count, as soon as two scans have found
  * the same size and time of change. A file that cannot be loaded may still be incomplete, so it is

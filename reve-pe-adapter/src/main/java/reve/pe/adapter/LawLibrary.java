@@ -19,6 +19,8 @@ import java.util.Optional;
  * @param bytes of the file; the caller must not change them
  * @param budget of the library's time in a frame, if it has one
  * @param interval 1, or n if its laws are evaluated in every n-th step only
+ * @param versions of the programs on which its results depend, see {@link
+ *     PreparedLibrary#versions()}
  */
 public record LawLibrary(
         String name,
@@ -26,7 +28,8 @@ public record LawLibrary(
         Map<String, Double> parameters,
         byte[] bytes,
         Optional<TimeBudget> budget,
-        int interval) {
+        int interval,
+        String versions) {
     /** Copies the parameters. */
     public LawLibrary {
         parameters = Collections.unmodifiableMap(new LinkedHashMap<>(parameters));
@@ -39,24 +42,30 @@ public record LawLibrary(
                 parameters,
                 prepared.bytes(),
                 Optional.empty(),
-                1);
+                1,
+                prepared.versions());
     }
 
     /** Returns this library with other values of some parameters. */
     LawLibrary with(Map<String, Double> changed) {
         Map<String, Double> all = new LinkedHashMap<>(parameters);
         all.putAll(changed);
-        return new LawLibrary(name, sha256, all, bytes, budget, interval);
+        return new LawLibrary(name, sha256, all, bytes, budget, interval, versions);
     }
 
     /** Returns this library with another budget. */
     LawLibrary withBudget(Optional<TimeBudget> other) {
-        return new LawLibrary(name, sha256, parameters, bytes, other, interval);
+        return new LawLibrary(name, sha256, parameters, bytes, other, interval, versions);
     }
 
     /** Returns this library with another interval of its steps. */
     LawLibrary withInterval(int other) {
-        return new LawLibrary(name, sha256, parameters, bytes, budget, other);
+        return new LawLibrary(name, sha256, parameters, bytes, budget, other, versions);
+    }
+
+    /** Returns this library, of which a run of this program uses other versions. */
+    LawLibrary withVersions(String other) {
+        return new LawLibrary(name, sha256, parameters, bytes, budget, interval, other);
     }
 
     /** Returns whether the library is a law as text, and not native code. */

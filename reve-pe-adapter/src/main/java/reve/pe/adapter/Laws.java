@@ -2,6 +2,8 @@
 package reve.pe.adapter;
 
 import org.jspecify.annotations.Nullable;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
 
 import reve.core.frame.TimeBudget;
 import reve.core.world.Item;
@@ -31,6 +33,8 @@ import java.util.function.Consumer;
  * called, and their wall-clock milliseconds. World's thread only.
  */
 public final class Laws {
+    private static final Logger LOG = LoggerFactory.getLogger("laws");
+
     /** Maximum number of attempts at a change, if the engine's process is lost during it. */
     private static final int MOST_TRIES = 10;
 
@@ -303,6 +307,10 @@ public final class Laws {
         byte[] bytes = prepared.bytes();
         attempt(
                 made -> {
+                    if (!loaded.containsKey(libraryId)) {
+                        throw new PhysicsException(
+                                Status.NOT_FOUND, "the library was unloaded meanwhile");
+                    }
                     refuseQuarantined(prepared);
                     guard.check(prepared.name(), file, bytes);
                     replaceBy(
@@ -480,6 +488,18 @@ public final class Laws {
                 .toList();
     }
 
+    /**
+     * Returns the ids of the loaded libraries of this name that a laws folder may adopt and that
+     * are not in {@code owned}.
+     */
+    List<Integer> forFolderNamed(String name, Set<Integer> owned) {
+        return loaded.entrySet().stream()
+                .filter(library -> library.getValue().name().equals(name))
+                .map(Map.Entry::getKey)
+                .filter(id -> forFolder.contains(id) && !owned.contains(id))
+                .toList();
+    }
+
     /** Adds a listener for all later changes. */
     public void addListener(Consumer<LawChange> listener) {
         listeners.add(listener);
@@ -511,6 +531,7 @@ public final class Laws {
                 // Journals of earlier versions contain no Released.
                 quarantined.remove(added.library().sha256());
                 try (PreparedLibrary prepared = engine.prepare(added.library().bytes())) {
+                    warnOfOtherVersions(added.library(), prepared);
                     int id = load(frame, prepared, added.library().parameters());
                     apply(id, added.library().budget(), added.library().interval());
                     leaveToFolder(id);
@@ -519,7 +540,12 @@ public final class Laws {
             case LawChange.Replaced replaced -> {
                 int id = idAt(replaced.place());
                 try (PreparedLibrary prepared = engine.prepare(replaced.library().bytes())) {
-                    replaceBy(frame, id, prepared, replaced.library());
+                    warnOfOtherVersions(replaced.library(), prepared);
+                    replaceBy(
+                            frame,
+                            id,
+                            prepared,
+                            replaced.library().withVersions(prepared.versions()));
                 }
                 apply(id, replaced.library().budget(), replaced.library().interval());
                 leaveToFolder(id);
@@ -553,6 +579,18 @@ public final class Laws {
                     world.find(arrested.item()).ifPresent(world.arrests()::arrest);
             case LawChange.Released released -> release(released.sha256());
             case LawChange.Unmoved _ -> unmoved = true;
+        }
+    }
+
+    /** Recordings of earlier versions of this program contain no versions. */
+    private static void warnOfOtherVersions(LawLibrary recorded, PreparedLibrary here) {
+        if (!recorded.versions().isEmpty() && !recorded.versions().equals(here.versions())) {
+            LOG.warn(
+                    "law {} was recorded with {}, and here it runs with {}: its results may have"
+                            + " other bits; install the recorded versions to get the same bits",
+                    recorded.name(),
+                    recorded.versions(),
+                    here.versions());
         }
     }
 
@@ -708,6 +746,31 @@ public final class Laws {
         } catch (PhysicsException | IllegalStateException refused) {
             return Optional.empty(); // the library is unloaded instead
         }
+    }
+
+    /**
+     * Ends a library between two frames: the version that it replaced lately takes its place, or it
+     * is unloaded. Neither is quarantined.
+     *
+     * @return the version that came back
+     */
+    Optional<LawLibrary> retire(long frame, int libraryId) {
+        Previous last = previous.remove(libraryId);
+        if (last != null
+                && frame <= last.untilFrame
+                && !quarantined.containsKey(last.library.sha256())) {
+            Optional<TimeBudget> budget = Optional.ofNullable(budgets.get(last.library.name()));
+            try (PreparedLibrary prepared = engine.prepare(last.library.bytes())) {
+                LawLibrary old = last.library.withBudget(budget).withInterval(1);
+                exchange(frame, libraryId, prepared, old);
+                tell(new LawChange.Replaced(List.copyOf(loaded.keySet()).indexOf(libraryId), old));
+                return Optional.of(old);
+            } catch (PhysicsException refused) {
+                // it is unloaded instead
+            }
+        }
+        unload(frame, libraryId);
+        return Optional.empty();
     }
 
     private void putBack(int libraryId, LawLibrary old) {

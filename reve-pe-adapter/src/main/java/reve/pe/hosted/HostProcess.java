@@ -20,6 +20,7 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.TimeUnit;
 import java.util.function.LongPredicate;
@@ -101,6 +102,9 @@ class HostProcess implements AutoCloseable {
     private static final Set<String> KEPT_VARIABLES =
             Set.of("HOME", "PATH", "TMPDIR", "LANG", "VESPER_TEXT_MACHINE_CODE");
 
+    /** Environment variable that names the virtual environment of laws in Python. */
+    private static final String PYTHON = "VESPER_PYTHON";
+
     private static final List<String> KEPT_PREFIXES =
             List.of("LD_", "OCL_", "POCL_", "XDG_", "ASAN_", "UBSAN_", "TSAN_", "LSAN_");
 
@@ -116,12 +120,18 @@ class HostProcess implements AutoCloseable {
     private long spentNanos;
     private long waitedNanos;
 
+    /** Starts a host whose laws in Python use the packages of the system. */
+    HostProcess(Path program, long memoryBytes) {
+        this(program, memoryBytes, Optional.empty());
+    }
+
     /**
      * Starts a host.
      *
+     * @param python virtual environment of laws in Python
      * @throws IllegalStateException if the system refuses
      */
-    HostProcess(Path program, long memoryBytes) {
+    HostProcess(Path program, long memoryBytes, Optional<Path> python) {
         control = new SharedMemory("vesper-host exchange", CONTROL_BYTES);
         MemorySegment memory = control.segment();
         request = word(memory, REQUEST);
@@ -129,7 +139,7 @@ class HostProcess implements AutoCloseable {
         mailbox = new Mailbox(memory.asSlice(MAILBOX));
         Process started = null;
         try {
-            started = start(program, control.descriptor(), memoryBytes);
+            started = start(program, control.descriptor(), memoryBytes, python);
             startReading(started);
         } catch (IOException | OutOfMemoryError e) { // OutOfMemoryError: no more threads permitted
             if (started != null) {
@@ -159,7 +169,8 @@ class HostProcess implements AutoCloseable {
                 memory.asSlice(offset, JAVA_INT), arena.allocate(2 * Long.BYTES, Long.BYTES));
     }
 
-    private static Process start(Path program, int descriptor, long memoryBytes)
+    private static Process start(
+            Path program, int descriptor, long memoryBytes, Optional<Path> python)
             throws IOException {
         ProcessBuilder builder =
                 new ProcessBuilder(
@@ -173,6 +184,8 @@ class HostProcess implements AutoCloseable {
                         name ->
                                 !KEPT_VARIABLES.contains(name)
                                         && KEPT_PREFIXES.stream().noneMatch(name::startsWith));
+        python.ifPresent(
+                folder -> builder.environment().put(PYTHON, folder.toAbsolutePath().toString()));
         builder.redirectInput(ProcessBuilder.Redirect.from(Path.of("/dev/null").toFile()));
         builder.redirectErrorStream(true);
         return builder.start();

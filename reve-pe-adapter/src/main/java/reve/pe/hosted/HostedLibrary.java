@@ -18,6 +18,7 @@ final class HostedLibrary implements PreparedLibrary {
     private final SharedMemory memory;
     private final Form form;
     private String name = "";
+    private String versions = "";
     private boolean gone;
 
     /** Form of the library's bytes. The host uses the same numbers. */
@@ -43,9 +44,10 @@ final class HostedLibrary implements PreparedLibrary {
         MemorySegment.copy(MemorySegment.ofArray(bytes), 0, memory.segment(), 0, bytes.length);
     }
 
-    /** Sets the name that the library itself declares. */
-    HostedLibrary named(String own) {
-        name = own;
+    /** Sets the name that the library itself declares, and the versions of what it uses. */
+    HostedLibrary declared(String ownName, String usedVersions) {
+        name = ownName;
+        versions = usedVersions;
         return this;
     }
 
@@ -78,6 +80,11 @@ final class HostedLibrary implements PreparedLibrary {
     @Override
     public String name() {
         return name;
+    }
+
+    @Override
+    public String versions() {
+        return versions;
     }
 
     @Override

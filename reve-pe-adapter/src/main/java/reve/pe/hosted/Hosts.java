@@ -6,6 +6,7 @@ import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
 import java.nio.file.Path;
+import java.util.Optional;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.ExecutionException;
 import java.util.concurrent.Executor;
@@ -34,8 +35,18 @@ public final class Hosts implements AutoCloseable {
      * @param memoryBytes maximum private memory of each process; 0: no limit
      */
     public Hosts(Path program, long memoryBytes) {
+        this(program, memoryBytes, Optional.empty());
+    }
+
+    /**
+     * @param program path of the program {@code vesper-host} of a release
+     * @param memoryBytes maximum private memory of each process; 0: no limit
+     * @param python virtual environment whose packages laws in Python may import; empty: the
+     *     packages of the system
+     */
+    public Hosts(Path program, long memoryBytes, Optional<Path> python) {
         this(
-                () -> new HostProcess(program, memoryBytes),
+                () -> new HostProcess(program, memoryBytes, python),
                 start -> Thread.ofPlatform().daemon().name("starts a host").start(start));
     }
 

@@ -64,7 +64,7 @@ final class LibraryOpener {
 
     PreparedLibrary openText(String source, byte[] text) {
         String name = LawText.name(prototype, source, text);
-        return new HostedLibrary(source, text, HostedLibrary.Form.TEXT).named(name);
+        return new HostedLibrary(source, text, HostedLibrary.Form.TEXT).declared(name, "");
     }
 
     private PreparedLibrary openNative(Optional<Path> file, String source, byte[] bytes) {
@@ -96,9 +96,9 @@ final class LibraryOpener {
 
     private PreparedLibrary open(String source, byte[] bytes, HostedLibrary.Form form) {
         HostedLibrary library = new HostedLibrary(source, bytes, form);
-        Optional<String> name = tested.name(library);
-        if (name.isPresent()) {
-            return library.named(name.get());
+        Optional<TestedLibraries.Declared> known = tested.find(library);
+        if (known.isPresent()) {
+            return library.declared(known.get().name(), known.get().versions());
         }
         new Trial(hosts, config, prototype).test(library);
         tested.add(library);

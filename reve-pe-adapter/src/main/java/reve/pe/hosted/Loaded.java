@@ -124,6 +124,7 @@ final class Loaded {
                             law.doc(),
                             law.phase(),
                             law.stages(),
+                            law.claims(),
                             law.uses(),
                             law.parameters(),
                             before[2 * i] + counts[2 * i],

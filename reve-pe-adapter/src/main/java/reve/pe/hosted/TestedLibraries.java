@@ -15,22 +15,25 @@ final class TestedLibraries {
     /** Maximum number of libraries that are remembered, those that were tested last. */
     private static final int MOST = 256;
 
-    private final Map<String, String> names =
+    private final Map<String, Declared> tested =
             new LinkedHashMap<>() {
                 private static final long serialVersionUID = 1;
 
                 @Override
-                protected boolean removeEldestEntry(Map.Entry<String, String> eldest) {
+                protected boolean removeEldestEntry(Map.Entry<String, Declared> eldest) {
                     return size() > MOST;
                 }
             };
 
     synchronized void add(HostedLibrary library) {
-        names.put(library.identity(), library.name());
+        tested.put(library.identity(), new Declared(library.name(), library.versions()));
     }
 
-    /** Returns the library's own name, if these bytes have passed a trial. */
-    synchronized Optional<String> name(HostedLibrary library) {
-        return Optional.ofNullable(names.get(library.identity()));
+    /** Returns what the library declared in its trial, if these bytes have passed one. */
+    synchronized Optional<Declared> find(HostedLibrary library) {
+        return Optional.ofNullable(tested.get(library.identity()));
     }
+
+    /** The library's own name, and the versions of what it uses. */
+    record Declared(String name, String versions) {}
 }

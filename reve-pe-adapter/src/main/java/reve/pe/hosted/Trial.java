@@ -21,7 +21,7 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     private static final int MOST_KILLS = 3;
 
     /**
-     * Tests the library, and sets its name.
+     * Tests the library, and sets its name and the versions of what it uses.
      *
      * @throws PhysicsException if the library cannot be opened or ends the process; the library is
      *     closed then
@@ -49,7 +49,8 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
                         return reply;
                     };
             calls.create(config, 1, prototype);
-            library.named(calls.call(to -> library.put(to.begin(Request.PREPARE))).getText());
+            Mailbox opened = calls.call(to -> library.put(to.begin(Request.PREPARE)));
+            library.declared(opened.getText(), opened.getText());
             stage = "creating or destroying its laws";
             tryToLoad(host, library);
             return true;

@@ -70,6 +70,7 @@ final class Wire {
                             from.getText(),
                             Phase.values()[from.getInt() - 1],
                             from.getInt(),
+                            PhysicsLaw.claims(from.getInt()),
                             uses(from),
                             parameters(from),
                             from.getLong(),
@@ -175,6 +176,8 @@ final class Wire {
                 List.of(from.getDouble(), from.getDouble(), from.getDouble()),
                 from.getDouble(),
                 hasPotential,
+                from.getDouble(),
+                from.getDouble(),
                 from.getDouble(),
                 from.getDouble());
     }

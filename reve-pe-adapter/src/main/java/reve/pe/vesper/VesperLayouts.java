@@ -140,7 +140,9 @@ final class VesperLayouts {
                             ADDRESS.withName("uses"),
                             ADDRESS.withName("parameters"),
                             JAVA_LONG.withName("calls"),
-                            JAVA_LONG.withName("nanoseconds"))
+                            JAVA_LONG.withName("nanoseconds"),
+                            JAVA_INT.withName("claims"),
+                            JAVA_INT.withName("reserved"))
                     .withName("vesper_law_info");
 
     static final StructLayout LEDGER_ENTRY =
@@ -152,7 +154,9 @@ final class VesperLayouts {
                                     .withName("angular_momentum"),
                             JAVA_DOUBLE.withName("energy"),
                             JAVA_DOUBLE.withName("initial_potential_energy"),
-                            JAVA_DOUBLE.withName("potential_energy"))
+                            JAVA_DOUBLE.withName("potential_energy"),
+                            JAVA_DOUBLE.withName("impulse_size"),
+                            JAVA_DOUBLE.withName("angular_impulse_size"))
                     .withName("vesper_ledger_entry");
 
     static final StructLayout LAYOUT_ENTRY =

@@ -62,7 +62,9 @@ final class VesperLedger {
                 number(entry, "energy"),
                 entry.get(JAVA_INT, offset(LEDGER_ENTRY, "has_potential_energy")) != 0,
                 number(entry, "initial_potential_energy"),
-                number(entry, "potential_energy"));
+                number(entry, "potential_energy"),
+                number(entry, "impulse_size"),
+                number(entry, "angular_impulse_size"));
     }
 
     private static double number(MemorySegment entry, String field) {

@@ -109,6 +109,7 @@ final class VesperPrototypes {
                 VesperStrings.readAt(info, offset(LAW_INFO, "doc")),
                 Phase.values()[info.get(JAVA_INT, offset(LAW_INFO, "phase")) - 1],
                 info.get(JAVA_INT, offset(LAW_INFO, "stages")),
+                PhysicsLaw.claims(info.get(JAVA_INT, offset(LAW_INFO, "claims"))),
                 uses,
                 parameters,
                 info.get(JAVA_LONG, offset(LAW_INFO, "calls")),

@@ -13,9 +13,12 @@ import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
+import reve.pe.PreparedLibrary;
 import reve.pe.SpringOrbit;
 import reve.pe.Status;
 
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
@@ -67,6 +70,49 @@ class LawBudgetNativeTest {
                                                 "it is unloaded");
                             });
             assertThat(slow.events("law-unloaded")).hasSize(1);
+        }
+    }
+
+    /** The same budget holds for the version that comes back, which is then unloaded. */
+    @Test
+    void aVersionThatSoonExceedsItsBudgetIsReplacedByTheOneBefore() {
+        List<LawChange> changes = new ArrayList<>();
+        byte[] heavy =
+                "law pull\n  each body: force -= 2 N (0, 1, 0)\n".getBytes(StandardCharsets.UTF_8);
+        byte[] light =
+                "law pull\n  each body: force -= 1 N (0, 1, 0)\n".getBytes(StandardCharsets.UTF_8);
+        try (AdapterFixture slow = enforced()) {
+            Laws laws = slow.adapter.laws();
+            laws.keepPreviousFor(FRAMES);
+            int pull;
+            try (PreparedLibrary first = slow.engine.prepareText("pull.law", light)) {
+                pull = laws.load(0, first, Map.of());
+            }
+            String old = library(slow, "pull").sha256();
+            slow.run(1);
+            try (PreparedLibrary second = slow.engine.prepareText("pull.law", heavy)) {
+                laws.replace(1, pull, second, Map.of(), Path.of("pull.law"), made -> {});
+            }
+            laws.setBudget("pull", budget(1, Response.UNLOAD));
+            laws.addListener(changes::add);
+            slow.run(PATIENCE + 1);
+            assertThat(library(slow, "pull").sha256()).isEqualTo(old);
+            assertThat(changes)
+                    .containsExactly(
+                            new LawChange.Replaced(
+                                    laws.libraries().size() - 1, library(slow, "pull")));
+            assertThat(laws.quarantined()).isEmpty();
+            assertThat(slow.events("over-budget"))
+                    .singleElement()
+                    .satisfies(
+                            event ->
+                                    assertThat(event.fields().get("message"))
+                                            .asString()
+                                            .endsWith(
+                                                    "; the version before it is back, SHA-256 "
+                                                            + old));
+            slow.run(PATIENCE);
+            assertThat(laws.libraries()).extracting(LawLibrary::name).doesNotContain("pull");
         }
     }
 

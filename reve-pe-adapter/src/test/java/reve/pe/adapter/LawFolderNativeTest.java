@@ -243,6 +243,27 @@ class LawFolderNativeTest {
         assertThat(loaded()).containsExactly("newton_motion");
     }
 
+    /** The file changed while no server ran. */
+    @Test
+    void aFileTakesThePlaceOfTheLawOfItsNameInARestoredWorld() throws IOException {
+        byte[] bytes = Files.readAllBytes(NativeFiles.testLaw("wind"));
+        try (PreparedLibrary wind = engine.prepare(bytes)) {
+            world.adapter
+                    .laws()
+                    .apply(0, new LawChange.Loaded(LawLibrary.of(wind, Map.of("force", 3.0))));
+        }
+        Path file = drop("strong_wind", "wind.so");
+        lookAndRun(3);
+        assertThat(world.events("fault")).isEmpty();
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        double speed = speed();
+        lookAndRun(2);
+        assertThat(speed() - speed).as("its own force of 2 N").isCloseTo(4 * GAIN, offset(1e-15));
+        Files.delete(file);
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion");
+    }
+
     @Test
     void aReplacedLawIsExchangedBetweenTwoFrames() throws IOException {
         drop("wind", "wind.so");

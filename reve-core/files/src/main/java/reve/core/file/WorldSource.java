@@ -36,8 +36,9 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files, long seed) {
     }
 
     /**
-     * Returns the number of the first repetition for random numbers. There are fewer than 2^32
-     * repetitions, so different seeds give different numbers.
+     * Returns the index that the random generator gets for the first repetition; later ones count
+     * on from it. There are fewer than 2^32 repetitions, so the indices of different seeds do not
+     * overlap.
      */
     long firstNumber() {
         return seed << SEED_SHIFT;

@@ -122,8 +122,8 @@ final class YamlReader {
     }
 
     /**
-     * Returns the outermost mapping of the text. Notes duplicate keys and numbers that are not
-     * finite in {@code problems}, and continues.
+     * Returns the outermost mapping of the text. Adds duplicate keys and non-finite numbers to
+     * {@code problems}, and continues.
      *
      * @param values number of values that may still be read
      * @throws WorldFileException if reading cannot continue: syntax, limits, refused YAML features

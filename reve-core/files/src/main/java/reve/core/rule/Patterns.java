@@ -192,8 +192,8 @@ final class Patterns {
     }
 
     /**
-     * Returns the end of flags such as {@code (?i)}; if a group begins instead, the end of its
-     * bracket.
+     * Returns the index after flags such as {@code (?i)}. If a group such as {@code (?i:} or {@code
+     * (} begins here instead, returns the index after its opening characters.
      */
     private static int flags(String pattern, int at) {
         Matcher flags = FLAGS.matcher(pattern).region(at, pattern.length());

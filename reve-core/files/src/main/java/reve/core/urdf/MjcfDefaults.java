@@ -27,7 +27,11 @@ final class MjcfDefaults {
                     "adhesion",
                     "dcmotor");
 
+    /** Maximum number of values that classes inherit in total. */
+    private static final int MAX_INHERITED = 1_000_000;
+
     private final Map<String, Map<String, Map<String, String>>> classes = new HashMap<>();
+    private int inheritedCount;
 
     /**
      * @param elements the elements {@code default} of the file
@@ -63,7 +67,14 @@ final class MjcfDefaults {
         }
         for (XmlElement child : element.all("default")) {
             Map<String, Map<String, String>> inherited = new HashMap<>();
-            values.forEach((kind, each) -> inherited.put(kind, new LinkedHashMap<>(each)));
+            for (Map.Entry<String, Map<String, String>> kind : values.entrySet()) {
+                inheritedCount += 1 + kind.getValue().size();
+                if (inheritedCount > MAX_INHERITED) {
+                    throw child.problem(
+                            "the default classes inherit more than " + MAX_INHERITED + " values");
+                }
+                inherited.put(kind.getKey(), new LinkedHashMap<>(kind.getValue()));
+            }
             String name = child.text("class");
             if (classes.put(name, inherited) != null) {
                 throw child.problem("a second default class has the name " + name);

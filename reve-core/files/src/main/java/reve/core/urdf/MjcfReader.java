@@ -27,6 +27,11 @@ import java.util.Set;
  */
 final class MjcfReader {
     private static final int MAX_BODIES = 1000;
+    private static final int MAX_GEOMS = 10_000;
+
+    /** As in MuJoCo, where a body has at most six degrees of freedom. */
+    private static final int MAX_JOINTS_OF_A_BODY = 6;
+
     private static final double[] GRAVITY = {0, 0, -9.81};
     private static final double STEP = 0.002; // [s]
     private static final String WORLD = "world";
@@ -66,6 +71,7 @@ final class MjcfReader {
     private final MjcfGeoms geoms;
     private final Map<String, Link> links = new LinkedHashMap<>();
     private final Map<String, Joint> joints = new LinkedHashMap<>();
+    private int geomCount;
     private final List<Scenery> scenery = new ArrayList<>();
     private boolean hasFree;
 
@@ -188,9 +194,12 @@ final class MjcfReader {
                             defaults.childClass(child, inherited),
                             into);
                 }
-                case "geom" ->
-                        into.geoms.add(
-                                geoms.read(defaults.resolve(child, inherited), outer, isWorld));
+                case "geom" -> {
+                    if (++geomCount > MAX_GEOMS) {
+                        throw child.problem("the file has more than " + MAX_GEOMS + " geoms");
+                    }
+                    into.geoms.add(geoms.read(defaults.resolve(child, inherited), outer, isWorld));
+                }
                 case "joint", "freejoint" -> {
                     if (isWorld || outer != Pose.ORIGIN) {
                         throw child.problem(
@@ -245,6 +254,15 @@ final class MjcfReader {
         Optional<Inertial> inertial = inertial(group);
         Pose pose = compiler.pose(element).within(nested.outer);
         int count = group.joints.size();
+        if (count > MAX_JOINTS_OF_A_BODY) {
+            throw element.problem(
+                    "the body "
+                            + name
+                            + " has "
+                            + count
+                            + " joints, expected at most "
+                            + MAX_JOINTS_OF_A_BODY);
+        }
         String above = parent;
         if (count == 0) {
             put(fixed(name, element.place(), parent, pose));

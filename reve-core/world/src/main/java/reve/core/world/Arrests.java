@@ -35,6 +35,8 @@ public final class Arrests {
      */
     private static final double EXTREME = 1e15;
 
+    private static final String POSITION = "position";
+
     private final Items items;
     private final WorldGuard guard;
 
@@ -79,7 +81,8 @@ public final class Arrests {
 
     /**
      * Returns the largest of the absolute values of all numbers of the item that laws read, where
-     * the inverse of the mass counts as one of them; 0 if the item is arrested.
+     * the inverse of the mass counts as one of them, and coordinates only if they are extreme. 0 if
+     * the item is arrested and was not moved far away since then.
      */
     public double excess(Item item) {
         double most = 0;
@@ -93,6 +96,13 @@ public final class Arrests {
                 if (value > 0 && column.name().equals(WorldPrototype.MASS)) {
                     most = Math.max(most, 1 / value);
                 }
+            }
+        }
+        if (item.kind().equals(WorldPrototype.BODY)) {
+            Column position = item.table().column(POSITION);
+            for (int i = 0; i < position.components(); i++) {
+                double value = Math.abs(position.getDouble(item.checkedRow(), i));
+                most = Math.max(most, value > EXTREME ? value : 0);
             }
         }
         return most;
@@ -112,7 +122,7 @@ public final class Arrests {
             before.add(replace(column, item.checkedRow(), 0));
         }
         if (item.kind().equals(WorldPrototype.BODY)) {
-            before.add(replace(item.table().column("position"), item.checkedRow(), EXTREME));
+            before.add(replace(item.table().column(POSITION), item.checkedRow(), EXTREME));
         }
         return () -> before.forEach(Runnable::run);
     }

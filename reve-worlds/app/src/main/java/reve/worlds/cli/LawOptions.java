@@ -16,6 +16,7 @@ import reve.worlds.server.LawPath;
 import reve.worlds.server.Sandboxed;
 
 import java.lang.management.ManagementFactory;
+import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.List;
@@ -75,6 +76,14 @@ final class LawOptions {
                     "Permit --untrusted and --apart although this machine lacks a layer of the"
                             + " sandbox (./reve doctor lists the layers).")
     private boolean weakly;
+
+    @Option(
+            names = "--python",
+            paramLabel = "DIR",
+            description =
+                    "Virtual environment whose packages laws in Python may import (default: the"
+                            + " packages of the system).")
+    private Optional<Path> python = Optional.empty();
 
     @Option(
             names = "--engine",
@@ -197,7 +206,30 @@ final class LawOptions {
         }
     }
 
+    private void requirePython(CommandSpec spec) {
+        if (python.isEmpty()) {
+            return;
+        }
+        String folder = "--python: " + python.get();
+        if (!Files.isRegularFile(python.get().resolve("pyvenv.cfg"))) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    folder
+                            + " is no virtual environment, expected a folder with the file"
+                            + " pyvenv.cfg: make one with /usr/bin/python3 -m venv "
+                            + python.get());
+        }
+        if (place == Place.IN_PROCESS) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    folder
+                            + ": laws in Python run only in the engine's own process: remove"
+                            + " --engine in-process");
+        }
+    }
+
     private EnginePlace enginePlace(CommandSpec spec, Duration usual) {
+        requirePython(spec);
         if (place == Place.IN_PROCESS) {
             return EnginePlace.IN_PROCESS;
         }
@@ -213,7 +245,7 @@ final class LawOptions {
                     "--law-memory is " + memory.orElseThrow() + ", expected 0 or more MiB");
         }
         long bytes = memory.map(mib -> mib * MIB).orElseGet(LawOptions::halfOfMemory);
-        Hosts hosts = new Hosts(Product.nativeFolder().resolve("vesper-host"), bytes);
+        Hosts hosts = new Hosts(Product.nativeFolder().resolve("vesper-host"), bytes, python);
         hosts.refill(); // the first process starts while the world file is read
         STARTED.add(hosts);
         return EnginePlace.hosted(hosts, Duration.ofMillis(millis));

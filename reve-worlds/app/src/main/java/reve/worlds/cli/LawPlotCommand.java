@@ -66,6 +66,13 @@ public final class LawPlotCommand implements Callable<Integer> {
     private List<String> parameters = List.of();
 
     @Option(
+            names = "--set",
+            paramLabel = "NAME=VALUE",
+            description =
+                    "Value of a property, also of the law's own, in its unit; may be repeated.")
+    private List<String> properties = List.of();
+
+    @Option(
             names = "--over",
             paramLabel = "X",
             description = "distance, speed or place (default: what the force depends on).")
@@ -123,6 +130,7 @@ public final class LawPlotCommand implements Callable<Integer> {
         from.ifPresent(value -> command.addAll(List.of("--from", value.toString())));
         to.ifPresent(value -> command.addAll(List.of("--to", value.toString())));
         parameters.forEach(value -> command.addAll(List.of("--parameter", value)));
+        properties.forEach(value -> command.addAll(List.of("--set", value)));
         return command;
     }
 

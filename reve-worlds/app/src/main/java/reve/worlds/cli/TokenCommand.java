@@ -83,9 +83,23 @@ public final class TokenCommand implements Runnable {
                 description = "Permit lock-step: the world waits for the agent.")
         private boolean lockStep;
 
+        @Option(
+                names = "--laws",
+                paramLabel = "LAW[.PARAMETER]",
+                split = ",",
+                description =
+                        "With the role control, permit only changes of these laws, or of single"
+                                + " parameters, such as wind.c (default: all control commands).")
+        private @Nullable List<String> laws;
+
         Rights rights() {
             return new Rights(
-                    Set.copyOf(roles), names(worlds), names(bodies), names(capabilities), lockStep);
+                    Set.copyOf(roles),
+                    names(worlds),
+                    names(bodies),
+                    names(capabilities),
+                    lockStep,
+                    names(laws));
         }
 
         private static Optional<Set<String>> names(@Nullable List<String> given) {
@@ -304,6 +318,7 @@ public final class TokenCommand implements Runnable {
         if (rights.lockStep()) {
             fields.put("lockStep", true);
         }
+        rights.laws().ifPresent(names -> fields.put("laws", new TreeSet<>(names)));
         token.expires().ifPresent(time -> fields.put("expires", time.toString()));
         if (token.hasExpired(Instant.now())) {
             fields.put("expired", true);

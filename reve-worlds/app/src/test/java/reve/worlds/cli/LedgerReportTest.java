@@ -25,7 +25,9 @@ class LedgerReportTest {
                         -1.5,
                         true,
                         2,
-                        3.25);
+                        3.25,
+                        0,
+                        0);
         LedgerLine leak = line("leak", true, 12.345678, 2);
         LedgerLine total = line("total", false, 12.3, 0.5);
         StringWriter text = new StringWriter();
@@ -68,6 +70,8 @@ class LedgerReportTest {
                 List.of(0.0, 0.0, 0.0),
                 energy,
                 false,
+                0,
+                0,
                 0,
                 0);
     }

@@ -16,6 +16,15 @@ record FilePlace(Path path, Object key) {
         return new FilePlace(path, attributes(path).fileKey());
     }
 
+    /** Returns whether the path leads to another file now. */
+    boolean isReplaced() {
+        try {
+            return !attributes(path).fileKey().equals(key);
+        } catch (IOException unknown) {
+            return false;
+        }
+    }
+
     /**
      * Returns what happened to the file, as the end of a sentence. Empty if the path still leads to
      * the complete file, or if this cannot be determined.

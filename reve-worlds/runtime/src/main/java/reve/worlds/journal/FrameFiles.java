@@ -170,6 +170,7 @@ final class FrameFiles {
         if (now == null || !now.trouble().isEmpty()) {
             if (now != null) {
                 claim = now.claim();
+                manifest = null; // the next one may be refused, and later calls begin here again
                 now.close();
             }
             now = new Manifest(store, claim);

@@ -144,6 +144,9 @@ public final class ImageCodec {
         if (library.interval() != 1) {
             tree.put("interval", library.interval());
         }
+        if (!library.versions().isEmpty()) {
+            tree.put("versions", library.versions());
+        }
         return tree;
     }
 
@@ -161,7 +164,8 @@ public final class ImageCodec {
                 parameters(tree),
                 bytes,
                 budget(tree),
-                tree.has("interval") ? (int) Trees.integer(tree, "interval") : 1);
+                tree.has("interval") ? (int) Trees.integer(tree, "interval") : 1,
+                tree.has("versions") ? Trees.text(tree, "versions") : "");
     }
 
     static Map<String, Object> tree(TimeBudget budget) {

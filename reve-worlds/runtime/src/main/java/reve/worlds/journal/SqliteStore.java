@@ -17,30 +17,41 @@ import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Set;
 import java.util.UUID;
+import java.util.function.Predicate;
+import java.util.stream.Stream;
 
 /**
  * A durable store of one world. An SQLite database in write-ahead-log mode contains the last three
  * images and the law libraries. Files beside it contain the frames since the oldest image, and a
  * manifest that lists the expected content. One thread at a time, except for {@link #sync} and
  * {@link JournalSink.Place}. The database is locked, so that one process at a time has it open.
+ *
+ * <p>If the database's path leads to another file, that file may belong to another server. Then it
+ * and its files stay as they are, and the store continues under a name of its own.
  */
 public final class SqliteStore implements JournalSink {
     private static final int GENERATIONS = 3;
 
-    private final Path file;
     private final Durability durability;
-    private final FrameFiles frames;
-    private final UUID id;
-    private final long since;
     private final Set<String> damagedLibraries;
     private final Set<String> told = new HashSet<>();
+    private volatile Target target;
     private Connection connection;
-    private FilePlace place;
+
+    /** Where the database is that {@link #connection} has open. */
+    private volatile FilePlace place;
 
     /** Size that the database has at least [bytes]. */
-    private long bytes;
+    private volatile long bytes;
 
     private boolean hasIdentity;
+
+    /**
+     * Where the next image goes.
+     *
+     * @param since number of the first file of frames that contains the identity
+     */
+    private record Target(Path file, FrameFiles frames, UUID id, long since) {}
 
     /** The maximum loss by a power failure. A crash of the process alone never loses a record. */
     public enum Durability {
@@ -59,18 +70,22 @@ public final class SqliteStore implements JournalSink {
      */
     public SqliteStore(StoreContents contents, Durability durability) throws IOException {
         contents.requireWhole();
-        this.file = contents.file();
+        Path file = contents.file();
         try {
             OwnedFile.requireName(file, FrameFiles.LONGEST_ENDING);
         } catch (IOException e) {
             throw FileTrouble.of(file, "opened", e);
         }
         this.durability = durability;
-        id = contents.id();
         damagedLibraries = new HashSet<>(contents.damagedLibraries());
         hasIdentity = contents.hasIdentity();
-        since = contents.lastFile() + 1;
-        frames = new FrameFiles(file, contents.claim(), contents.lastFile(), contents.lastId());
+        target =
+                new Target(
+                        file,
+                        new FrameFiles(
+                                file, contents.claim(), contents.lastFile(), contents.lastId()),
+                        contents.id(),
+                        contents.lastFile() + 1);
         connection = StoreDatabase.open(file);
         place = FilePlace.of(file);
         bytes = Files.size(file);
@@ -78,24 +93,58 @@ public final class SqliteStore implements JournalSink {
 
     @Override
     public void write(JournalRecord record) throws IOException {
-        frames.write(record);
+        target.frames.write(record);
     }
 
     @Override
     public Place place() throws IOException {
-        FrameFiles.Finished before = frames.next();
-        long framesFile = frames.number();
+        FrameFiles left = target.frames;
+        if (target.file.equals(place.path()) && place.isReplaced()) {
+            target = elsewhere();
+        }
+        Target to = target;
+        FrameFiles.Finished before = to.frames.next();
+        long framesFile = to.frames.number();
         return (libraries, image) -> {
             try (before) {
-                write(framesFile, libraries, image);
+                if (left != to.frames) {
+                    left.close();
+                }
+                write(to, framesFile, libraries, image);
             }
         };
     }
 
+    /** Returns a target of a name that no file has yet. */
+    private Target elsewhere() throws IOException {
+        Path taken = target.file.toAbsolutePath();
+        Set<String> names = new HashSet<>();
+        try (Stream<Path> siblings = Files.list(taken.getParent())) {
+            siblings.forEach(sibling -> names.add(sibling.getFileName().toString()));
+        }
+        int number = 1;
+        String name;
+        do {
+            name = taken.getFileName() + ".moved-" + number++;
+        } while (names.contains(name) || names.stream().anyMatch(startOf(name)));
+        Path file = target.file.resolveSibling(name);
+        UUID id = UUID.randomUUID();
+        return new Target(file, new FrameFiles(file, Manifest.Claim.nothing(id), 0, 0), id, 1);
+    }
+
+    private static Predicate<String> startOf(String store) {
+        return name -> name.startsWith(store + "-");
+    }
+
     private void write(
-            long framesFile, List<JournalRecord.Library> libraries, JournalRecord.Image image)
+            Target to,
+            long framesFile,
+            List<JournalRecord.Library> libraries,
+            JournalRecord.Image image)
             throws IOException {
-        requireInPlace();
+        requireInPlace(to);
+        FrameFiles frames = to.frames;
+        Path file = to.file;
         frames.forceManifest();
         long sum = StoreDatabase.checksum(image.bytes(), framesFile, image.frame());
         long oldest;
@@ -109,7 +158,7 @@ public final class SqliteStore implements JournalSink {
                         library.bytes());
             }
             if (!hasIdentity) {
-                identify();
+                identify(to);
             }
             insert(
                     "INSERT OR REPLACE INTO image VALUES (?, ?, ?, ?)",
@@ -125,18 +174,18 @@ public final class SqliteStore implements JournalSink {
         }
         hasIdentity = true;
         libraries.forEach(library -> damagedLibraries.remove(library.sha256()));
-        checkpoint();
+        checkpoint(file);
         bytes = Files.exists(file) ? Files.size(file) : bytes;
         frames.keep(framesFile, image.frame(), sum);
         frames.dropBefore(oldest);
     }
 
     /** Writes the store's identity with the first image; later files of frames refer to it. */
-    private void identify() throws SQLException {
+    private void identify(Target to) throws SQLException {
         try (Statement statement = connection.createStatement()) {
             statement.executeUpdate(StoreDatabase.IDENTITY_IF_ABSENT);
             statement.executeUpdate("DELETE FROM identity");
-            insert("INSERT INTO identity VALUES (?, ?)", id.toString(), since);
+            insert("INSERT INTO identity VALUES (?, ?)", to.id.toString(), to.since);
             statement.executeUpdate("PRAGMA user_version = " + StoreDatabase.VERSION);
         }
     }
@@ -145,7 +194,7 @@ public final class SqliteStore implements JournalSink {
      * Moves the image from the write-ahead log to the database, so that nothing is lost if the log
      * is removed. If the disk refuses the write, the image stays in the log.
      */
-    private void checkpoint() throws IOException {
+    private void checkpoint(Path file) throws IOException {
         try {
             connection.setAutoCommit(true);
             try (Statement statement = connection.createStatement()) {
@@ -161,17 +210,24 @@ public final class SqliteStore implements JournalSink {
     }
 
     /**
-     * Creates the database again if its file was removed, because data written to a removed file is
-     * lost. Renames another file that is at its path.
+     * Opens the target's database. Creates it again if its file was removed, because data written
+     * to a removed file is lost. Renames a file that was truncated.
      */
-    private void requireInPlace() throws IOException {
+    private void requireInPlace(Target to) throws IOException {
+        Path file = to.file;
+        if (!file.equals(place.path())) {
+            continueIn(file);
+        }
         String trouble = place.trouble(bytes);
-        if (trouble.isEmpty() && !isClosed()) {
+        if (trouble.isEmpty() && !isClosed(file)) {
             return;
+        }
+        if (place.isReplaced()) { // since the place for this image was reserved
+            throw new IOException(file + " " + trouble + "; the next image is written elsewhere");
         }
         var closing = new IOException(trouble);
         StoreDatabase.closeAfter(connection, closing);
-        String kept = trouble.isEmpty() ? "" : moveAside();
+        String kept = trouble.isEmpty() ? "" : moveAside(file);
         connection = StoreDatabase.open(file);
         place = FilePlace.of(file);
         bytes = Files.size(file);
@@ -181,7 +237,24 @@ public final class SqliteStore implements JournalSink {
         }
     }
 
-    private boolean isClosed() throws IOException {
+    /** Opens another database, and reports it. */
+    private void continueIn(Path file) throws IOException {
+        Path left = place.path();
+        StoreDatabase.closeAfter(connection, new IOException("replaced"));
+        connection = StoreDatabase.open(file);
+        place = FilePlace.of(file);
+        bytes = Files.size(file);
+        hasIdentity = false;
+        damagedLibraries.clear();
+        throw new BegunAnewException(
+                left
+                        + " was replaced by another file, which stays as it is, because another"
+                        + " server may use it. The world is stored in "
+                        + file
+                        + " from now on; start a server with --store and that file to resume it");
+    }
+
+    private boolean isClosed(Path file) throws IOException {
         try {
             return connection.isClosed();
         } catch (SQLException e) {
@@ -194,7 +267,7 @@ public final class SqliteStore implements JournalSink {
      *
      * @return the new path, for messages; empty if there was no file
      */
-    private String moveAside() throws IOException {
+    private String moveAside(Path file) throws IOException {
         if (!Files.exists(file, LinkOption.NOFOLLOW_LINKS)) {
             return "";
         }
@@ -213,10 +286,12 @@ public final class SqliteStore implements JournalSink {
 
     @Override
     public List<String> troubles() {
-        Set<String> now = new LinkedHashSet<>(frames.troubles());
-        String trouble = place.trouble(bytes);
+        Target to = target;
+        Set<String> now = new LinkedHashSet<>(to.frames.troubles());
+        FilePlace known = place;
+        String trouble = to.file.equals(known.path()) ? known.trouble(bytes) : "";
         if (!trouble.isEmpty()) {
-            now.add(file + " " + trouble);
+            now.add(to.file + " " + trouble);
         }
         List<String> fresh =
                 now.stream()
@@ -236,19 +311,19 @@ public final class SqliteStore implements JournalSink {
     @Override
     public void sync() throws IOException {
         if (durability == Durability.FULL) {
-            frames.force();
+            target.frames.force();
         }
     }
 
     @Override
     public void close() throws IOException {
         try {
-            frames.close();
+            target.frames.close();
         } finally {
             try {
                 connection.close();
             } catch (SQLException e) {
-                throw FileTrouble.of(file, "closed", e);
+                throw FileTrouble.of(place.path(), "closed", e);
             }
         }
     }

@@ -9,28 +9,37 @@ import reve.pe.adapter.LawLibrary;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
 import java.nio.file.StandardOpenOption;
 import java.nio.file.attribute.PosixFilePermissions;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Set;
+import java.util.stream.Collectors;
 
 /**
- * The file of known law libraries: the shipped libraries of worlds that this account stored or
- * recorded, by the SHA-256 of their bytes. Because of it, a store still opens without {@code
- * --trust} after an upgrade of the release has changed these libraries. The file belongs to the
- * account; stores and recordings cannot add to it. For any thread.
+ * The file of known law libraries: the libraries that shipped with the release or were in the
+ * operator's folder when this account stored or recorded worlds, by the SHA-256 of their bytes.
+ * Because of it, a store still opens without {@code --trust} after these libraries were replaced,
+ * by an upgrade or by a new version in the folder. The file belongs to the account; stores and
+ * recordings cannot add to it. It keeps at most {@link #MOST_LINES} libraries, the newest ones. For
+ * any thread.
  */
 final class KnownLaws {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
     private static final Path FILE = folder().resolve("known-laws");
+
+    /** Maximum number of libraries; at the maximum, the older half is dropped. */
+    private static final int MOST_LINES = 10_000;
+
+    private static final long MOST_BYTES = 16L << 20;
 
     private KnownLaws() {}
 
     /** Returns whether a library with these bytes is known to this account. */
     static boolean contains(String sha256) {
         try {
-            return Files.exists(FILE)
-                    && Files.readAllLines(FILE).stream().anyMatch(line -> line.startsWith(sha256));
+            return lines().stream().anyMatch(line -> line.startsWith(sha256));
         } catch (IOException unreadable) {
             LOG.warn("{} cannot be read: {}", FILE, unreadable.toString());
             return false;
@@ -39,28 +48,52 @@ final class KnownLaws {
 
     /** Adds libraries to the file. Blocks on file access. */
     static synchronized void keep(List<LawLibrary> libraries) {
-        List<String> lines = new ArrayList<>();
-        for (LawLibrary library : libraries) {
-            if (!contains(library.sha256())) {
-                lines.add(library.sha256() + "  " + library.name());
-            }
-        }
-        if (lines.isEmpty()) {
-            return;
-        }
         try {
+            List<String> present = lines();
+            Set<String> known =
+                    present.stream().map(line -> line.split(" ", 2)[0]).collect(Collectors.toSet());
+            List<String> lines = new ArrayList<>();
+            for (LawLibrary library : libraries) {
+                if (known.add(library.sha256())) {
+                    lines.add(library.sha256() + "  " + library.name());
+                }
+            }
+            if (lines.isEmpty()) {
+                return;
+            }
             Files.createDirectories(
                     FILE.getParent(),
                     PosixFilePermissions.asFileAttribute(
                             PosixFilePermissions.fromString("rwx------")));
+            if (present.size() + lines.size() > MOST_LINES) {
+                List<String> kept =
+                        new ArrayList<>(present.subList(present.size() / 2, present.size()));
+                kept.addAll(lines);
+                Path part = FILE.resolveSibling(FILE.getFileName() + ".part");
+                Files.write(part, kept);
+                Files.move(part, FILE, StandardCopyOption.ATOMIC_MOVE);
+                return;
+            }
             Files.write(FILE, lines, StandardOpenOption.CREATE, StandardOpenOption.APPEND);
         } catch (IOException unwritable) {
             LOG.info(
-                    "{} cannot be written, so stores of these laws need --trust after an upgrade:"
+                    "{} cannot be written, so stores of these laws need --trust after they were"
+                            + " replaced:"
                             + " {}",
                     FILE,
                     unwritable.toString());
         }
+    }
+
+    /** Returns the lines of the file; none if it is missing. */
+    private static List<String> lines() throws IOException {
+        if (!Files.exists(FILE)) {
+            return List.of();
+        }
+        if (!Files.isRegularFile(FILE) || Files.size(FILE) > MOST_BYTES) {
+            throw new IOException("it is no regular file of at most " + MOST_BYTES + " bytes");
+        }
+        return Files.readAllLines(FILE);
     }
 
     private static Path folder() {

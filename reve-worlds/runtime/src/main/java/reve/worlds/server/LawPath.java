@@ -349,12 +349,23 @@ public record LawPath(
     }
 
     /**
-     * Adds those libraries of a stored world that ship with this release to {@link KnownLaws}.
-     * Reads files.
+     * Adds those libraries of a stored world that ship with this release, or come from the
+     * operator's folder, to {@link KnownLaws}: their files may be replaced before the store is
+     * opened again. Reads files.
      */
     void remember(List<LawLibrary> libraries) {
+        // without these options, nothing else was opened, whatever the folder contains by now
+        boolean onlyOperators = !trusted && !sandboxed.isUsed();
         KnownLaws.keep(
-                libraries.stream().filter(library -> holds(shipped, library.bytes())).toList());
+                libraries.stream()
+                        .filter(library -> !library.isText())
+                        .filter(
+                                library ->
+                                        onlyOperators
+                                                || holds(shipped, library.bytes())
+                                                || folder.map(own -> holds(own, library.bytes()))
+                                                        .orElse(false))
+                        .toList());
     }
 
     /** Returns whether a file that ships has the bytes of a library. */

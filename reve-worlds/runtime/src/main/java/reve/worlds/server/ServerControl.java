@@ -459,6 +459,11 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
 
         @Override
+        public Optional<String> library() {
+            return Optional.of(prepared.name());
+        }
+
+        @Override
         public void drop() {
             prepared.close();
         }

@@ -4,7 +4,9 @@ package reve.worlds.server;
 import org.jspecify.annotations.Nullable;
 
 import reve.core.frame.FrameEvent;
+import reve.core.world.ItemId;
 import reve.core.world.WorldEvent;
+import reve.pe.LedgerLine;
 import reve.pe.PhysicsException;
 import reve.pe.Status;
 import reve.pe.adapter.LawChange;
@@ -14,6 +16,7 @@ import reve.pe.adapter.NewVersion;
 import reve.worlds.journal.SimulationImage;
 
 import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -29,8 +32,11 @@ import java.util.stream.Stream;
  * runs on a thread of its own and may lag behind the world, which never waits for it.
  */
 final class Shadow implements AutoCloseable {
-    /** Maximum memory of frames that wait [bytes]. */
-    private static final long MOST_WAITING_BYTES = 256L << 20;
+    /** Maximum memory of the frames that wait for all copies of this process [bytes]. */
+    private static final long MOST_WAITING_BYTES =
+            Math.min(256L << 20, Runtime.getRuntime().maxMemory() / 8);
+
+    private static final AtomicLong WAITING_BYTES = new AtomicLong();
 
     private final Simulation of;
     private final List<NewVersion> versions;
@@ -41,7 +47,6 @@ final class Shadow implements AutoCloseable {
     private final SwapPlan plan;
     private final int frames;
     private final BlockingQueue<ShadowFrame> waiting = new LinkedBlockingQueue<>();
-    private final AtomicLong waitingBytes = new AtomicLong();
     private final Thread thread;
     private volatile @Nullable SimulationImage image;
     private volatile Progress progress = Progress.NONE;
@@ -50,6 +55,9 @@ final class Shadow implements AutoCloseable {
 
     /** What the copy has found so far; only on its thread. */
     private @Nullable PhysicsException failure;
+
+    /** The items that were arrested in the copy in this frame; only on its thread. */
+    private final Set<ItemId> arrests = new LinkedHashSet<>();
 
     /**
      * How far a trial is.
@@ -110,13 +118,17 @@ final class Shadow implements AutoCloseable {
      * @return false if too many frames wait already
      */
     boolean give(ShadowFrame frame) {
-        long bytes = frame.bytes();
-        if (waitingBytes.addAndGet(bytes) > MOST_WAITING_BYTES) {
-            waitingBytes.addAndGet(-bytes);
+        if (!hasRoom(frame.bytes() - frame.rowBytes())) {
             return false;
         }
+        WAITING_BYTES.addAndGet(frame.bytes());
         waiting.add(frame);
         return true;
+    }
+
+    /** Returns whether more bytes may wait. For any thread. */
+    static boolean hasRoom(long bytes) {
+        return WAITING_BYTES.get() + bytes <= MOST_WAITING_BYTES;
     }
 
     /** Returns how far the copy is. For any thread. */
@@ -134,6 +146,9 @@ final class Shadow implements AutoCloseable {
     public void close() {
         cancelled = true;
         thread.interrupt();
+        for (ShadowFrame frame = waiting.poll(); frame != null; frame = waiting.poll()) {
+            WAITING_BYTES.addAndGet(-frame.bytes());
+        }
     }
 
     /** Waits until the copy has ended, or for a time [ms]. */
@@ -177,7 +192,7 @@ final class Shadow implements AutoCloseable {
         try (Simulation copy = of.shadow(from)) {
             from.close();
             image = null;
-            copy.physics().laws().addListener(change -> note(copy, change));
+            copy.physics().laws().addListener(this::note);
             copy.onPublish("shadow", this::noteBudgets);
             Map<NewVersion, PhysicsException> refused = loaded(copy);
             if (refused.size() < versions.size()) {
@@ -245,29 +260,65 @@ final class Shadow implements AutoCloseable {
     private void make(Simulation copy) throws InterruptedException {
         copy.physics().enforceBudgets(true);
         ShadowEnergy energy = new ShadowEnergy(copy.world(), copy.physics(), plan.energyLimit());
+        ShadowClaims claims = new ShadowClaims(copy.world(), tried(copy.physics().laws()));
         for (int made = 1; made <= frames; made++) {
             ShadowFrame frame = waiting.take();
-            waitingBytes.addAndGet(-frame.bytes());
+            WAITING_BYTES.addAndGet(-frame.bytes());
             if (cancelled) {
                 throw new InterruptedException();
             }
             ShadowFrame.repeat(copy.world(), frame.early());
             energy.before();
             copy.loop().step();
+            failAtArrests(copy, frame);
             throwFailure(made);
             ShadowFrame.repeat(copy.world(), frame.late());
-            energy.after(frame);
+            List<LedgerLine> ledger = energy.ledger();
+            energy.after(frame, ledger);
             progress =
                     new Progress(
                             made,
-                            ShadowDivergence.of(copy.world(), frame),
+                            frame.hasRows()
+                                    ? ShadowDivergence.of(copy.world(), frame)
+                                    : progress.divergence(),
                             energy.gain().orElse(null),
                             energy.gain().isPresent() ? energy.mostGain() : null);
-            Optional<String> excess = energy.excess();
-            if (excess.isPresent()) {
-                throw refusal(Status.LAW_MISBEHAVED, made, excess.get());
+            Optional<String> wrong =
+                    claims.broken(copy.engine().laws(), ledger)
+                            .or(() -> frame.hasRows() ? energy.excess() : Optional.empty());
+            if (wrong.isPresent()) {
+                throw refusal(Status.LAW_MISBEHAVED, made, wrong.get());
             }
         }
+    }
+
+    /** Returns the ids of the new versions in the copy. */
+    private Set<Integer> tried(Laws laws) {
+        Set<String> tried = names().collect(Collectors.toSet());
+        return laws.byId().entrySet().stream()
+                .filter(loaded -> tried.contains(loaded.getValue().name()))
+                .map(Map.Entry::getKey)
+                .collect(Collectors.toSet());
+    }
+
+    /**
+     * Fails if an item was arrested in the copy only. If the world has arrested it in the same
+     * frame, an action or an edit is the cause, and not the new version.
+     */
+    private void failAtArrests(Simulation copy, ShadowFrame frame) {
+        arrests.stream()
+                .filter(item -> !frame.arrested().contains(item))
+                .findFirst()
+                .ifPresent(
+                        item ->
+                                fail(
+                                        Status.LAW_FAILED,
+                                        "a law failed at the item "
+                                                + copy.world()
+                                                        .find(item)
+                                                        .map(found -> found.name())
+                                                        .orElse(item.toString())));
+        arrests.clear();
     }
 
     private void throwFailure(int made) {
@@ -283,19 +334,12 @@ final class Shadow implements AutoCloseable {
     }
 
     /** Notes a law that failed in the copy, and not in the world. */
-    private void note(Simulation copy, LawChange change) {
+    private void note(LawChange change) {
         switch (change) {
             case LawChange.RolledBack back -> fail(back.reason().status(), back.reason().message());
             case LawChange.Failed failed ->
                     fail(failed.reason().status(), failed.reason().message());
-            case LawChange.Arrested arrested ->
-                    fail(
-                            Status.LAW_FAILED,
-                            "a law failed at the item "
-                                    + copy.world()
-                                            .find(arrested.item())
-                                            .map(item -> item.name())
-                                            .orElse(arrested.item().toString()));
+            case LawChange.Arrested arrested -> arrests.add(arrested.item());
             case LawChange.Unmoved _ ->
                     fail(Status.ENGINE_LOST, "the engine's process was lost, and no law acted");
             case LawChange.Loaded _,

@@ -23,7 +23,7 @@ import java.util.Optional;
  * so that a world at rest has a limit, too. The copy's thread.
  */
 final class ShadowEnergy {
-    private static final String MASS = "mass";
+    static final String MASS = "mass";
 
     private final PhysicsAdapter physics;
     private final World world;
@@ -63,18 +63,22 @@ final class ShadowEnergy {
     /** Notes the energy before the laws of a frame act, after all changes that they do not make. */
     void before() {
         if (known) {
-            before = sums();
+            before = sums(ledger());
             if (Double.isNaN(atStart)) {
                 atStart = Math.abs(before.potential);
             }
         }
     }
 
-    /** Notes the energy after the laws of a frame have acted. */
-    void after(ShadowFrame frame) {
+    /**
+     * Notes the energy after the laws of a frame have acted.
+     *
+     * @param ledger at the end of the frame; empty if the energy is not known
+     */
+    void after(ShadowFrame frame, List<LedgerLine> ledger) {
         if (known) {
-            gain += sums().ofLaws() - before.ofLaws();
-            worlds = Math.max(worlds, kineticOfWorld(frame));
+            gain += sums(ledger).ofLaws() - before.ofLaws();
+            worlds = frame.hasRows() ? Math.max(worlds, kineticOfWorld(frame)) : worlds;
         }
     }
 
@@ -103,8 +107,12 @@ final class ShadowEnergy {
                 : Optional.empty();
     }
 
-    private Sums sums() {
-        List<LedgerLine> lines = physics.ledger();
+    /** Returns the copy's ledger; empty if the prototype has no bodies. */
+    List<LedgerLine> ledger() {
+        return known ? physics.ledger() : List.of();
+    }
+
+    private static Sums sums(List<LedgerLine> lines) {
         double potential = 0;
         double kinetic = 0;
         double client = 0;

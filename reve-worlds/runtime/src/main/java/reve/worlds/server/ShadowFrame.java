@@ -18,6 +18,7 @@ import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.util.List;
 import java.util.Optional;
+import java.util.Set;
 
 /**
  * A frame of the world, for a copy of it that makes the same frame with other laws: all changes
@@ -25,10 +26,17 @@ import java.util.Optional;
  *
  * @param early changes before the laws acted
  * @param late changes after that
- * @param positions of the bodies with physics at the end of the frame, in the column's type
+ * @param positions of the bodies with physics at the end of the frame, in the column's type; empty
+ *     if there was no room for them, so the copy is not compared with the world in this frame
  * @param velocities likewise
+ * @param arrested items that were arrested in this frame, because a law failed at them
  */
-record ShadowFrame(List<Noted> early, List<Noted> late, byte[] positions, byte[] velocities) {
+record ShadowFrame(
+        List<Noted> early,
+        List<Noted> late,
+        byte[] positions,
+        byte[] velocities,
+        Set<ItemId> arrested) {
     static final String POSITION = "position";
     static final String VELOCITY = "velocity";
 
@@ -61,6 +69,16 @@ record ShadowFrame(List<Noted> early, List<Noted> late, byte[] positions, byte[]
                 .asSlice(0, (long) bodies.physicsRowCount() * column.descriptor().rowBytes());
     }
 
+    /** Returns whether the frame says where the bodies of the world are. */
+    boolean hasRows() {
+        return positions.length > 0;
+    }
+
+    /** Returns the memory of positions and velocities [bytes]. */
+    long rowBytes() {
+        return positions.length + (long) velocities.length;
+    }
+
     /** Returns the memory that the frame needs [bytes]. */
     long bytes() {
         long columns = 0;
@@ -82,7 +100,9 @@ record ShadowFrame(List<Noted> early, List<Noted> late, byte[] positions, byte[]
 
     private static void repeat(World world, Noted noted) {
         switch (noted.change) {
-            case WorldChange.Added added -> world.addAll(added.definitions(), added.maker());
+            case WorldChange.Added added ->
+                    world.addAll(added.definitions(), added.maker())
+                            .forEach(item -> world.arrests().suspect(item.id()));
             case WorldChange.Removed removed -> {
                 if (removed.cascade().isEmpty()) {
                     world.remove(removed.item());
@@ -94,8 +114,11 @@ record ShadowFrame(List<Noted> early, List<Noted> late, byte[] positions, byte[]
             case WorldChange.Attached attached ->
                     world.attach(attached.item(), attached.to().parent(), attached.to().pose());
             case WorldChange.Detached detached -> world.detach(detached.item());
-            case WorldChange.Edited edited -> edit(world.item(edited.item()), edited);
-            case WorldChange.Pushed pushed -> world.forces().add(pushed.force());
+            case WorldChange.Edited edited -> edit(world, world.item(edited.item()), edited);
+            case WorldChange.Pushed pushed -> {
+                world.arrests().suspect(pushed.force().item());
+                world.forces().add(pushed.force());
+            }
             case WorldChange.ColumnEdited column -> write(world, column, noted.columnRows);
             case WorldChange.Restored restored ->
                     throw new IllegalArgumentException(
@@ -103,11 +126,15 @@ record ShadowFrame(List<Noted> early, List<Noted> late, byte[] positions, byte[]
         }
     }
 
-    private static void edit(Item item, WorldChange.Edited edited) {
+    private static void edit(World world, Item item, WorldChange.Edited edited) {
         switch (edited.aspect()) {
             case SEMANTIC, ACCESS -> {}
-            case PHYSICAL -> editPhysical(item, edited);
+            case PHYSICAL -> {
+                world.arrests().suspect(item.id());
+                editPhysical(item, edited);
+            }
             case PHYSICS -> {
+                world.arrests().suspect(item.id());
                 if (edited.to() == null) {
                     item.physics().clear();
                 } else if (edited.to() instanceof List<?> list

@@ -7,6 +7,7 @@ import reve.core.frame.FrameEvent;
 import reve.core.frame.FramePhase;
 import reve.core.frame.LawSwap;
 import reve.core.frame.Subscription;
+import reve.core.world.ItemId;
 import reve.core.world.WorldChange;
 import reve.core.world.WorldEvent;
 import reve.pe.PhysicsException;
@@ -22,11 +23,13 @@ import java.lang.foreign.ValueLayout;
 import java.util.ArrayDeque;
 import java.util.ArrayList;
 import java.util.Deque;
+import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
+import java.util.Set;
 import java.util.function.Consumer;
 
 /**
@@ -39,7 +42,9 @@ import java.util.function.Consumer;
  * <p>If the copy no longer makes the frames of the world, because laws changed, the world was
  * rewound or too many frames wait, a new copy begins. A trial that has not ended after {@link
  * #MOST_TIMES} times its world time, and as much time of the clock but at least a minute, is
- * refused.
+ * refused. There is at most one copy at a time, and a copy begins at the earliest when the one
+ * before it could have made all its frames: whoever sends new versions or rewinds the world without
+ * end costs no more than one copy.
  */
 final class Shadows implements Trials, AutoCloseable {
     /** Type of the events. */
@@ -69,6 +74,15 @@ final class Shadows implements Trials, AutoCloseable {
     private @Nullable Trial current;
     private List<ShadowFrame.Noted> early = List.of();
     private int earlyCount;
+
+    /** Number of frames that the world has published; a rewind does not reduce it. */
+    private long published;
+
+    /** Number of published frames from which on the next copy may begin. */
+    private long nextCopyFrom;
+
+    /** The items that were arrested in this frame. */
+    private final Set<ItemId> arrests = new HashSet<>();
 
     /** True if the copy does not have the laws of the world any more. */
     private boolean lawsChanged;
@@ -215,7 +229,11 @@ final class Shadows implements Trials, AutoCloseable {
     }
 
     private void follow(LawChange change) {
-        lawsChanged |= !(change instanceof LawChange.Released);
+        if (change instanceof LawChange.Arrested arrested) {
+            arrests.add(arrested.item());
+        } else {
+            lawsChanged |= !(change instanceof LawChange.Released);
+        }
     }
 
     private void onAct(FrameEvent event) {
@@ -245,8 +263,16 @@ final class Shadows implements Trials, AutoCloseable {
         }
     }
 
-    /** Lets the versions that are not refused take over, in this frame. */
+    /** Lets the versions that are not refused take over, in this frame, and ends the trial. */
     private void finish(long frame, Trial trial, Shadow.Verdict verdict) {
+        try {
+            take(frame, trial, verdict);
+        } finally {
+            end(trial);
+        }
+    }
+
+    private void take(long frame, Trial trial, Shadow.Verdict verdict) {
         verdict.refused().forEach((version, why) -> refuse(frame, trial, version, why));
         List<NewVersion> taking = new ArrayList<>(trial.versions);
         taking.removeAll(verdict.refused().keySet());
@@ -260,7 +286,6 @@ final class Shadows implements Trials, AutoCloseable {
                             taking.size() > 1 ? taken(frame, trial, version) : Optional.of(first);
                     why.ifPresent(each -> refuse(frame, trial, version, each));
                 });
-        end(trial);
     }
 
     /** Lets a version take over; returns why the world's engine refuses it. */
@@ -280,30 +305,33 @@ final class Shadows implements Trials, AutoCloseable {
     }
 
     private void onPublish(FrameEvent event) {
+        published++;
+        Set<ItemId> arrested = Set.copyOf(arrests);
+        arrests.clear();
         ended.removeIf(shadow -> !shadow.isAlive());
+        boolean mayBegin = ended.isEmpty() && published >= nextCopyFrom;
         if (current == null) {
-            current = waiting.poll();
-            if (current == null) {
-                return;
+            current = mayBegin ? waiting.poll() : null;
+            if (current != null) {
+                begin(event.frame(), current, true);
             }
-            begin(event.frame(), current);
             return;
         }
         Trial trial = current;
         if (trial.shadow != null && trial.given < frames) {
-            give(event.frame(), trial);
+            give(event.frame(), trial, arrested);
         }
         if (current == trial && isTooLong(event.frame(), trial)) {
             PhysicsException why = tooLong(event.frame(), trial);
             trial.versions.forEach(version -> refuse(event.frame(), trial, version, why));
             end(trial);
         } else if (current == trial && trial.shadow == null) {
-            begin(event.frame(), trial);
+            begin(event.frame(), trial, mayBegin);
         }
     }
 
     /** Gives this frame to the copy, or gives the copy up. */
-    private void give(long frame, Trial trial) {
+    private void give(long frame, Trial trial, Set<ItemId> arrested) {
         List<WorldChange> changes = simulation.world().changes();
         boolean isRewound = changes.stream().anyMatch(WorldChange.Restored.class::isInstance);
         if (lawsChanged) {
@@ -313,18 +341,25 @@ final class Shadows implements Trials, AutoCloseable {
         } else if (simulation.world().changesLost() > 0) {
             interrupt(trial, "a frame had too many changes");
         } else {
+            boolean hasRows = trial.given + 1 == frames || Shadow.hasRoom(rowBytes());
             ShadowFrame made =
                     new ShadowFrame(
                             early,
                             ShadowFrame.noted(simulation.world(), changes, earlyCount),
-                            rows(ShadowFrame.POSITION),
-                            rows(ShadowFrame.VELOCITY));
+                            hasRows ? rows(ShadowFrame.POSITION) : new byte[0],
+                            hasRows ? rows(ShadowFrame.VELOCITY) : new byte[0],
+                            arrested);
             if (Objects.requireNonNull(trial.shadow).give(made)) {
                 trial.given++;
             } else {
                 interrupt(trial, "its copy was too far behind the world");
             }
         }
+    }
+
+    private long rowBytes() {
+        return ShadowFrame.rows(simulation.world(), ShadowFrame.POSITION).byteSize()
+                + ShadowFrame.rows(simulation.world(), ShadowFrame.VELOCITY).byteSize();
     }
 
     private byte[] rows(String property) {
@@ -360,8 +395,12 @@ final class Shadows implements Trials, AutoCloseable {
                         + "; make the law faster, or load it with swap at-once");
     }
 
-    /** Starts a copy of the world as it is at the end of this frame. */
-    private void begin(long frame, Trial trial) {
+    /**
+     * Starts a copy of the world as it is at the end of this frame.
+     *
+     * @param mayBegin false: only refuses versions whose library was unloaded
+     */
+    private void begin(long frame, Trial trial, boolean mayBegin) {
         boolean isFirst = trial.begunFrame < 0;
         if (isFirst) {
             trial.begunFrame = frame;
@@ -388,6 +427,9 @@ final class Shadows implements Trials, AutoCloseable {
             end(trial);
             return;
         }
+        if (!mayBegin) {
+            return;
+        }
         SimulationImage image = new SimulationImage(simulation.world());
         boolean isCopied = false;
         try {
@@ -405,6 +447,7 @@ final class Shadows implements Trials, AutoCloseable {
             trial.given = 0;
             trial.reported = 0;
             trial.copies++;
+            nextCopyFrom = published + frames;
             trial.shadow = new Shadow(simulation, image, trial.versions, changes, plan, frames);
             if (isFirst) {
                 trial.versions.forEach(version -> raise(frame, trial, version, "begins"));
@@ -431,9 +474,12 @@ final class Shadows implements Trials, AutoCloseable {
 
     /**
      * Waits until the copy of the running trial has made all frames that it was given, or has
-     * ended. For tests.
+     * ended, and until all earlier copies have ended. For tests.
      */
     void await() throws InterruptedException {
+        for (Shadow shadow : ended) {
+            shadow.join(0);
+        }
         Trial trial = current;
         Shadow shadow = trial == null ? null : trial.shadow;
         while (trial != null

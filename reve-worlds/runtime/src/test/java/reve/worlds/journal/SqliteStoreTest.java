@@ -32,6 +32,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 import java.util.UUID;
+import java.util.stream.Stream;
 
 @Tag("slow")
 class SqliteStoreTest {
@@ -503,10 +504,85 @@ class SqliteStoreTest {
                     assertThat(store.troubles()).isEmpty();
                     store.write(new JournalRecord.Frame(28, new byte[20]));
                 }
-                assertThat(read()).as(path + " " + act.getKey()).endsWith("image 27", "frame 28");
-                boolean isKept = name.isEmpty() && !act.getKey().equals("was removed");
+                boolean isMoved = name.isEmpty() && act.getKey().startsWith("was replaced");
+                boolean isKept = name.isEmpty() && act.getKey().startsWith("was cut");
                 assertThat(Files.exists(file.resolveSibling("my.db.replaced-1"))).isEqualTo(isKept);
+                assertThat(Files.exists(file.resolveSibling("my.db.moved-1"))).isEqualTo(isMoved);
+                file = isMoved ? file.resolveSibling("my.db.moved-1") : file;
+                assertThat(read()).as(path + " " + act.getKey()).endsWith("image 27", "frame 28");
             }
+        }
+    }
+
+    /** A file system that is unmounted and mounted again, for example. */
+    @Test
+    void aFolderThatIsAwayForAnImageCostsTheFramesUntilItIsBack() throws Exception {
+        Path home = Files.createDirectory(folder.resolve("home"));
+        Path away = folder.resolve("away");
+        file = home.resolve("my.db");
+        fill();
+        try (SqliteStore store = open(file)) {
+            keep(store, 25);
+            store.write(new JournalRecord.Frame(26, new byte[10]));
+            Files.move(home, away);
+            for (int image : new int[] {30, 31}) {
+                assertThatExceptionOfType(IOException.class)
+                        .isThrownBy(() -> keep(store, image))
+                        .withMessageContaining(home.toString());
+            }
+            Files.move(away, home);
+            keep(store, 40);
+            store.write(new JournalRecord.Frame(41, new byte[10]));
+            assertThat(store.troubles()).isEmpty();
+        }
+        assertThat(read()).endsWith("image 40", "frame 41");
+    }
+
+    /** An operator restores a copy of the store while the server that uses it still runs. */
+    @Test
+    void twoServersNeverWriteToEachOthersFiles() throws Exception {
+        fill();
+        Path backup = Files.createDirectory(folder.resolve("backup"));
+        copyStore(folder, backup);
+        try (SqliteStore one = open(file)) {
+            keep(one, 25);
+            one.write(new JournalRecord.Frame(26, new byte[10]));
+            for (Path part : storeFiles(folder)) {
+                Files.delete(part);
+            }
+            copyStore(backup, folder);
+            try (SqliteStore other = open(file)) {
+                keep(other, 30);
+                other.write(new JournalRecord.Frame(31, new byte[10]));
+                JournalSink.Place place = one.place();
+                assertThatExceptionOfType(JournalSink.BegunAnewException.class)
+                        .isThrownBy(() -> place.write(List.of(), image(60)))
+                        .withMessageContaining("my.db was replaced by another file")
+                        .withMessageContaining("my.db.moved-1 from now on");
+                place.write(List.of(), image(60));
+                one.write(new JournalRecord.Frame(61, new byte[10]));
+                keep(other, 40);
+                other.write(new JournalRecord.Frame(41, new byte[10]));
+                keep(one, 70);
+                one.write(new JournalRecord.Frame(71, new byte[10]));
+                assertThat(other.troubles()).isEmpty();
+                assertThat(one.troubles()).isEmpty();
+            }
+        }
+        assertThat(read()).endsWith("image 40", "frame 41");
+        file = folder.resolve("my.db.moved-1");
+        assertThat(read()).containsExactly("image 70", "frame 71");
+    }
+
+    private static List<Path> storeFiles(Path in) throws IOException {
+        try (Stream<Path> files = Files.list(in)) {
+            return files.filter(Files::isRegularFile).toList();
+        }
+    }
+
+    private static void copyStore(Path from, Path to) throws IOException {
+        for (Path part : storeFiles(from)) {
+            Files.copy(part, to.resolve(part.getFileName()));
         }
     }
 

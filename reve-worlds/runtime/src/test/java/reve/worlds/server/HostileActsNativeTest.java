@@ -209,6 +209,33 @@ class HostileActsNativeTest {
         }
     }
 
+    /** Its numbers are 0 already, except its place. */
+    @ParameterizedTest
+    @ValueSource(
+            strings = {
+                "hooke_spring, newton_motion",
+                "coulomb, newton_motion",
+                "newton_gravitation, velocity_verlet",
+                "sphere_contact, newton_motion, angular_motion"
+            })
+    void anArrestedItemThatItsAgentMovesAgainCostsNoLaw(String laws) throws Exception {
+        try (var simulation = new Simulation(world(laws, "place"), Pacing.FAST)) {
+            List<WorldEvent> faults = run(simulation, 1e100, "place");
+            for (double value : new double[] {1e100, -1e100, 1e100}) {
+                act(simulation.world(), "place", value);
+                simulation.loop().run(3);
+            }
+            assertThat(simulation.physics().laws().quarantined()).as("%s", faults).isEmpty();
+            assertThat(faults)
+                    .hasSizeGreaterThanOrEqualTo(laws.startsWith("hooke") ? 4 : 0)
+                    .allSatisfy(
+                            fault ->
+                                    assertThat(fault.fields())
+                                            .containsEntry("item", "evil-place")
+                                            .containsEntry("arrested", true));
+        }
+    }
+
     @Test
     void magnitudesThatNoLawCanComputeWithAreRefused() throws WorldFileException {
         try (var simulation = new Simulation(world("newton_motion", all()), Pacing.FAST)) {

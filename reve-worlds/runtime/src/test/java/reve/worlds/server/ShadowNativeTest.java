@@ -22,18 +22,22 @@ import reve.core.world.ItemDefinition;
 import reve.core.world.Shape;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
+import reve.pe.PhysicsLaw.Claim;
 import reve.pe.PreparedLibrary;
 import reve.pe.adapter.LawChange;
 import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.Laws;
 import reve.pe.adapter.NewVersion;
+import reve.worlds.Product;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.Recording;
 import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.RunLog;
 import reve.worlds.journal.SimulationImage;
 
+import java.io.IOException;
 import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
@@ -298,6 +302,148 @@ class ShadowNativeTest {
         assertThat(changes).isEmpty();
     }
 
+    private PreparedLibrary testLaw(String name) throws IOException {
+        Path file =
+                Product.nativeFolder()
+                        .resolve("adapter-test-laws")
+                        .resolve("libvesper_law_" + name + ".so");
+        return simulation.engine().prepare(Files.readAllBytes(file));
+    }
+
+    /** Tries a test law that is called wind, in place of one that claims nothing. */
+    private void tryWind(String law) throws Exception {
+        Laws laws = simulation.physics().laws();
+        try (PreparedLibrary wind = testLaw("wind")) {
+            laws.load(simulation.loop().frame(), wind, Map.of());
+        }
+        changes.clear();
+        shadows.begin(
+                simulation.loop().frame(),
+                List.of(
+                        laws.newVersion(
+                                idOf("wind"),
+                                testLaw(law),
+                                Map.of(),
+                                Path.of(law + ".so"),
+                                made -> {})));
+        run(TRIAL + 2);
+    }
+
+    @Test
+    void aVersionThatDoesNotConserveTheMomentumThatItClaimsIsRefused() throws Exception {
+        start();
+        tryWind("balanced_wind");
+        // 1 N on each of two bodies, in the first of 30 frames
+        assertThat(stages("refused"))
+                .singleElement()
+                .satisfies(
+                        event -> {
+                            assertThat(event.fields()).containsEntry("status", "LAW_MISBEHAVED");
+                            assertThat(String.valueOf(event.fields().get("message")))
+                                    .contains(
+                                            "in frame 1 of 30 of its shadow: law wind claims to"
+                                                    + " conserve momentum, but its forces gave the"
+                                                    + " bodies 0.0333 kg*m/s, more than the limit"
+                                                    + " of 0.00503 kg*m/s");
+                        });
+        assertThat(changes).isEmpty();
+    }
+
+    /** The force along X acts at a height of 5 m and 9 m. */
+    @Test
+    void aVersionThatTurnsBodiesAlthoughItClaimsOtherwiseIsRefused() throws Exception {
+        start();
+        tryWind("straight_wind");
+        assertThat(stages("refused"))
+                .singleElement()
+                .satisfies(
+                        event ->
+                                assertThat(String.valueOf(event.fields().get("message")))
+                                        .contains(
+                                                "claims to conserve angular momentum, but its"
+                                                        + " moments about the origin gave the"
+                                                        + " bodies 0.233 kg*m^2/s"));
+        assertThat(changes).isEmpty();
+    }
+
+    /** Its claims are derived from its text. */
+    @Test
+    void aVersionThatKeepsItsClaimsIsAccepted() throws Exception {
+        start();
+        tryText(
+                "law push\n  parameter f = 1 N, from -1000 N to 1000 N\n"
+                        + "  each pair of bodies, r apart: energy = 9 f * r\n");
+        run(TRIAL + 2);
+        assertThat(simulation.physics().laws().loaded())
+                .filteredOn(law -> law.library().equals("push"))
+                .singleElement()
+                .satisfies(
+                        law ->
+                                assertThat(law.claims())
+                                        .contains(Claim.MOMENTUM, Claim.ANGULAR_MOMENTUM));
+        assertThat(stages("accepted")).hasSize(1);
+        double pulled = vector("stone", "velocity")[1];
+        assertThat(pulled).as("9 N towards the rock").isPositive();
+    }
+
+    @Test
+    void versionsThatAreTriedTogetherTakeOverInOneFrame() throws Exception {
+        start();
+        try (PreparedLibrary wind = testLaw("wind")) {
+            simulation.physics().laws().load(simulation.loop().frame(), wind, Map.of());
+        }
+        changes.clear();
+        NewVersion wind =
+                simulation
+                        .physics()
+                        .laws()
+                        .newVersion(
+                                idOf("wind"),
+                                testLaw("strong_wind"),
+                                Map.of(),
+                                Path.of("wind.so"),
+                                made -> {});
+        shadows.begin(
+                simulation.loop().frame(), List.of(version("push", push("-f (1, 0, 0)")), wind));
+        run(TRIAL + 1);
+        assertThat(changes).isEmpty();
+        double before = vector("stone", "velocity")[0];
+        run(1);
+        assertThat(changes).hasSize(2).hasOnlyElementsOfType(LawChange.Replaced.class);
+        assertThat(stages("accepted"))
+                .extracting(event -> event.fields().get("library"))
+                .containsExactlyInAnyOrder("push", "wind");
+        assertThat(vector("stone", "velocity")[0] - before)
+                .as("a wind of 2 N, and 1 N against it")
+                .isCloseTo(DT, within(1e-12));
+    }
+
+    /** One fails: none of them has proved itself, so none takes over. */
+    @Test
+    void versionsThatAreTriedTogetherAreRefusedTogether() throws Exception {
+        start();
+        try (PreparedLibrary wind = testLaw("wind")) {
+            simulation.physics().laws().load(simulation.loop().frame(), wind, Map.of());
+        }
+        changes.clear();
+        NewVersion wind =
+                simulation
+                        .physics()
+                        .laws()
+                        .newVersion(
+                                idOf("wind"),
+                                testLaw("strong_wind"),
+                                Map.of(),
+                                Path.of("wind.so"),
+                                made -> {});
+        shadows.begin(simulation.loop().frame(), List.of(version("push", push(NOT_FINITE)), wind));
+        run(TRIAL);
+        assertThat(stages("refused"))
+                .extracting(event -> event.fields().get("library"))
+                .containsExactlyInAnyOrder("push", "wind");
+        assertThat(changes).isEmpty();
+    }
+
     @Test
     void aVersionOverItsBudgetIsRefused() throws Exception {
         start();
@@ -342,12 +488,14 @@ class ShadowNativeTest {
             simulation.physics().laws().load(simulation.loop().frame(), "drag", Map.of());
             run(1);
             assertThat(shadows.report().getFirst()).containsEntry("frames", 0);
-            run(3);
-            assertThat(shadows.report().getFirst()).containsEntry("frames", 3);
+            run(TRIAL / 2 + 3);
+            assertThat(shadows.report().getFirst())
+                    .as("the next copy began a trial's time after the first one")
+                    .containsEntry("frames", 3);
             simulation.rewind(image);
             run(4);
-            assertThat((int) shadows.report().getFirst().get("frames")).isLessThan(5);
-            run(TRIAL);
+            assertThat(shadows.report().getFirst()).containsEntry("frames", 0);
+            run(2 * TRIAL);
         }
         assertThat(stages("accepted")).hasSize(1);
         assertThat(stages("begins")).hasSize(1);
@@ -359,7 +507,7 @@ class ShadowNativeTest {
         tryText(push("3 f (1, 0, 0)"));
         run(5);
         tryText(push("4 f (1, 0, 0)"));
-        run(TRIAL + 3);
+        run(2 * TRIAL);
         assertThat(stages("refused"))
                 .singleElement()
                 .satisfies(
@@ -370,6 +518,75 @@ class ShadowNativeTest {
         double before = vector("stone", "velocity")[0];
         run(1);
         assertThat(vector("stone", "velocity")[0] - before).isCloseTo(4 * DT, within(1e-12));
+    }
+
+    /** It cannot take over any more; the next trial begins. */
+    @Test
+    void aTrialEndsIfItsLawFailsInTheWorldBeforeItTakesOver() throws Exception {
+        start();
+        tryText(push("2 f (1, 0, 0)"));
+        run(TRIAL + 1);
+        assertThat(shadows.report().getFirst()).containsEntry("frames", TRIAL);
+        simulation.physics().laws().unload(simulation.loop().frame(), idOf("push"));
+        run(1);
+        assertThat(stages("refused"))
+                .singleElement()
+                .satisfies(
+                        event -> assertThat(event.fields()).containsEntry("status", "NOT_FOUND"));
+        assertThat(shadows.report()).isEmpty();
+        assertThat(events).noneMatch(event -> event.type().equals("fault"));
+    }
+
+    /** The world arrests the item in the same frame, so the new version is not the cause. */
+    @Test
+    void anActThatNoLawCanComputeWithDoesNotRefuseAVersion() throws Exception {
+        String drag =
+                "law push\n  parameter f = 1 N, from -1000 N to 1000 N\n  each body:\n"
+                        + "    force -= %s f |velocity / (1 m/s)|^3 * velocity / (1 m/s)\n";
+        start(WORLD, PLAN);
+        version("push", drag.formatted("1e-9")).take(0);
+        simulation
+                .bus()
+                .subscribe(
+                        FramePhase.ACT,
+                        "edits",
+                        frame -> {
+                            if (frame.frame() == 8) {
+                                Item stone = frame.world().find("stone").orElseThrow();
+                                frame.world().arrests().suspect(stone.id());
+                                stone.physics().set("velocity", 1e100, 0, 0);
+                            }
+                        });
+        shadows.start();
+        tryText(drag.formatted("2e-9"));
+        run(TRIAL + 3);
+        assertThat(events)
+                .filteredOn(event -> event.type().equals("fault"))
+                .singleElement()
+                .satisfies(fault -> assertThat(fault.fields()).containsEntry("arrested", true));
+        assertThat(stages("accepted")).hasSize(1);
+        assertThat(stages("refused")).isEmpty();
+    }
+
+    /** Each would cost the memory and the processor time of a world. */
+    @Test
+    void newVersionsInARowMakeOneCopyAtATime() throws Exception {
+        start();
+        for (int i = 1; i <= 2 * TRIAL; i++) {
+            tryText(push(0.05 * i + " f (1, 0, 0)"));
+            simulation.loop().step();
+            assertThat(Thread.getAllStackTraces().keySet())
+                    .filteredOn(thread -> thread.getName().equals("shadow of push"))
+                    .hasSizeLessThanOrEqualTo(1);
+        }
+        run(2 * TRIAL);
+        assertThat(stages("begins")).hasSizeLessThanOrEqualTo(4);
+        assertThat(stages("accepted")).hasSize(1);
+        double before = vector("stone", "velocity")[0];
+        run(1);
+        assertThat(vector("stone", "velocity")[0] - before)
+                .as("the last version acts")
+                .isCloseTo(0.05 * 2 * TRIAL * DT, within(1e-12));
     }
 
     @Test

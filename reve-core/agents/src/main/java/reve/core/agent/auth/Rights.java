@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.auth;
 
+import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.Role;
 
 import java.util.Optional;
 import java.util.Set;
+import java.util.TreeSet;
 
 /**
  * The rights of a client. An empty Optional allows everything; a set allows only its elements.
@@ -15,13 +17,16 @@ import java.util.Set;
  *     created for the client
  * @param capabilities capabilities of its body that the client may use
  * @param lockStep whether the client may run in lock-step
+ * @param laws laws that a client with the role control may change: names of libraries, and {@code
+ *     LIBRARY.PARAMETER} for single parameters; if present, the client may change nothing else
  */
 public record Rights(
         Set<Role> roles,
         Optional<Set<String>> worlds,
         Optional<Set<String>> bodies,
         Optional<Set<String>> capabilities,
-        boolean lockStep) {
+        boolean lockStep,
+        Optional<Set<String>> laws) {
 
     /** All rights, for clients of a server without tokens. */
     public static final Rights ALL =
@@ -30,7 +35,8 @@ public record Rights(
                     Optional.empty(),
                     Optional.empty(),
                     Optional.empty(),
-                    true);
+                    true,
+                    Optional.empty());
 
     /** Copies the sets. */
     public Rights {
@@ -38,6 +44,68 @@ public record Rights(
         worlds = worlds.map(Set::copyOf);
         bodies = bodies.map(Set::copyOf);
         capabilities = capabilities.map(Set::copyOf);
+        laws = laws.map(Set::copyOf);
+    }
+
+    /** Creates rights that do not limit the role control. */
+    public Rights(
+            Set<Role> roles,
+            Optional<Set<String>> worlds,
+            Optional<Set<String>> bodies,
+            Optional<Set<String>> capabilities,
+            boolean lockStep) {
+        this(roles, worlds, bodies, capabilities, lockStep, Optional.empty());
+    }
+
+    /** Returns whether the client may load, replace and unload a library of laws. */
+    public boolean opensLaw(String library) {
+        return laws.isEmpty() || laws.get().contains(library);
+    }
+
+    /**
+     * Returns why the client may not send a command of the role control; empty if it may. Which
+     * library a {@code load-law} loads is known only when the library is opened, see {@link
+     * #opensLaw}.
+     */
+    public Optional<String> refusal(ClientMessage.Request request) {
+        if (laws.isEmpty()) {
+            return Optional.empty();
+        }
+        return switch (request) {
+            case ClientMessage.Act _, ClientMessage.Query _ -> Optional.empty();
+            case ClientMessage.Ask _, ClientMessage.LoadLaw _ -> Optional.empty();
+            case ClientMessage.Ledger ledger when ledger.open().isEmpty() -> Optional.empty();
+            case ClientMessage.UnloadLaw unload -> refusalOfLaw(unload.library());
+            case ClientMessage.SetBudget set -> refusalOfLaw(set.library());
+            case ClientMessage.Release release -> refusalOfLaw(release.library());
+            case ClientMessage.SetLaw set -> refusalOfParameters(set);
+            default -> Optional.of("it may change only " + shownLaws());
+        };
+    }
+
+    /** Returns why the client may not change a library; empty if it may. */
+    public Optional<String> refusalOfLaw(String library) {
+        return opensLaw(library)
+                ? Optional.empty()
+                : Optional.of("it may change only " + shownLaws() + ", not " + library);
+    }
+
+    private Optional<String> refusalOfParameters(ClientMessage.SetLaw set) {
+        if (opensLaw(set.library())) {
+            return Optional.empty();
+        }
+        for (String parameter : set.parameters().keySet()) {
+            if (!opensLaw(set.library() + "." + parameter)) {
+                return refusalOfLaw(set.library() + "." + parameter);
+            }
+        }
+        return set.parameters().isEmpty() ? refusalOfLaw(set.library()) : Optional.empty();
+    }
+
+    private String shownLaws() {
+        return laws.orElseThrow().isEmpty()
+                ? "no law"
+                : "the laws " + String.join(", ", new TreeSet<>(laws.get()));
     }
 
     /** Returns whether the client may join a world. */

@@ -8,6 +8,7 @@ import org.slf4j.LoggerFactory;
 import reve.core.disk.Reason;
 
 import java.io.IOException;
+import java.io.InputStream;
 import java.nio.channels.FileChannel;
 import java.nio.channels.FileLock;
 import java.nio.file.FileSystemException;
@@ -193,9 +194,10 @@ public final class TokenFile {
             throw new FileSystemException(
                     path + " has " + version.bytes() + " bytes, expected at most " + MAX_BYTES);
         }
-        try {
+        try (InputStream in = Files.newInputStream(path)) {
             var tokens = new LinkedHashMap<String, AgentToken>();
-            TokenFormat.read(Files.readAllBytes(path))
+            // the size is limited here, too: something else may have taken the file's place
+            TokenFormat.read(in.readNBytes((int) MAX_BYTES))
                     .forEach(token -> tokens.put(token.sha256(), token));
             return Collections.unmodifiableMap(tokens);
         } catch (IllegalArgumentException e) {

@@ -36,6 +36,7 @@ final class TokenFormat {
                     "bodies",
                     "capabilities",
                     "lockStep",
+                    "laws",
                     "expires");
 
     private TokenFormat() {}
@@ -62,6 +63,7 @@ final class TokenFormat {
         if (rights.lockStep()) {
             fields.put("lockStep", true);
         }
+        put(fields, "laws", rights.laws());
         token.expires().ifPresent(instant -> fields.put("expires", instant.toString()));
     }
 
@@ -136,7 +138,8 @@ final class TokenFormat {
                             names(which, fields, "worlds"),
                             names(which, fields, "bodies"),
                             names(which, fields, "capabilities"),
-                            truth(fields, "lockStep")),
+                            truth(fields, "lockStep"),
+                            names(which, fields, "laws")),
                     fields.has("expires")
                             ? Optional.of(Instant.parse(text(fields, "expires")))
                             : Optional.empty());

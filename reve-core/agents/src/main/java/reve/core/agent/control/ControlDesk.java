@@ -375,6 +375,16 @@ public final class ControlDesk {
             Preparation preparation) {
         try {
             WorldControl.Change change = preparation.prepare();
+            Optional<String> refusal = change.library().flatMap(requester::refusalOfLaw);
+            if (refusal.isPresent()) {
+                change.drop();
+                throw new ActionRefused(
+                        "not-permitted",
+                        "the token of "
+                                + requester.name()
+                                + " does not permit this: "
+                                + refusal.get());
+            }
             var command =
                     new ChangeCommand(
                             requester.name(),

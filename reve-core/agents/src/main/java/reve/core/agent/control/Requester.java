@@ -5,6 +5,8 @@ import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.Encoding;
 import reve.core.agent.protocol.ServerMessage;
 
+import java.util.Optional;
+
 /**
  * The sender of commands, as seen by the code that executes them and returns results. For any
  * thread.
@@ -16,6 +18,11 @@ public interface Requester {
 
     /** Returns whether the client has the role control. */
     boolean controls();
+
+    /** Returns why the client may not change a library of laws; empty if it may. */
+    default Optional<String> refusalOfLaw(String library) {
+        return Optional.empty();
+    }
 
     /** Returns the encoding of messages to the client. */
     Encoding encoding();

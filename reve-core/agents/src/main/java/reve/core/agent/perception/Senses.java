@@ -28,8 +28,11 @@ import java.util.stream.Collectors;
  */
 public final class Senses {
 
-    /** Type of the event that reports a failed law, listener or command. */
-    public static final String FAULT = "fault";
+    /**
+     * Types of the events that are for operators: they report a failed law, listener or command,
+     * and how a new version of a law acts in the shadow.
+     */
+    public static final Set<String> FOR_OPERATORS = Set.of("fault", "law-shadow");
 
     private final ItemId body;
     private final List<Sensor> sensors;
@@ -222,7 +225,7 @@ public final class Senses {
      * none of its items, or because the event is for operators.
      */
     public Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
-        if (event.type().equals(FAULT)) {
+        if (FOR_OPERATORS.contains(event.type())) {
             return Optional.empty();
         }
         var told = new BitSet();

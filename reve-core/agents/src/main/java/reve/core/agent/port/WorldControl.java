@@ -32,6 +32,14 @@ public interface WorldControl {
          */
         void make(World world, long frame) throws ActionRefused;
 
+        /**
+         * Returns the name of the library that the change loads, as the library itself says; empty
+         * if it loads none.
+         */
+        default Optional<String> library() {
+            return Optional.empty();
+        }
+
         /** Called instead of {@link #make} if the change is never made. */
         default void drop() {}
     }

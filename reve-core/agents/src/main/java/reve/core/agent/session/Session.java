@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.agent.auth.AgentToken;
 import reve.core.agent.auth.Attempts;
+import reve.core.agent.auth.Rights;
 import reve.core.agent.embodiment.Outcome;
 import reve.core.agent.lockstep.Allowance;
 import reve.core.agent.lockstep.Turn;
@@ -157,6 +158,11 @@ public final class Session implements Client, Perceiver {
 
     ServedWorld world() {
         return world;
+    }
+
+    /** Returns the rights of the client's token; all rights if the server uses no tokens. */
+    Rights rights() {
+        return token.map(AgentToken::rights).orElse(Rights.ALL);
     }
 
     Role role() {

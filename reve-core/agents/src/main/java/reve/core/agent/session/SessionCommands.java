@@ -12,6 +12,8 @@ import reve.core.agent.protocol.Encoding;
 import reve.core.agent.protocol.Role;
 import reve.core.agent.protocol.ServerMessage;
 
+import java.util.Optional;
+
 /**
  * The commands of one session. Each is executed once, and its result is sent to the connection that
  * the session has at that time. Any thread; guarded by the session, so that a result is not lost
@@ -43,6 +45,11 @@ final class SessionCommands implements Requester {
     @Override
     public boolean controls() {
         return session.role() == Role.CONTROL;
+    }
+
+    @Override
+    public Optional<String> refusalOfLaw(String library) {
+        return session.rights().refusalOfLaw(library);
     }
 
     @Override
@@ -93,6 +100,14 @@ final class SessionCommands implements Requester {
                             + " takes the role "
                             + needed.wireName(),
                     "say hello with \"role\":\"" + needed.wireName() + "\"");
+        }
+        Optional<String> refusal = session.rights().refusal(request);
+        if (refusal.isPresent()) {
+            throw new BadMessage(
+                    request.id(),
+                    "not-permitted",
+                    "the token of " + name() + " does not permit " + request.type(),
+                    refusal.get());
         }
         if (request instanceof ClientMessage.Act act && act.ready().isPresent()) {
             session.requireLockStep(act.id());

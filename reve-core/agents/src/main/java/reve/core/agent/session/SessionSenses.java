@@ -64,7 +64,7 @@ final class SessionSenses {
     /**
      * Returns the indices of the fields of an event that are sent to the client, see {@link
      * Senses#hear}; a client without sensors receives all. Only the role control receives the
-     * message of a fault, because it may name files of the server.
+     * message of a fault or a refused law, because it may name files of the server.
      */
     Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
         if (senses != null) {
@@ -72,7 +72,7 @@ final class SessionSenses {
         }
         var fields = new BitSet();
         fields.set(0, event.fields().size());
-        if (role != Role.CONTROL && event.type().equals(Senses.FAULT)) {
+        if (role != Role.CONTROL && Senses.FOR_OPERATORS.contains(event.type())) {
             int place = 0;
             for (String field : event.fields().keySet()) {
                 fields.set(place++, !field.equals("message"));

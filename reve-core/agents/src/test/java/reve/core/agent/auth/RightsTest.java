@@ -159,6 +159,54 @@ class RightsTest {
     }
 
     @Test
+    void aTokenMayPermitChangesOfSingleLawsAndParametersOnly() throws IOException {
+        Optional<Set<String>> laws = Optional.of(Set.of("wind", "drag.c"));
+        Rights rights = new Rights(Set.of(Role.CONTROL), ANY, ANY, ANY, false, laws);
+        String token = issue("boss", rights);
+        String[] permitted = {
+            "{'t':'set-law','id':1,'library':'wind','parameters':{'any':1}}",
+            "{'t':'set-law','id':2,'library':'drag','parameters':{'c':1}}",
+            "{'t':'unload-law','id':3,'library':'wind'}",
+            "{'t':'load-law','id':4,'library':'wind'}",
+        };
+        String[] refused = {
+            "{'t':'set-law','id':11,'library':'drag','parameters':{'c':1,'d':1}}",
+            "{'t':'set-law','id':12,'library':'drag','parameters':{}}",
+            "{'t':'set-law','id':13,'library':'gravity','parameters':{'c':1}}",
+            "{'t':'unload-law','id':14,'library':'drag'}",
+            "{'t':'pause','id':15}",
+            "{'t':'edit','id':16,'item':'duck','property':'mass','value':3}",
+            "{'t':'remove','id':17,'item':'duck'}",
+            "{'t':'fork','id':18,'frames':1}",
+            "{'t':'rewind','id':19}",
+            "{'t':'ledger','id':20,'open':true}",
+            "{'t':'shut-down','id':21}",
+        };
+        try (TestClient boss = hello("boss", ",'role':'control','token':'" + token + "'")) {
+            boss.expect("welcome");
+            for (String request : permitted) {
+                boss.say(request); // this room has no laws
+                assertThat(boss.skipTo("result").get("code").stringValue())
+                        .as(request)
+                        .isEqualTo("unsupported");
+            }
+        }
+        for (int i = 0; i < refused.length; i++) { // a connection ends after some errors
+            String request = refused[i];
+            String other = issue("boss" + i, rights);
+            try (TestClient boss = hello("boss" + i, ",'role':'control','token':'" + other + "'")) {
+                boss.expect("welcome");
+                boss.say(request);
+                JsonNode error = boss.skipTo("error");
+                assertThat(error.get("code").stringValue()).as(request).isEqualTo("not-permitted");
+                assertThat(error.get("hint").stringValue())
+                        .as(request)
+                        .startsWith("it may change only the laws drag.c, wind");
+            }
+        }
+    }
+
+    @Test
     void theWorldWaitsOnlyForWhoseTokenSaysSo() throws IOException {
         String lockStep = ",'time':{'mode':'lock-step'},'token':'";
         refused("ada", lockStep + issue("ada", agent(ANY, ANY, ANY)) + "'", "not-permitted");

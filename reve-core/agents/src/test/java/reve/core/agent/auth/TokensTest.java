@@ -76,7 +76,8 @@ class TokensTest {
                         Optional.of(Set.of("pond")),
                         Optional.of(Set.of()),
                         Optional.of(Set.of("push", "lift heavy")),
-                        true);
+                        true,
+                        Optional.of(Set.of("wind", "drag.c")));
         add("bob");
         String secret = add("ada", rights, Optional.of(NOW.plusNanos(1)));
         TokenFile tokens = TokenFile.open(file, () -> now);

@@ -6,6 +6,8 @@ import static org.assertj.core.api.Assertions.assertThat;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
 
 import reve.core.access.ActionProvider;
 import reve.core.access.Effect;
@@ -61,8 +63,9 @@ class AgentErrorsTest {
         }
     }
 
-    @Test
-    void whatAFaultWasInDetailIsForControlAlone() throws IOException {
+    @ParameterizedTest
+    @ValueSource(strings = {"fault", "law-shadow"})
+    void whatAFaultWasInDetailIsForControlAlone(String type) throws IOException {
         try (TestClient ada = room.join("ada");
                 TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}");
@@ -70,7 +73,7 @@ class AgentErrorsTest {
             room.world.raise(
                     new WorldEvent(
                             room.loop.frame() + 1,
-                            "fault",
+                            type,
                             Map.of(
                                     "source",
                                     "a listener",

@@ -7,11 +7,12 @@
 
 #include "vesper/engine.h"
 
-namespace vesper::host {
+namespace vesper::python {
 
-/// Runs a file of Python laws, and prepares its laws for engines of a prototype.
+/// Runs a file of Python laws, and prepares its laws for engines of a prototype. `versions`, if not
+/// null, receives the versions of Python and of the packages that the file imports.
 vesper_status PreparePython(const vesper_prototype& prototype, const std::string& source,
                             const void* text, uint64_t size, vesper_prepared_library** out,
-                            vesper_error* error);
+                            vesper_error* error, std::string* versions = nullptr);
 
-}  // namespace vesper::host
+}  // namespace vesper::python

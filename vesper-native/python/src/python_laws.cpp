@@ -5,11 +5,12 @@
 
 #include <cstdio>
 
-namespace vesper::host {
+namespace vesper::python {
 namespace {
 
 using Prepare = vesper_status (*)(const vesper_prototype* prototype, const char* source,
-                                  const char* text, uint64_t size, vesper_prepared_library** out,
+                                  const char* text, uint64_t size, char* versions,
+                                  uint64_t versions_size, vesper_prepared_library** out,
                                   vesper_error* error);
 
 /// RTLD_GLOBAL, because Python's extension modules look up Python's functions among the global
@@ -23,7 +24,7 @@ void* Open() {
 
 vesper_status PreparePython(const vesper_prototype& prototype, const std::string& source,
                             const void* text, uint64_t size, vesper_prepared_library** out,
-                            vesper_error* error) {
+                            vesper_error* error, std::string* versions) {
   void* library = Open();
   if (library == nullptr) {
     const char* reason = dlerror();
@@ -37,7 +38,11 @@ vesper_status PreparePython(const vesper_prototype& prototype, const std::string
     return error->status;
   }
   const auto prepare = reinterpret_cast<Prepare>(dlsym(library, "vesper_python_prepare"));
-  return prepare(&prototype, source.c_str(), static_cast<const char*>(text), size, out, error);
+  char used[4096] = "";
+  const vesper_status status = prepare(&prototype, source.c_str(), static_cast<const char*>(text),
+                                       size, used, sizeof used, out, error);
+  if (versions != nullptr) *versions = used;
+  return status;
 }
 
-}  // namespace vesper::host
+}  // namespace vesper::python
