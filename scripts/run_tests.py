@@ -58,6 +58,9 @@ LONG = {"laws", "python"}
 SHORT_LIVED = "-XX:TieredStopAtLevel=1"
 SHORT_LIVES = {"REVE_JAVA_OPTIONS": SHORT_LIVED}
 
+# Rooms whose tests take less processor time without the second compiler, too: by a third.
+FIRST_COMPILER = {"reve-core/world", "reve-core/files", "reve-core/agents"}
+
 # More than two processors: many tests wait for servers.
 AT_ONCE = 3
 PROGRESS_SECONDS = 20
@@ -232,7 +235,7 @@ class Plan:
             command = [
                 os.environ["REVE_JAVA_HOME"] + "/bin/java",
                 "-XX:+UseSerialGC",  # as in a release; needs less processor time than G1
-                *([SHORT_LIVED] if place in BATCHED else []),
+                *([SHORT_LIVED] if place in BATCHED or place in FIRST_COMPILER else []),
                 "-ea",
                 "--enable-native-access=ALL-UNNAMED",
                 "-XX:+RestoreMXCSROnJNICalls",

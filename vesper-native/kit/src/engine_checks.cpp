@@ -51,7 +51,7 @@ std::string CheckReload(const Subject& of) {
   engine.UnloadPhysicsLaw(1);
   const int mappings = CountMappings();
   const size_t files = CountEntries("/proc/self/fd"), threads = CountEntries("/proc/self/task");
-  for (int i = 0; i < 25; ++i) {
+  for (int i = 0; i < 10; ++i) {
     const vesper_library_id id = world.Load(engine, subject.file());
     engine.Advance(kDt);
     Expect(CountMappings() > mappings || !subject.library().is_native(),

@@ -13,17 +13,19 @@ import java.nio.file.StandardCopyOption;
 import java.nio.file.StandardOpenOption;
 import java.nio.file.attribute.PosixFilePermissions;
 import java.util.ArrayList;
+import java.util.HashSet;
 import java.util.List;
+import java.util.Optional;
 import java.util.Set;
-import java.util.stream.Collectors;
 
 /**
  * The file of known law libraries: the libraries that shipped with the release or were in the
  * operator's folder when this account stored or recorded worlds, by the SHA-256 of their bytes.
  * Because of it, a store still opens without {@code --trust} after these libraries were replaced,
- * by an upgrade or by a new version in the folder. The file belongs to the account; stores and
- * recordings cannot add to it. It keeps at most {@link #MOST_LINES} libraries, the newest ones. For
- * any thread.
+ * by an upgrade, or by a new version in the folder if the operator names the same folder. A line
+ * contains the SHA-256, the name and, for a library of a folder, the folder. The file belongs to
+ * the account; stores and recordings cannot add to it. It keeps at most {@link #MOST_LINES}
+ * libraries, the newest ones. For any thread.
  */
 final class KnownLaws {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
@@ -32,30 +34,55 @@ final class KnownLaws {
     /** Maximum number of libraries; at the maximum, the older half is dropped. */
     private static final int MOST_LINES = 10_000;
 
+    /** Separates the name of a library from its folder. */
+    private static final String OF = "  of ";
+
     private static final long MOST_BYTES = 16L << 20;
 
     private KnownLaws() {}
 
-    /** Returns whether a library with these bytes is known to this account. */
-    static boolean contains(String sha256) {
+    /**
+     * Returns whether a library with these bytes is known to this account.
+     *
+     * @param folder the operator's folder of this command
+     */
+    static boolean contains(String sha256, Optional<Path> folder) {
         try {
-            return lines().stream().anyMatch(line -> line.startsWith(sha256));
+            return lines().stream()
+                    .filter(line -> line.startsWith(sha256))
+                    .anyMatch(
+                            line ->
+                                    !line.contains(OF)
+                                            || folder.map(own -> line.endsWith(of(own)))
+                                                    .orElse(false));
         } catch (IOException unreadable) {
             LOG.warn("{} cannot be read: {}", FILE, unreadable.toString());
             return false;
         }
     }
 
-    /** Adds libraries to the file. Blocks on file access. */
-    static synchronized void keep(List<LawLibrary> libraries) {
+    private static String of(Path folder) {
+        return OF + folder.toAbsolutePath().normalize();
+    }
+
+    /**
+     * Adds libraries to the file. Blocks on file access.
+     *
+     * @param folder that they come from; empty for those that ship
+     */
+    static synchronized void keep(List<LawLibrary> libraries, Optional<Path> folder) {
         try {
             List<String> present = lines();
-            Set<String> known =
-                    present.stream().map(line -> line.split(" ", 2)[0]).collect(Collectors.toSet());
+            Set<String> known = new HashSet<>(present);
             List<String> lines = new ArrayList<>();
             for (LawLibrary library : libraries) {
-                if (known.add(library.sha256())) {
-                    lines.add(library.sha256() + "  " + library.name());
+                String line =
+                        library.sha256()
+                                + "  "
+                                + library.name()
+                                + folder.map(KnownLaws::of).orElse("");
+                if (line.lines().count() == 1 && known.add(line)) {
+                    lines.add(line);
                 }
             }
             if (lines.isEmpty()) {

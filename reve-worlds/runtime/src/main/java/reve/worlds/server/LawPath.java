@@ -307,7 +307,7 @@ public record LawPath(
                 && !runsApart
                 && !library.isText()
                 && !isOperators(library)
-                && !KnownLaws.contains(library.sha256())) {
+                && !KnownLaws.contains(library.sha256(), folder)) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED,
                     "the law library '"
@@ -342,7 +342,7 @@ public record LawPath(
                                 || !own.map(laws -> holds(laws, library)).orElse(false)
                                         && (trusted
                                                 || KnownLaws.contains(
-                                                        LibraryFile.sha256(library))));
+                                                        LibraryFile.sha256(library), folder)));
         return isTrusted
                 ? ApartRule.Isolation.NONE
                 : sandboxed.weakly() ? ApartRule.Isolation.APART_WEAKLY : ApartRule.Isolation.APART;
@@ -354,18 +354,21 @@ public record LawPath(
      * opened again. Reads files.
      */
     void remember(List<LawLibrary> libraries) {
+        List<LawLibrary> opened = libraries.stream().filter(library -> !library.isText()).toList();
+        KnownLaws.keep(opened.stream().filter(this::ships).toList(), Optional.empty());
         // without these options, nothing else was opened, whatever the folder contains by now
         boolean onlyOperators = !trusted && !sandboxed.isUsed();
-        KnownLaws.keep(
-                libraries.stream()
-                        .filter(library -> !library.isText())
-                        .filter(
-                                library ->
-                                        onlyOperators
-                                                || holds(shipped, library.bytes())
-                                                || folder.map(own -> holds(own, library.bytes()))
-                                                        .orElse(false))
-                        .toList());
+        folder.ifPresent(
+                own ->
+                        KnownLaws.keep(
+                                opened.stream()
+                                        .filter(library -> !ships(library))
+                                        .filter(
+                                                library ->
+                                                        onlyOperators
+                                                                || holds(own, library.bytes()))
+                                        .toList(),
+                                folder));
     }
 
     /** Returns whether a file that ships has the bytes of a library. */
