@@ -74,6 +74,8 @@ async def connect(
     timeout: float = 10.0,
 ) -> Agent:
     """Like `reve.connect`, as a coroutine."""
+    if role == protocol.CONTROL:
+        raise ValueError('connect() joins agents and observers; use control() for role "control"')
     greeting = protocol.hello(
         name, body, role, encoding, grace, token=token, time=time, world=world
     )

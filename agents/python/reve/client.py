@@ -97,6 +97,8 @@ def connect(
     Raises OSError if no server listens at the address, and Disconnected with the server's code if
     the agent may not join.
     """
+    if role == protocol.CONTROL:
+        raise ValueError('connect() joins agents and observers; use control() for role "control"')
     greeting = protocol.hello(
         name, body, role, encoding, grace, token=token, time=time, world=world
     )

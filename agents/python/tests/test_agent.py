@@ -198,6 +198,10 @@ class AgentTest(unittest.TestCase):
             self.assertEqual(next(perceptions).find("duck").location, before.location)
             self.assertEqual(mia.perceive().find("duck").actions, before.actions)
 
+    def test_a_controller_joins_by_its_own_function(self):
+        with self.assertRaisesRegex(ValueError, "use control"):
+            self.join("boss", role="control")
+
     def test_an_observer_perceives_without_a_body(self):
         with self.join("eye", role="observer") as eye:
             self.assertIsNone(eye.body)
