@@ -310,22 +310,19 @@ class ShadowNativeTest {
         return simulation.engine().prepare(Files.readAllBytes(file));
     }
 
-    /** Tries a test law that is called wind, in place of one that claims nothing. */
-    private void tryWind(String law) throws Exception {
+    /** Loads a wind, and returns a test law of this name as its new version. */
+    private NewVersion wind(String law) throws IOException {
         Laws laws = simulation.physics().laws();
         try (PreparedLibrary wind = testLaw("wind")) {
             laws.load(simulation.loop().frame(), wind, Map.of());
         }
         changes.clear();
-        shadows.begin(
-                simulation.loop().frame(),
-                List.of(
-                        laws.newVersion(
-                                idOf("wind"),
-                                testLaw(law),
-                                Map.of(),
-                                Path.of(law + ".so"),
-                                made -> {})));
+        return laws.newVersion(
+                idOf("wind"), testLaw(law), Map.of(), Path.of(law + ".so"), made -> {});
+    }
+
+    private void tryWind(String law) throws Exception {
+        shadows.begin(simulation.loop().frame(), List.of(wind(law)));
         run(TRIAL + 2);
     }
 
@@ -389,20 +386,7 @@ class ShadowNativeTest {
     @Test
     void versionsThatAreTriedTogetherTakeOverInOneFrame() throws Exception {
         start();
-        try (PreparedLibrary wind = testLaw("wind")) {
-            simulation.physics().laws().load(simulation.loop().frame(), wind, Map.of());
-        }
-        changes.clear();
-        NewVersion wind =
-                simulation
-                        .physics()
-                        .laws()
-                        .newVersion(
-                                idOf("wind"),
-                                testLaw("strong_wind"),
-                                Map.of(),
-                                Path.of("wind.so"),
-                                made -> {});
+        NewVersion wind = wind("strong_wind");
         shadows.begin(
                 simulation.loop().frame(), List.of(version("push", push("-f (1, 0, 0)")), wind));
         run(TRIAL + 1);
@@ -422,20 +406,7 @@ class ShadowNativeTest {
     @Test
     void versionsThatAreTriedTogetherAreRefusedTogether() throws Exception {
         start();
-        try (PreparedLibrary wind = testLaw("wind")) {
-            simulation.physics().laws().load(simulation.loop().frame(), wind, Map.of());
-        }
-        changes.clear();
-        NewVersion wind =
-                simulation
-                        .physics()
-                        .laws()
-                        .newVersion(
-                                idOf("wind"),
-                                testLaw("strong_wind"),
-                                Map.of(),
-                                Path.of("wind.so"),
-                                made -> {});
+        NewVersion wind = wind("strong_wind");
         shadows.begin(simulation.loop().frame(), List.of(version("push", push(NOT_FINITE)), wind));
         run(TRIAL);
         assertThat(stages("refused"))
