@@ -373,7 +373,7 @@ def main():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--failed", action="store_true")
     parser.add_argument("rooms", nargs="*")
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     parts = {}
     for room, _, part in (name.partition("/") for name in given.rooms or ROOMS):
         parts.setdefault(room, []).extend([part] if part else [])

@@ -114,7 +114,8 @@ final class Patterns {
             } else if (c == '*' || c == '+' || c == '?' || c == '|') {
                 last = add(last, 2);
                 sum = add(sum, 2);
-            } else {
+            } else if (!pattern.startsWith("\\Q\\E", at)) {
+                // after an empty quotation, a repetition repeats what is before the quotation
                 last = 1;
                 sum = add(sum, pattern.startsWith("\\Q", at) ? end - at : 1);
             }

@@ -87,6 +87,14 @@ class PatternsTest {
     }
 
     @Test
+    void aRepetitionAfterAnEmptyQuotationRepeatsWhatIsBeforeIt() {
+        String pattern = "a{30}" + "\\Q\\E{5}".repeat(2);
+        int size = Pattern.compile(pattern).programSize();
+        assertThat(size).isGreaterThan(700);
+        assertThat(Patterns.estimate(pattern)).isGreaterThanOrEqualTo(size);
+    }
+
+    @Test
     void estimateOfAnOrdinaryPatternIsClose() {
         assertThat(Patterns.estimate("^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$"))
                 .isBetween(40L, 120L);
