@@ -4,6 +4,7 @@ package reve.worlds.server;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
+import reve.core.disk.PartFile;
 import reve.pe.adapter.LawLibrary;
 
 import java.io.IOException;
@@ -96,7 +97,7 @@ final class KnownLaws {
                 List<String> kept =
                         new ArrayList<>(present.subList(present.size() / 2, present.size()));
                 kept.addAll(lines);
-                Path part = FILE.resolveSibling(FILE.getFileName() + ".part");
+                Path part = PartFile.create(FILE); // of this process alone
                 Files.write(part, kept);
                 Files.move(part, FILE, StandardCopyOption.ATOMIC_MOVE);
                 return;
@@ -105,8 +106,7 @@ final class KnownLaws {
         } catch (IOException unwritable) {
             LOG.info(
                     "{} cannot be written, so stores of these laws need --trust after they were"
-                            + " replaced:"
-                            + " {}",
+                            + " replaced: {}",
                     FILE,
                     unwritable.toString());
         }
