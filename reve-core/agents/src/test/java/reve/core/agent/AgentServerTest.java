@@ -516,14 +516,15 @@ class AgentServerTest {
 
     @Test
     void whoIsRefusedANameIsNotToldWhetherAnItemHasIt() throws IOException {
-        room.join("ada");
-        try (TestClient second = room.connect();
+        try (TestClient ada = room.join("ada");
+                TestClient second = room.connect();
                 TestClient duck = room.connect()) {
             second.say("{'t':'hello','protocol':1,'name':'ada'}");
             duck.say("{'t':'hello','protocol':1,'name':'duck'}").sync();
             room.step();
             assertThat(duck.expectBye("name-taken").toString().replace("duck", "ada"))
                     .isEqualTo(second.expectBye("name-taken").toString());
+            ada.say("{'t':'bye'}").expectBye("goodbye");
         }
     }
 
