@@ -93,6 +93,9 @@ public final class Main {
     /** The command that prints the description of another one. */
     private static final String HELP = "help";
 
+    /** The options that print the version. */
+    private static final List<String> VERSION = List.of("-V", "--version");
+
     private static final Pattern INTEGER = Pattern.compile("[-+]?[0-9]+");
 
     private Main() {}
@@ -154,11 +157,14 @@ public final class Main {
     }
 
     /**
-     * Returns the command that the first argument names; all commands if it names none, for help
-     * and suggestions. Only the named one is described to the parser, because describing takes
-     * longer than most commands run.
+     * Returns the command that the first argument names; none for {@code --version}; all commands
+     * for anything else, for help and suggestions. Only the returned commands are described to the
+     * parser, because describing takes longer than most commands run.
      */
     private static List<Class<?>> commandsFor(String... arguments) {
+        if (arguments.length > 0 && VERSION.contains(arguments[0])) {
+            return List.of();
+        }
         for (Class<?> command : COMMANDS) {
             String name = command.getAnnotation(Command.class).name();
             if (arguments.length > 0 && name.equals(arguments[0]) && !name.equals(HELP)) {
