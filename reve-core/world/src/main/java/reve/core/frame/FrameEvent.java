@@ -19,8 +19,8 @@ public final class FrameEvent {
     }
 
     /**
-     * Returns the number of the frame, from 1; 0 while the phases DERIVE and PUBLISH run for the
-     * initial world. A rewind sets the time back, but not this number.
+     * Returns the number of the frame, from 1. It is 0 while the phases DERIVE and PUBLISH run for
+     * the initial world. A rewind restores an earlier time, but this number still increases.
      */
     public long frame() {
         return frame;

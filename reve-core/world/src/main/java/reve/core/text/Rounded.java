@@ -6,7 +6,8 @@ import java.math.MathContext;
 import java.math.RoundingMode;
 
 /**
- * Formatter of numbers for people: four significant digits, without an exponent if that is short.
+ * Formatter of numbers for people. A number has four significant digits, and an exponent only if it
+ * is very large or very small.
  */
 public final class Rounded {
     private static final MathContext FOUR = new MathContext(4, RoundingMode.HALF_UP);

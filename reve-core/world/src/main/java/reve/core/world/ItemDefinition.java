@@ -11,8 +11,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The initial state of an item. This class makes the checks that need no world; {@link World#add}
- * makes the others. Immutable; worlds may share it.
+ * The initial state of an item. This class makes the checks that need no world, and {@link
+ * World#add} makes the others. Immutable. Worlds may share a definition.
  */
 public final class ItemDefinition {
 
@@ -64,7 +64,10 @@ public final class ItemDefinition {
         return new Builder(Names.requireItemName("item name", name));
     }
 
-    /** Begins a definition of an item from a store file; its name is not checked again. */
+    /**
+     * Begins a definition without the check by {@link reve.core.text.VisibleName}, for names that
+     * were checked before, such as those in a store file.
+     */
     public static Builder kept(String name) {
         return new Builder(name);
     }
@@ -75,8 +78,8 @@ public final class ItemDefinition {
     }
 
     /**
-     * Returns a copy with these symbols instead; their values are text, truth, finite numbers or
-     * lists.
+     * Returns a copy with these symbols instead. Their values are texts, truth values, finite
+     * numbers or lists.
      */
     public ItemDefinition withSymbols(Map<String, Object> otherSymbols) {
         Builder copy = copy(name);
@@ -126,7 +129,8 @@ public final class ItemDefinition {
     }
 
     /**
-     * Returns the material of the whole shape; if empty, a mesh keeps the materials of its file.
+     * Returns the material of the whole shape. If it is empty, a mesh keeps the materials of its
+     * file.
      */
     public Optional<Material> material() {
         return material;
@@ -223,7 +227,7 @@ public final class ItemDefinition {
     }
 
     /**
-     * Builder of a definition; each method refuses invalid values with a message that names the
+     * Builder of a definition. Each method refuses invalid values with a message that names the
      * item.
      */
     public static final class Builder {
@@ -240,7 +244,7 @@ public final class ItemDefinition {
         PMap<String, Object> symbols = TreePMap.empty();
         List<Action> actions = List.of();
 
-        /** Replaces the list of actions when another action is added. */
+        /** The actions by name while actions are added one by one; replaces {@link #actions}. */
         private @Nullable Map<String, Action> actionsByName;
 
         List<String> capabilities = List.of();
@@ -303,8 +307,8 @@ public final class ItemDefinition {
         }
 
         /**
-         * Attaches the item to another item, given by name: location and orientation are then
-         * relative to it. See {@link World#attach}.
+         * Attaches the item to another item, given by name. Location and orientation are then
+         * relative to that item. See {@link World#attach}.
          */
         public Builder parent(String itemName) {
             parent = itemName;
@@ -373,8 +377,8 @@ public final class ItemDefinition {
         }
 
         /**
-         * Adds a sensor for an agent with the item as its body; without sensors it perceives
-         * everything.
+         * Adds a sensor for an agent with the item as its body. If a body has no sensors, its agent
+         * perceives everything.
          */
         public Builder sensor(Sensor sensor) {
             if (sensors.stream().anyMatch(other -> other.name().equals(sensor.name()))) {
@@ -393,8 +397,8 @@ public final class ItemDefinition {
         }
 
         /**
-         * Sets several numeric physics properties by name, in their order; faster than single
-         * calls.
+         * Sets several numeric physics properties by name, in the order of the map. This is faster
+         * than single calls.
          */
         public Builder physics(Map<String, double[]> properties) {
             properties.forEach((property, values) -> Values.requireFinite(name, property, values));
@@ -403,7 +407,8 @@ public final class ItemDefinition {
         }
 
         /**
-         * Sets a physics property that refers to items by name: {@code end1}, {@code vertices}, ...
+         * Sets a physics property that refers to items by name, such as {@code end1} or {@code
+         * vertices}.
          */
         public Builder reference(String property, String... itemNames) {
             references = references.with(property, List.of(itemNames));
