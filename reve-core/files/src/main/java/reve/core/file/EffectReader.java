@@ -39,7 +39,7 @@ final class EffectReader {
                     "item",
                     List.of("impulse", "force", "set", "symbol", "attach", "detach", "remove"));
 
-    /** Types of events that the server itself sends or prints; actions must not raise them. */
+    /** Types of events that the server itself sends or prints. Actions must not raise them. */
     private static final List<String> OWN_EVENTS =
             List.of(
                     "joined",

@@ -63,7 +63,7 @@ final class ItemReader {
     private final ItemMentions names;
     private final BodyCheck bodies;
 
-    /** Creates the builder of an item from its name; throws if the name is invalid. */
+    /** Creates the builder of an item from its name. Throws an exception if the name is invalid. */
     private final Function<String, ItemDefinition.Builder> beginning;
 
     /**
@@ -311,7 +311,7 @@ final class ItemReader {
                 case "physics" ->
                         physics.readProperty(
                                 made.value(), definition.kind(), sink(item, item::physics));
-                default -> {} // the name was read before; the parent is read last
+                default -> {} // the name was read before, and the parent is read last
             }
         }
         first.parent(values).ifPresent(parent -> readParent(parent, definition.kind(), item));

@@ -52,7 +52,11 @@ final class Node {
         this.textColumn = column;
     }
 
-    /** Creates the outermost value of a file; {@code value} has the form of {@link Slot#fill}. */
+    /**
+     * Creates the outermost value of a file.
+     *
+     * @param value in the form of {@link Slot#fill}
+     */
     static Node root(String file, int line, int column, @Nullable Object value) {
         return new Node(file, null, "", line, column, line, column, value);
     }
@@ -137,7 +141,7 @@ final class Node {
     /** The position of a key or list element whose value is not read yet. */
     record Slot(Node parent, Object key, int keyLine, int keyColumn) {
         /**
-         * Creates the node after its value was read.
+         * Creates the node as soon as the parser reaches its value.
          *
          * @param value a new LinkedHashMap or ArrayList for a mapping or list, otherwise the scalar
          *     value

@@ -183,7 +183,7 @@ final class Overrides {
         return list.withValue(elements);
     }
 
-    /** Returns an element that is only a name in the form of a mapping with this name. */
+    /** Converts an element that is only a name into a mapping with this name. */
     private static Node named(Node element) {
         Map<String, Node> fields = new LinkedHashMap<>();
         Node mapping = element.withValue(fields);

@@ -76,7 +76,7 @@ final class PhysicalReader {
         aspect.get("material").filter(Node::isMapping).ifPresent(node -> material(node, item));
     }
 
-    /** Reads a value if its key is location, orientation or colour; ignores other keys. */
+    /** Reads a value if its key is location, orientation or colour. Ignores other keys. */
     void readPlaceOrColour(Node value, ItemDefinition.Builder item) {
         switch (value.key()) {
             case "colour" ->

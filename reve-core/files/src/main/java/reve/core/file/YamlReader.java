@@ -208,8 +208,8 @@ final class YamlReader {
                 takeScalar(scalar);
             }
             case CollectionEndEvent end -> open.removeLast();
-            default -> {} // events without content, such as the start and end of the stream and of
-                          // the document
+            // Events without content, such as the start and end of the stream and of the document.
+            default -> {}
         }
     }
 

@@ -28,7 +28,7 @@ import java.util.Set;
 public final class OwnedFile implements Closeable {
     private static final int TRIES = 5;
 
-    /** Mask of the file type in a Unix file mode; the next constant is the type of a pipe. */
+    /** Mask of the file type in a Unix file mode. The next constant is the type of a pipe. */
     private static final int TYPE_BITS = 0170000;
 
     private static final int PIPE = 0010000;

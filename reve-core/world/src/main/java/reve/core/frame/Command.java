@@ -4,7 +4,7 @@ package reve.core.frame;
 import reve.core.world.World;
 
 /**
- * A request to change the world. Any thread may queue it; the world executes it once, in the phase
+ * A request to change the world. Any thread may queue it. The world executes it once, in the phase
  * ACT of a frame.
  */
 public interface Command {

@@ -36,7 +36,7 @@ public final class CommandQueue {
     private final AtomicInteger waiting = new AtomicInteger();
     private final List<Command> taken = new ArrayList<>();
 
-    /** Commands that must wait for the next frame; they count towards the capacity. */
+    /** Commands that must wait for the next frame. They count towards the capacity. */
     private final List<Command> postponed = new ArrayList<>();
 
     private final FaultLog faults = new FaultLog();

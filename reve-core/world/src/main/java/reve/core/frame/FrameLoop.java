@@ -36,7 +36,10 @@ public final class FrameLoop {
     private static final long UNLIMITED = Long.MAX_VALUE;
     private static final long AT_WORK = Long.MIN_VALUE;
 
-    /** Maximum sleep of a paused loop [ns]; resuming wakes it earlier. */
+    /**
+     * Maximum time for which a paused loop sleeps at a stretch [ns]. The end of the pause wakes it
+     * earlier.
+     */
     private static final long PAUSE_NANOSECONDS = 100_000_000;
 
     /**

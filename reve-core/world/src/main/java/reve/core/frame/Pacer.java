@@ -31,7 +31,7 @@ final class Pacer {
         this.clock = clock;
     }
 
-    /** Starts the schedule; the first frame is due now. */
+    /** Starts the schedule. The first frame is due now. */
     void start() {
         originNanoseconds = clock.nanoTime();
         framesSinceOrigin = 0;

@@ -9,7 +9,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Merges the triangles of a hull that lie in one plane into faces. */
+/** Merger of the triangles of a hull. Triangles that lie in one plane become one face. */
 final class Merging {
     /** Cosine of the largest angle between a triangle and the face to which it is added. */
     private static final double PARALLEL = 0.99;

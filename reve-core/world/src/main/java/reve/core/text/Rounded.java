@@ -17,8 +17,8 @@ public final class Rounded {
     private Rounded() {}
 
     /**
-     * Returns a number with at most four significant digits; whole numbers keep all of their
-     * digits.
+     * Returns a number with at most four significant digits. A whole number keeps all of its digits
+     * unless it is very large.
      */
     public static String of(double number) {
         if (!Double.isFinite(number)) {

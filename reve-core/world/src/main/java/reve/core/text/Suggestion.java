@@ -13,7 +13,10 @@ public final class Suggestion {
      */
     private static final int MAX_CANDIDATES = 1_000;
 
-    /** Maximum length of a misspelt text [characters]; names of items are not longer. */
+    /**
+     * Maximum length of a misspelt text for which a name is searched [characters]. Names of items
+     * are not longer.
+     */
     private static final int MAX_LENGTH = 128;
 
     /** Maximum edit distance between the text and a suggested name. */

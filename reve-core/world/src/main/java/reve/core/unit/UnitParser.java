@@ -25,7 +25,7 @@ final class UnitParser {
     /** Whether the text read so far ends with a power that was written with {@code ^}. */
     private boolean endsWithExponent;
 
-    /** A unit under construction; its scale is a fraction, so that ratios stay exact. */
+    /** A unit under construction. Its scale is a fraction, so that ratios stay exact. */
     private static final class Quantity {
         private final int[] exponents = new int[BASES];
         private double numerator = 1;

@@ -51,7 +51,7 @@ public final class Activity {
         return steps;
     }
 
-    /** Returns the current activity, or null. For any thread. */
+    /** Returns the current activity; null if there is none. For any thread. */
     public @Nullable Object current() {
         return current.getAcquire();
     }

@@ -12,7 +12,7 @@ import java.util.TreeSet;
  * of an item to 0, so that laws do not move the item. For the world's thread only.
  */
 public final class Arrests {
-    /** The properties of an item that laws read, by kind; an arrest sets them to 0. */
+    /** The properties of an item that laws read, by kind. An arrest sets them to 0. */
     private static final Map<String, List<String>> NUMBERS =
             Map.of(
                     WorldPrototype.BODY,

@@ -26,7 +26,7 @@ public interface ColumnArena extends AutoCloseable {
      */
     void release(MemorySegment memory);
 
-    /** Frees all memory; the columns of the world are invalid afterwards. */
+    /** Frees all memory. The columns of the world are invalid afterwards. */
     @Override
     void close();
 }

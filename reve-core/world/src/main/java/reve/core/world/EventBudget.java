@@ -54,7 +54,10 @@ public final class EventBudget {
         require(bytes, spentByAll, worldBytes, "actions of all agents", frame);
     }
 
-    /** Subtracts the size of events that {@link #require} has accepted from the budget. */
+    /**
+     * Subtracts the size of events from the budget. {@link #require} must have accepted these
+     * events before.
+     */
     public void take(@Nullable String agent, long frame, long bytes) {
         if (agent == null || bytes == 0) {
             return;

@@ -111,7 +111,10 @@ public final class Forces {
         restore(remaining.reversed());
     }
 
-    /** Returns the row of the item; -1 if it was removed or is scenery, which has no physics. */
+    /**
+     * Returns the row of the item. Returns -1 if the item was removed or is scenery, which has no
+     * physics.
+     */
     private int row(Force force) {
         return bodies.hasPhysics(force.item()) ? bodies.rowOf(force.item()) : -1;
     }

@@ -2,8 +2,8 @@
 package reve.core.world;
 
 /**
- * The operations on a world that only these callers need: the frame loop, the first listener of the
- * phase DERIVE, and tests that make frames themselves. For the world's thread only.
+ * The operations on a world that only few callers need. These callers are the frame loop, the first
+ * listener of the phase DERIVE, and tests that make frames themselves. For the world's thread only.
  */
 public final class FrameControl {
 

@@ -35,7 +35,10 @@ final class Hierarchy {
 
     private final double[] pose = new double[Pose.NUMBERS];
 
-    /** Attached items, parents before children; valid only while {@link #current} is true. */
+    /**
+     * Attached items, with parents before their children. The list is valid only while {@link
+     * #current} is true.
+     */
     private final List<ItemId> order = new ArrayList<>();
 
     /** Poses of the attached items relative to their parents, in the order of {@link #order}. */

@@ -37,7 +37,7 @@ public final class Item {
     }
 
     /**
-     * Returns the kind, for example {@code body}; the table of this kind contains the item's row.
+     * Returns the kind, for example {@code body}. The table of this kind contains the item's row.
      */
     public String kind() {
         return symbols.kind();

@@ -177,7 +177,7 @@ public final class ItemDefinition {
         return sensors;
     }
 
-    /** Returns whether laws act on the item; otherwise it is scenery. */
+    /** Returns whether laws act on the item. An item on which they do not act is scenery. */
     public boolean hasPhysics() {
         return !numbers.isEmpty() || !references.isEmpty();
     }
@@ -201,18 +201,19 @@ public final class ItemDefinition {
     }
 
     /**
-     * Returns the values of the {@link #physicsProperties()}, in their order; must not be changed.
+     * Returns the values of the {@link #physicsProperties()}, in their order. The caller must not
+     * change them.
      */
     List<double[]> physicsValues() {
         return numbers.values();
     }
 
-    /** Returns the array of {@link #location()}, which must not be changed. */
+    /** Returns the array of {@link #location()}. The caller must not change it. */
     double[] sharedLocation() {
         return location;
     }
 
-    /** Returns the array of {@link #orientation()}, which must not be changed. */
+    /** Returns the array of {@link #orientation()}. The caller must not change it. */
     double[] sharedOrientation() {
         return orientation;
     }
@@ -244,7 +245,10 @@ public final class ItemDefinition {
         PMap<String, Object> symbols = TreePMap.empty();
         List<Action> actions = List.of();
 
-        /** The actions by name while actions are added one by one; replaces {@link #actions}. */
+        /**
+         * The actions by name. This map replaces {@link #actions} as soon as {@link #action} is
+         * called; null before.
+         */
         private @Nullable Map<String, Action> actionsByName;
 
         List<String> capabilities = List.of();
@@ -261,7 +265,7 @@ public final class ItemDefinition {
             return name;
         }
 
-        /** Sets the kind; the default is {@code body}. */
+        /** Sets the kind. The default is {@code body}. */
         public Builder kind(String newKind) {
             kind = newKind;
             return this;
@@ -281,7 +285,7 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Sets the colour; accepts the forms of {@link Colour#parse}. */
+        /** Sets the colour. The text has one of the forms of {@link Colour#parse}. */
         public Builder colour(String text) {
             placed = true;
             colour = Colour.parse(text);

@@ -12,7 +12,7 @@ import org.jspecify.annotations.Nullable;
  */
 public record ItemQuota(@Nullable String agent, int items, int worldItems) {
 
-    /** No limit. */
+    /** A quota without limits. */
     public static final ItemQuota NONE = new ItemQuota(null, Integer.MAX_VALUE, Integer.MAX_VALUE);
 
     /**

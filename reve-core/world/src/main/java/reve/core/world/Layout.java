@@ -6,8 +6,8 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The layout of all tables, with two parts: a version that increases when rows or column memory
- * have moved, and the former memory of columns, which is freed later. For the world's thread only.
+ * The layout of all tables: a version, and the former memory of columns. The version increases when
+ * rows or column memory have moved. The former memory is freed later. For the world's thread only.
  */
 final class Layout {
 

@@ -93,7 +93,7 @@ public final class Mesh implements Shape {
     }
 
     /**
-     * Begins a mesh with further attributes; the arrays have the form of {@link #Mesh(float[],
+     * Begins a mesh with further attributes. The arrays have the form of {@link #Mesh(float[],
      * int[])}.
      */
     public static Builder builder(float[] vertices, int[] triangles) {

@@ -32,7 +32,7 @@ public sealed interface Shape
     /** Code of {@link Cylinder}. */
     int CYLINDER = 6;
 
-    /** Returns the value in the column {@code shape}; the codes never change their meaning. */
+    /** Returns the value for the column {@code shape}. The codes never change their meaning. */
     int code();
 
     /** Returns the extent along an axis of the shape (0, 1, 2) [m]. */
@@ -73,7 +73,7 @@ public sealed interface Shape
         return new Mesh(vertices, triangles);
     }
 
-    /** A body without a shape; it is not drawn. */
+    /** A body without a shape. It is not drawn. */
     enum None implements Shape {
         /** The only instance. */
         INSTANCE;

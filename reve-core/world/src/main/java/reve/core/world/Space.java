@@ -107,8 +107,8 @@ public final class Space {
             if (all || found.size() >= most) {
                 return present(most);
             }
-            asked = 2 * asked; // some bodies of the tree were removed since the DERIVE phase,
-            // so search for more
+            // Some bodies of the tree were removed since the DERIVE phase, so search for more.
+            asked = 2 * asked;
         }
     }
 

@@ -43,7 +43,7 @@ public final class TableCopy {
     }
 
     /**
-     * Returns the properties of the columns, in a fixed order; the first column contains the items'
+     * Returns the properties of the columns, in a fixed order. The first column contains the items'
      * ids.
      */
     public List<PropertyDescriptor> properties() {

@@ -9,9 +9,9 @@ import java.lang.foreign.MemorySegment;
 import java.util.List;
 
 /**
- * The complete state of a world at the end of a frame: all columns, the item of each row, symbolic
- * data, age, remaining forces, and the last assigned id. A world that restores the image with
- * {@link World#restore} continues with the same bits.
+ * The complete state of a world at the end of a frame. It contains all columns, the item of each
+ * row, symbolic data, age, remaining forces, and the last assigned id. A world that restores the
+ * image with {@link World#restore} continues with the same bits.
  *
  * <p>The image owns its memory, so it can be kept for any time and overwritten with another state.
  * Only one thread may use it at a time.
