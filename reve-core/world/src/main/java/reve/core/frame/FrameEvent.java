@@ -4,7 +4,8 @@ package reve.core.frame;
 import reve.core.world.World;
 
 /**
- * The data of a frame for listeners. One object serves all calls and is valid only during the call.
+ * The data of a frame for listeners. One object serves all calls of listeners and is valid only
+ * during each call.
  */
 public final class FrameEvent {
 
