@@ -61,7 +61,8 @@ public final class WorldFolder {
 
     /**
      * Creates an access to the folder that a recording or a store names. A stranger may have made
-     * the recording. Therefore files can be found only if the folder contains a world file.
+     * the recording or the store. Therefore files can be found only if the folder contains a world
+     * file.
      */
     public static WorldFolder named(Path folder) {
         return new WorldFolder(Optional.of(folder), _ -> {}, true);
