@@ -9,7 +9,7 @@ import java.util.List;
 
 /**
  * An action written in Java. World files refer to it by name: {@code lift: {java: NAME}}. {@link
- * java.util.ServiceLoader} finds the providers: a jar on the class path lists its providers in
+ * java.util.ServiceLoader} finds the providers on the class path. A jar lists its providers in
  * {@code META-INF/services/reve.core.access.ActionProvider}. All items and worlds share one
  * instance.
  */
@@ -23,17 +23,18 @@ public interface ActionProvider {
     /** Returns one sentence that describes the action to its callers. */
     String doc();
 
-    /** Returns the parameters in the order in which they are documented; their names are unique. */
+    /** Returns the parameters in the order in which they are documented. Their names are unique. */
     default List<Parameter> parameters() {
         return List.of();
     }
 
     /**
-     * Decides the effects of a call. The world applies all of them after this method returns, or
-     * none. Runs on the world's thread: the method may read the world, must not change it, and must
-     * return the same effects for the same world and call. Any exception refuses the action, and
-     * the world stays unchanged. The frame waits for the method without a time limit, so it must
-     * not sleep or block.
+     * Decides the effects of a call. After this method returns, the world applies either all of
+     * them or none. Runs on the world's thread.
+     *
+     * <p>The method may read the world, but must not change it. It must return the same effects for
+     * the same world and call. Any exception refuses the action, and the world stays unchanged. The
+     * frame waits for the method without a time limit, so the method must not sleep or block.
      *
      * @throws ActionRefused if the action is not possible now
      */

@@ -11,7 +11,7 @@ import reve.core.world.Parameter;
 import java.util.ArrayList;
 import java.util.List;
 
-/** Provider of the values that the names in an action's expressions have in one call. */
+/** Provider of the values of the names in an action's expressions, in one call. */
 final class CallNames {
     private CallNames() {}
 

@@ -28,16 +28,16 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The changes of the world by one call of an action, applied all or none. {@link #prepare} first
- * checks everything that can fail, against the world before the call. Physics values that earlier
- * effects of the call set also count, because several effects may change the same item. Removals
- * are applied last.
+ * The changes of the world by one call of an action. Either all of them are applied or none. {@link
+ * #prepare} first checks everything that can fail, in the state of the world before the call. These
+ * checks include physics values that earlier effects of the call set, because several effects may
+ * change the same item. Removals are applied last.
  */
 final class Changes {
     private static final String PHYSICS = "physics.";
     private static final String SEMANTIC = "semantic.";
 
-    /** Speed along an axis that counts as 0 after an impulse if it is smaller [m/s]. */
+    /** Smallest speed along an axis after an impulse [m/s]. A smaller speed counts as 0. */
     private static final double SLOWEST = 1e-30;
 
     private final ActionCall call;
@@ -88,7 +88,7 @@ final class Changes {
     }
 
     /**
-     * Checks all effects and computes their changes, without applying them.
+     * Checks all effects and computes their changes. Does not apply them.
      *
      * @throws ActionRefused if an effect is not possible now
      */
@@ -239,7 +239,7 @@ final class Changes {
     }
 
     /**
-     * Returns the wanted name; appends a number if an item or an agent's body has the name already.
+     * Returns the wanted name. Appends a number if an item or an agent's body already has the name.
      */
     private String freeName(String wanted) {
         String name = wanted;
@@ -293,8 +293,8 @@ final class Changes {
     }
 
     /**
-     * Records that the call changed this item: if a law fails at the item later, the change may be
-     * the cause.
+     * Returns a change that first records the item as changed by an act. If a law fails at the item
+     * later, this change may be the cause.
      */
     private Runnable suspect(Item item, Runnable change) {
         return () -> {

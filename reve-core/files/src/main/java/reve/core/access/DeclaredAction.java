@@ -9,8 +9,8 @@ import reve.core.world.PerformableAction;
 import java.util.List;
 
 /**
- * An action that consists of {@link Effect}s, as world files declare it. All effects are applied,
- * or none. Immutable.
+ * An action that consists of {@link Effect}s, which a world file declares. Either all effects are
+ * applied or none. Immutable.
  */
 public record DeclaredAction(
         String name, String doc, List<Parameter> parameters, Terms terms, List<Effect> effects)

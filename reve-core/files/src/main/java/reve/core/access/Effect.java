@@ -19,7 +19,7 @@ public sealed interface Effect {
     /** Returns the item that this effect changes. */
     Subject of();
 
-    /** An impulse: velocity += impulse / mass. */
+    /** Applies an impulse to the item: velocity += impulse / mass. */
     record Impulse(Subject of, Operand impulse) implements Effect {
         /** Unit of the effect's value. */
         public static final Unit UNIT = Unit.parse("N*s");
@@ -36,9 +36,9 @@ public sealed interface Effect {
     }
 
     /**
-     * A force in addition to the forces of laws.
+     * Exerts a force on the item, in addition to the forces of laws.
      *
-     * @param seconds duration, rounded to whole frames, at least one frame
+     * @param seconds duration [s], rounded to whole frames; the force acts for at least one frame
      */
     record Force(Subject of, Operand force, double seconds) implements Effect {
         /** Unit of the effect's value. */
@@ -82,7 +82,9 @@ public sealed interface Effect {
         }
     }
 
-    /** Sets the orientation of the item: a quaternion xyzw (4) of any length except 0. */
+    /**
+     * Sets the orientation of the item. The value is a quaternion xyzw (4) of any length except 0.
+     */
     record SetOrientation(Subject of, Operand to) implements Effect {
         @Override
         public String changes() {
@@ -90,7 +92,7 @@ public sealed interface Effect {
         }
     }
 
-    /** Sets the colour of the item, {@code #rrggbb} or {@code #rrggbbaa}. */
+    /** Sets the colour of the item. The value is {@code #rrggbb} or {@code #rrggbbaa}. */
     record SetColour(Subject of, Operand to) implements Effect {
         /** Sets the colour of the item that has the action. */
         public SetColour(Operand to) {
@@ -133,8 +135,8 @@ public sealed interface Effect {
     }
 
     /**
-     * Adds an item. Its name is the name of the definition, a hyphen, and the id of the item, so
-     * that it is always unique.
+     * Adds an item. Its name is the name of the definition, a hyphen, and the id of the item, so it
+     * is always unique.
      *
      * @param with values that replace those of the definition, by name: {@code physics.PROPERTY},
      *     {@code semantic.SYMBOL}, {@code physical.location}, {@code physical.orientation} or
@@ -169,8 +171,8 @@ public sealed interface Effect {
     }
 
     /**
-     * Publishes an event with the fields {@code item} and {@code action}, {@code actor} if there is
-     * one, and further fields.
+     * Publishes an event with the fields {@code item} and {@code action}, and with further fields.
+     * If an agent acts, it also has the field {@code actor}.
      *
      * @param with further fields: texts, numbers and truth values by name
      */
@@ -197,8 +199,8 @@ public sealed interface Effect {
     }
 
     /**
-     * Name of the value that attaching, detaching and removing change, so that one action contains
-     * at most one of these effects.
+     * Name of the value that attaching, detaching and removing change. All three effects have the
+     * same name, so that one action contains at most one of them.
      */
     String STRUCTURE = "what is attached or removed";
 }

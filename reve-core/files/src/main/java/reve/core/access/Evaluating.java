@@ -5,7 +5,8 @@ import reve.core.rule.Expression;
 import reve.core.world.Item;
 
 /**
- * Description, for reports, of an action's expression that the world's thread is evaluating.
+ * Description of an action's expression that the world's thread is evaluating. Reports of a slow
+ * world use it.
  *
  * @param what the purpose of the expression: {@code condition} or {@code value}
  */

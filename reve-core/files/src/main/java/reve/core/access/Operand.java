@@ -21,14 +21,15 @@ public sealed interface Operand {
     double[] numbers(ActionCall call, int count, Unit unit) throws ActionRefused;
 
     /**
-     * Returns the value as a symbol stores it: a text, a truth value, a list, or a number. A number
-     * from an argument has its own unit; a number from an expression is in SI units.
+     * Returns the value in the form in which a symbol stores it: a text, a truth value, a list, or
+     * a number. A number from an argument is in the argument's own unit. A number from an
+     * expression is in SI units.
      *
-     * @throws ActionRefused if the call has no value for it
+     * @throws ActionRefused if the call has no value for the operand
      */
     Object symbol(ActionCall call) throws ActionRefused;
 
-    /** The caller's argument for a parameter: {@code $impulse}. */
+    /** The caller's argument for a parameter, for example {@code $impulse}. */
     record Argument(Parameter parameter) implements Operand {
         @Override
         public double[] numbers(ActionCall call, int count, Unit unit) {
@@ -49,7 +50,7 @@ public sealed interface Operand {
         }
     }
 
-    /** The result of an expression: {@code $physics.temperature + heat}. */
+    /** The result of an expression, for example {@code $physics.temperature + heat}. */
     record Computed(Expression expression) implements Operand {
         @Override
         public double[] numbers(ActionCall call, int count, Unit unit) throws ActionRefused {

@@ -31,6 +31,8 @@ public record Subject(String name) {
     }
 
     /**
+     * Returns the item in a call.
+     *
      * @throws ActionRefused {@code no-actor}, {@code no-such-item} or {@code not-a-body}, if the
      *     call has no such item
      */
@@ -73,8 +75,8 @@ public record Subject(String name) {
     }
 
     /**
-     * Returns an end for the names of values: {@code " of actor"} or similar, or an empty text for
-     * the item that has the action.
+     * Returns the last part of a value's name, for example {@code " of actor"}. Returns an empty
+     * text for the item that has the action.
      */
     String suffix() {
         return equals(ITEM) ? "" : " of " + name;

@@ -13,13 +13,13 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The conditions for performing an action. Immutable.
+ * The conditions and capabilities that an action requires. Immutable.
  *
  * @param needs capabilities that the acting body must have
  * @param conditions expressions that must all be true
  */
 public record Terms(List<String> needs, List<Expression> conditions) {
-    /** Terms that every call meets. */
+    /** Terms without conditions and capabilities, which every call meets. */
     public static final Terms NONE = new Terms(List.of(), List.of());
 
     /** Copies the lists. */
@@ -31,8 +31,9 @@ public record Terms(List<String> needs, List<Expression> conditions) {
     /**
      * Checks the terms for one call.
      *
-     * @throws ActionRefused with code {@code not-capable}, naming the missing capabilities of the
-     *     actor, or {@code condition-failed}, naming the condition and the values of its names
+     * @throws ActionRefused with one of two codes: {@code not-capable} names the missing
+     *     capabilities of the actor, {@code condition-failed} names the condition and the values of
+     *     its names
      */
     void require(Action action, ActionCall call) throws ActionRefused {
         if (!needs.isEmpty()) {
@@ -83,7 +84,7 @@ public record Terms(List<String> needs, List<Expression> conditions) {
     }
 
     /**
-     * Describes the values of the names in a condition, for example {@code physics.temperature is
+     * Describes the values of the names in a condition. An example is {@code physics.temperature is
      * 380.0, semantic.lit is missing}.
      */
     private static String found(Expression condition, Bindings names) {

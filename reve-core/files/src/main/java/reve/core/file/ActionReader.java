@@ -23,7 +23,9 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.ServiceConfigurationError;
 
-/** Reader of the actions in the access aspects of items; refuses actions that can never succeed. */
+/**
+ * Reader of the actions in the access aspects of items. It refuses actions that can never succeed.
+ */
 final class ActionReader {
     /**
      * Maximum number of different expressions (conditions and values) in the actions of one world.
@@ -36,8 +38,8 @@ final class ActionReader {
     private final Quantities quantities;
 
     /**
-     * Scopes of expressions by key. Actions of many items share a scope, so that equal expressions
-     * are compiled once.
+     * Scopes of expressions by key. The actions of many items share a scope, so that equal
+     * expressions are compiled only once.
      */
     private final Map<ScopeKey, Scope> scopes = new HashMap<>();
 
@@ -61,8 +63,8 @@ final class ActionReader {
     record Owner(String name, String kind, boolean hasPhysics) {}
 
     /**
-     * Reads the action in a node whose key is its name. Empty, with problems noted, if the action
-     * is wrong.
+     * Reads the action in a node whose key is its name. If the action is wrong, records the
+     * problems and returns empty.
      */
     Optional<Action> read(Node node, Owner owner) throws WorldFileException {
         if (!node.isMapping()) {
@@ -178,8 +180,8 @@ final class ActionReader {
     }
 
     /**
-     * Reads the parameters by name. The Optional of a parameter is empty if its declaration is
-     * wrong; this method has then noted the problem.
+     * Reads the parameters by name. If the declaration of a parameter is wrong, records the problem
+     * and returns an empty Optional for this parameter.
      */
     private Map<String, Optional<Parameter>> parameters(Node action) {
         Map<String, Optional<Parameter>> parameters = new LinkedHashMap<>();

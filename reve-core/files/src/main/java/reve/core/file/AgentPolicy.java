@@ -7,16 +7,16 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The bodies that a world grants to agents, and the limits on the number of agents and on the items
- * and events that their actions create. A world file without a declaration grants no bodies.
+ * The bodies that a world grants to agents. It also limits the number of agents, and the items and
+ * events that their actions create. A world file without a declaration grants no bodies.
  *
  * @param bodies names of items that agents may take, in the order of assignment
  * @param template definition of a new body for an agent that gets none of {@code bodies}; the
  *     caller renames it
  * @param places places for new bodies, each for one body; if empty, new bodies get the template's
  *     place
- * @param items maximum number of items created by actions of one agent
- * @param worldItems maximum number of items created by actions of all agents
+ * @param items maximum number of existing items that actions of one agent created
+ * @param worldItems maximum number of existing items that actions of all agents created
  * @param eventBytes maximum size of events that actions of one agent raise [byte/s of world time]
  * @param worldEventBytes maximum size of events that actions of all agents raise [byte/s of world
  *     time]
@@ -70,7 +70,7 @@ public record AgentPolicy(
                 DEFAULT_MOST);
     }
 
-    /** Creates a policy with the default limits; new bodies are created at the template's place. */
+    /** Creates a policy with the default limits. New bodies are created at the template's place. */
     public AgentPolicy(List<String> bodies, Optional<ItemDefinition> template) {
         this(bodies, template, List.of());
     }

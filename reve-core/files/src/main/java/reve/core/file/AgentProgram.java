@@ -14,12 +14,12 @@ public final class AgentProgram {
         this.command = command;
     }
 
-    /** Returns the name of the agent, with which the program joins. */
+    /** Returns the name with which the program joins as an agent. */
     public String name() {
         return name;
     }
 
-    /** Returns the program and its arguments for a server on this TCP port. */
+    /** Returns the command line that starts the program for a server on this TCP port. */
     public List<String> command(int port) {
         return command.apply(port);
     }

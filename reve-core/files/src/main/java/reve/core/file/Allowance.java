@@ -9,7 +9,7 @@ final class Allowance {
         left = most;
     }
 
-    /** Takes an amount. If less is left, takes nothing and returns false. */
+    /** Takes an amount and returns true. If less is left, takes nothing and returns false. */
     boolean take(long amount) {
         if (amount > left) {
             return false;

@@ -20,15 +20,16 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Check of combinations of an item's values, for example material and shape, after each value was
- * checked alone.
+ * Check of combinations of an item's values, for example of material and shape. Each value was
+ * checked alone before.
  */
 final class BodyCheck {
-    /** Maximum absolute coordinate [m], so that the cubes of distances stay finite. */
+    /** Maximum absolute coordinate [m]. The limit keeps the cubes of distances finite. */
     static final double MAX_PLACE = 1e100;
 
     /**
-     * Maximum duration of a force [s], so that its number of frames is exact at every frame rate.
+     * Maximum duration of a force [s]. The limit keeps its number of frames exact at every frame
+     * rate.
      */
     static final double MAX_FORCE_SECONDS = Forces.MAX_FRAMES / 10_000;
 
@@ -37,12 +38,15 @@ final class BodyCheck {
     private final Doubts doubts;
     private final Problems problems;
 
-    /** Nodes whose inertia was refused, so that the repetitions of an item give one message. */
+    /**
+     * Nodes whose inertia was refused. The repetitions of an item share a node, so that they cause
+     * only one message.
+     */
     private final Set<String> refused = new HashSet<>();
 
     /**
-     * Checked lists of actions, by identity, with bits for the items it was checked for: movable or
-     * not, with physics or not.
+     * Lists of actions that were checked, by identity. Several items may share a list. The bits say
+     * for which items the list was checked: movable or not, with a physics aspect or not.
      */
     private final Map<List<Action>, Integer> checked = new IdentityHashMap<>();
 
@@ -74,8 +78,8 @@ final class BodyCheck {
     }
 
     /**
-     * Returns whether the actions of the item were not yet checked for an item like this; items may
-     * share a list of actions.
+     * Returns true if the actions of the item were not yet checked for an item with the same
+     * properties. Items may share a list of actions.
      */
     private boolean isFirstOfThese(ItemDefinition item) {
         if (item.actions().isEmpty()) {
@@ -101,7 +105,7 @@ final class BodyCheck {
         }
     }
 
-    /** Returns whether a place is within the limits; notes a problem if not. */
+    /** Returns whether a place is within the limits. Records a problem if it is not. */
     void checkPlace(Node node, double[] metres) {
         for (double coordinate : metres) {
             if (!(Math.abs(coordinate) <= MAX_PLACE)) {

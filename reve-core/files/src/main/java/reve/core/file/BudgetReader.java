@@ -6,7 +6,10 @@ import reve.core.unit.Unit;
 
 import java.util.Optional;
 
-/** Reader of the budget of a law: {@code 2 ms}, or a mapping with this time and what follows. */
+/**
+ * Reader of the budget of a law: either a time such as {@code 2 ms}, or a mapping with a time and a
+ * response.
+ */
 final class BudgetReader {
     private static final Unit SECOND = Unit.parse("s");
 
@@ -18,7 +21,7 @@ final class BudgetReader {
         this.problems = problems;
     }
 
-    /** Returns the budget; empty, with a problem noted, if it is wrong. */
+    /** Returns the budget. If it is wrong, records a problem and returns empty. */
     Optional<TimeBudget> read(Node node) {
         Optional<Node> time = node.isMapping() ? node.get("time") : Optional.of(node);
         return time.flatMap(given -> quantities.number(given, SECOND))
@@ -57,7 +60,10 @@ final class BudgetReader {
         return possible;
     }
 
-    /** Returns a number; the schema has already reported one outside of its range. */
+    /**
+     * Returns the number under a key, or {@code otherwise} if there is no valid one. The schema
+     * check has already reported a number outside of the range.
+     */
     private static int number(Node node, String key, int otherwise, int least, int most) {
         return Optional.of(node)
                 .filter(Node::isMapping)

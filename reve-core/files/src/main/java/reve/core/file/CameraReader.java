@@ -31,7 +31,7 @@ final class CameraReader {
         this.problems = problems;
     }
 
-    /** Returns the camera for pictures without a selected camera. */
+    /** Returns the camera for pictures for which no named camera is selected. */
     Optional<CameraDescription> read(Node node) {
         return view(node, node, null, true, false);
     }
@@ -126,9 +126,10 @@ final class CameraReader {
      * Returns a view.
      *
      * @param camera has the values that the node lacks
-     * @param otherwise the target of a view without one; null if each needs one
+     * @param otherwise default of the target; null if the node must have a target
      * @param isFixed whether eye and target are places in the world, so that they can be compared
-     * @param tell whether to report missing values, which the schema does for {@code camera}
+     * @param tell whether to report missing values; the schema check reports them for {@code
+     *     camera}
      */
     private Optional<CameraDescription> view(
             Node node, Node camera, double @Nullable [] otherwise, boolean isFixed, boolean tell) {
@@ -176,7 +177,7 @@ final class CameraReader {
                             + CameraDescription.FARTHEST_METRES
                             + " m");
         } else if (!isFixed) {
-            return; // where the item is, only the running world knows
+            return; // only the running world knows where the item is
         } else if (length(sight) <= CameraDescription.NEAREST_TARGET * farthest) {
             problems.add(node.get("target").orElse(node), "target: is where the eye is");
         } else if (length(cross(sight, up))

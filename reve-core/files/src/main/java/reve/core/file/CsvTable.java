@@ -7,8 +7,8 @@ import java.util.List;
 import java.util.regex.Pattern;
 
 /**
- * Reader of a CSV file of numbers: a line of names, then lines of numbers; `#` begins a comment
- * line.
+ * Reader of a CSV file of numbers. The first line contains names, and the other lines contain
+ * numbers. A `#` begins a comment line.
  */
 final class CsvTable {
     /** Maximum number of columns of one file. */
@@ -26,9 +26,9 @@ final class CsvTable {
     }
 
     /**
-     * Reads a file as repetitions of an item, one for each line of numbers. The variables of its
-     * formulas are the columns and {@code i}, the number of the line from 0, unless a column has
-     * this name.
+     * Reads a file as repetitions of an item, one for each line of numbers. The formulas of the
+     * item may use each column as a variable. They may also use {@code i}, the number of the line
+     * from 0, unless a column has this name.
      *
      * @throws WorldFileException at the first wrong line
      */

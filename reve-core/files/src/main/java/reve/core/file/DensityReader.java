@@ -13,15 +13,16 @@ import java.util.List;
 import java.util.Locale;
 
 /**
- * Reader of the key {@code density}: computes mass and inertia of a body, and the property {@code
- * radius} of a sphere, from the shape.
+ * Reader of the key {@code density}. From density and shape, it computes the mass and inertia of a
+ * body, and the property {@code radius} of a sphere.
  */
 final class DensityReader {
     private static final Unit DENSITY = Unit.parse("kg/m^3");
 
     /**
-     * Maximum distance of the centre of mass from the origin, as a fraction of the extent, and
-     * maximum products of inertia, as a fraction of the moments.
+     * Tolerance of the check of the centre of mass and of the principal axes. The centre of mass
+     * may differ from the origin by this fraction of the extent. Products of inertia may be this
+     * fraction of the moments.
      */
     private static final double TOLERANCE = 1e-3;
 
@@ -87,8 +88,9 @@ final class DensityReader {
     }
 
     /**
-     * Refuses a shape whose centre of mass is not its origin or whose principal axes are not its
-     * own: laws read only three moments about these axes.
+     * Refuses a shape whose centre of mass is not its origin, or whose principal axes are not its
+     * own axes. The reason is that laws read only three moments of inertia, about the shape's own
+     * axes.
      */
     private static void requireOwnAxes(Shape shape, MassProperties solid) {
         double extent = Math.max(shape.size(0), Math.max(shape.size(1), shape.size(2)));

@@ -2,10 +2,14 @@
 package reve.core.file;
 
 /**
- * The treatment of doubtful values, which laws may produce but a designer should not write: a place
- * beyond all limits, or inertia that no body can have. REFUSED, for files of designers: the file is
- * refused. WARNED, for files saved from a running world: a warning. IGNORED, for items from a
- * store.
+ * The treatment of doubtful values. A doubtful value is a place beyond all limits, or inertia that
+ * no body can have. Laws may produce such values, but a designer should not write them.
+ *
+ * <ul>
+ *   <li>REFUSED: the file is refused. For files of designers.
+ *   <li>WARNED: a warning reports the value. For files saved from a running world.
+ *   <li>IGNORED: the value is accepted. For items from a store.
+ * </ul>
  */
 enum Doubts {
     REFUSED,
@@ -24,7 +28,7 @@ enum Doubts {
         }
     }
 
-    /** Notes a warning, unless doubts are ignored, for a value that is valid but has no effect. */
+    /** Records a warning for a value that is valid but has no effect, unless doubts are ignored. */
     void warn(Node node, String message, Problems problems) {
         if (this != IGNORED) {
             problems.warn(node, message);

@@ -21,8 +21,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Reader of edits: changes of a running world, whose texts are parts of world files in JSON or
- * YAML. The texts cannot refer to files. For any thread.
+ * Reader of edits, which are changes of a running world. Their texts are parts of world files in
+ * JSON or YAML. The texts cannot refer to files. For any thread.
  */
 public final class EditReader {
     private static final Set<String> CHANGEABLE =
@@ -37,7 +37,10 @@ public final class EditReader {
         this.prototype = prototype;
     }
 
-    /** What the changes of one message may still add. For one thread. */
+    /**
+     * The numbers of items, values and formulas that the changes of one message may still add. For
+     * one thread.
+     */
     public static final class Room {
         private final Expansion.Limits limits = Expansion.Limits.ofMessage();
     }
@@ -47,7 +50,7 @@ public final class EditReader {
      *
      * @param text a mapping with {@code items} and, if the items are {@code like} prefabs, {@code
      *     prefabs}
-     * @param room of the message, from which the items, values and formulas are taken
+     * @param room remaining limits of the message, which the items, values and formulas reduce
      * @throws WorldFileException with all problems of the text
      */
     public WorldEdit add(String text, Room room) throws WorldFileException {
@@ -87,8 +90,9 @@ public final class EditReader {
         List<String> cleared = new ArrayList<>();
         Node values = split(given, set, cleared, problems);
         if (set.remove("parent")) {
-            set.add("parent"); // last: a new mass of 0 must be set before, because an item with a
-            // mass cannot be attached
+            // The parent is last, because an item with a mass cannot be attached: a new mass of 0
+            // must be set before.
+            set.add("parent");
         }
         problems.throwIfAny();
         Map<String, Node> fields = new LinkedHashMap<>();
@@ -107,7 +111,9 @@ public final class EditReader {
         return new WorldEdit.Change(item, definition, set, cleared);
     }
 
-    /** Sorts the values of a change into those to set and those to clear; returns the former. */
+    /**
+     * Divides the keys of a change into {@code set} and {@code cleared}. Returns the values to set.
+     */
     private static Node split(
             Node given, List<String> set, List<String> cleared, Problems problems) {
         Map<String, Node> fields = new LinkedHashMap<>();
@@ -187,10 +193,11 @@ public final class EditReader {
     }
 
     /**
-     * Returns rules with some of them replaced, added at the end, or removed.
+     * Returns the rules after some of them are replaced, added at the end, or removed.
      *
-     * @param changes by the symbol that each rule computes: the rule as in a world file, an
-     *     expression or a mapping with {@code is}; empty removes the rule
+     * @param changes changed rules, by the symbol that each rule computes; each is a rule in the
+     *     form of a world file (an expression, or a mapping with {@code is}), and an empty Optional
+     *     removes the rule
      * @throws ActionRefused naming the first rule that is wrong
      */
     public List<Rule> rules(List<Rule> rules, Map<String, Optional<String>> changes)

@@ -27,9 +27,7 @@ final class EffectReader {
                     "impulse", "force", "set", "symbol", "attach", "detach", "create", "remove",
                     "raise");
 
-    /**
-     * Keys of an effect that are valid with some kinds of effect only: the key, and these kinds.
-     */
+    /** Keys that are valid only in some kinds of effects, with these kinds. */
     private static final Map<String, List<String>> COMPANIONS =
             Map.of(
                     "to",
@@ -41,7 +39,7 @@ final class EffectReader {
                     "item",
                     List.of("impulse", "force", "set", "symbol", "attach", "detach", "remove"));
 
-    /** Types of events that the server itself sends or prints; actions must not raise them. */
+    /** Types of events that the server itself sends or prints. Actions must not raise them. */
     private static final List<String> OWN_EVENTS =
             List.of(
                     "joined",
@@ -131,8 +129,8 @@ final class EffectReader {
     }
 
     /**
-     * Returns an owner for a subject that is known only in a call (actor or argument): a body with
-     * all properties of bodies.
+     * Returns an owner for a subject (actor or argument) that is known only when the action is
+     * called. This owner is a body with all properties of bodies.
      */
     private static Owner someBody(Subject subject) {
         return new Owner(subject.name(), WorldPrototype.BODY, true);
@@ -279,7 +277,9 @@ final class EffectReader {
         return physics.prototype().realType();
     }
 
-    /** Returns a numeric property by name; notes a problem if there is none. */
+    /**
+     * Returns a numeric property by name. If there is none, records a problem and returns empty.
+     */
     private Optional<PropertyDescriptor> property(Node where, String name, Owner itemOwner) {
         return physics.find(where, name, itemOwner.kind())
                 .filter(
@@ -347,7 +347,7 @@ final class EffectReader {
         return definition.map(item -> new Effect.Create(item, with));
     }
 
-    /** Reads a value that a created item gets instead of the one in its definition. */
+    /** Reads a value of a created item. This value replaces the value in the item's definition. */
     private Optional<Operand> part(Node value, ItemDefinition item) {
         var itemOwner = new Owner(item.name(), item.kind(), true);
         String name = value.key();

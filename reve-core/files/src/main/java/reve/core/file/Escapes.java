@@ -6,8 +6,8 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Check of escapes in double-quoted YAML texts, because the YAML parser accepts unpaired surrogates
- * and throws unsuitable exceptions at some invalid escapes.
+ * Check of escapes in double-quoted YAML texts. It exists because the YAML parser accepts unpaired
+ * surrogates, and throws unsuitable exceptions for some invalid escapes.
  */
 final class Escapes {
     private static final Pattern ESCAPE =
@@ -16,8 +16,8 @@ final class Escapes {
     /**
      * An invalid escape.
      *
-     * @param offset position in the text, in characters
-     * @param message the error, and what to write instead
+     * @param offset position in the text [characters]
+     * @param message the error, and the text to write instead
      */
     record Wrong(int offset, String message) {}
 

@@ -4,7 +4,10 @@ package reve.core.file;
 import java.util.List;
 import java.util.Optional;
 
-/** Expansion of items: adds the values of their prefabs (templates), and repeats them. */
+/**
+ * Expansion of items. It adds the values of their prefabs (templates) to items, and creates the
+ * repetitions of items.
+ */
 final class Expansion {
     /** Maximum number of values of all items after expansion. */
     static final int MAX_VALUES = 10_000_000;
@@ -18,7 +21,10 @@ final class Expansion {
     /** Maximum number of items, including repetitions, of one message. */
     static final int MAX_ITEMS_OF_MESSAGE = 10_000;
 
-    /** A message may create this part of the values and formulas of a world file. */
+    /**
+     * Divisor of the limits of a world file. A message may create a tenth of the values and
+     * formulas of a world file.
+     */
     private static final int PART_OF_MESSAGE = 10;
 
     private final Problems problems;
@@ -29,7 +35,8 @@ final class Expansion {
 
     /**
      * @param source the file with the prefabs
-     * @param limits of what may be created, which this expansion uses up
+     * @param limits numbers of items, values and formulas that may still be created; this expansion
+     *     reduces them
      */
     Expansion(WorldSource source, Limits limits, Problems problems) throws WorldFileException {
         this.problems = problems;
@@ -43,7 +50,7 @@ final class Expansion {
     interface Sink {
         void accept(Node item) throws WorldFileException;
 
-        /** Receives the item of one repetition. */
+        /** Receives one repetition of an item. */
         void accept(Template item, Repetition repetition) throws WorldFileException;
     }
 
@@ -161,8 +168,8 @@ final class Expansion {
     }
 
     /**
-     * Refuses too many items before any is created. Items repeated by tables are counted when the
-     * table is read.
+     * Refuses too many items before any item is created. The repetitions by a table are counted
+     * when the table is read.
      */
     void requireRoom(List<Node> items) throws WorldFileException {
         for (Node item : items) {

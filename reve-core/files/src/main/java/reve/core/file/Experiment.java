@@ -19,9 +19,9 @@ import java.util.TreeMap;
 import java.util.concurrent.ConcurrentSkipListMap;
 
 /**
- * An experiment: runs of one world with other values, seeds and laws, and what is measured in them.
- * Read from a YAML file that follows the schema {@code reve-experiment.schema.json}. Immutable; any
- * thread.
+ * An experiment: runs of one world with different values, seeds and laws, and the values that are
+ * measured in the runs. It is read from a YAML file that follows the schema {@code
+ * reve-experiment.schema.json}. Immutable. For any thread.
  */
 public final class Experiment {
     /** Version of the format, the value of the key {@code experiment}. */
@@ -46,7 +46,7 @@ public final class Experiment {
     private final SweepSpace space;
     private final double deadlineSeconds;
 
-    /** Files that runs have read, by their names relative to the world's folder. */
+    /** Files that runs have read so far, by their names relative to the world's folder. */
     private final SortedMap<String, Path> read;
 
     private Experiment(
@@ -74,7 +74,7 @@ public final class Experiment {
      * Reads and checks an experiment with its world.
      *
      * @throws WorldFileException with all problems, by line and column
-     * @throws IOException if the system cannot read it
+     * @throws IOException if the system cannot read a file
      */
     public static Experiment load(Path file) throws WorldFileException, IOException {
         String shown = file.toString();
@@ -127,7 +127,7 @@ public final class Experiment {
         return seconds;
     }
 
-    /** Returns the experiment file as the caller gave it. */
+    /** Returns the path of the experiment file, in the form in which the caller gave it. */
     public Path file() {
         return file;
     }
@@ -143,7 +143,7 @@ public final class Experiment {
         return worldFile.getParent();
     }
 
-    /** Returns the name. */
+    /** Returns the name of the experiment. */
     public String name() {
         return root.get("name").flatMap(Node::text).orElseThrow();
     }
@@ -158,7 +158,9 @@ public final class Experiment {
         return space.variables();
     }
 
-    /** Returns whether runs differ by a case. */
+    /**
+     * Returns whether the experiment has cases (named sets of values), of which each run uses one.
+     */
     public boolean hasCases() {
         return space.hasCases();
     }
@@ -188,7 +190,7 @@ public final class Experiment {
     }
 
     /**
-     * Returns the longest time for agents to join, and for one answer of an agent [s of the wall
+     * Returns the maximum time for agents to join, and for one answer of an agent [s of the wall
      * clock].
      */
     public double deadlineSeconds() {
@@ -196,8 +198,8 @@ public final class Experiment {
     }
 
     /**
-     * Returns the files that the experiment has read so far, by their names relative to the
-     * experiment's or the world's folder.
+     * Returns the files that the experiment has read so far. Their names are relative to the folder
+     * of the experiment or of the world.
      */
     public SortedMap<String, Path> inputs() {
         SortedMap<String, Path> inputs = new TreeMap<>(read);
@@ -206,15 +208,19 @@ public final class Experiment {
         return Collections.unmodifiableSortedMap(inputs);
     }
 
-    /** Returns the values that distinguish a run, from 0. */
+    /**
+     * Returns the values by which a run differs from the other runs.
+     *
+     * @param run number of the run, from 0
+     */
     public RunPoint point(int run) {
         return space.point(run);
     }
 
     /**
-     * Reads and checks the world of a run, and what happens and is measured in it.
+     * Reads and checks the plan of a run: its world, its changes of laws, and its measures.
      *
-     * @param run from 0
+     * @param run number of the run, from 0
      * @throws WorldFileException with all problems that the values of this run cause
      */
     public RunPlan plan(int run) throws WorldFileException {
@@ -336,13 +342,18 @@ public final class Experiment {
                 .toList();
     }
 
-    /** Returns an argument of a program; a formula alone gives a number. */
+    /**
+     * Returns an argument of a program. If the argument is only a formula, its value is a number.
+     */
     private static String word(Node node) {
         return node.text()
                 .orElseGet(() -> YamlWriter.Numeral.of(node.number().orElse(Double.NaN)).text());
     }
 
-    /** Evaluates the formulas of the schedule, except those in texts of laws, which have braces. */
+    /**
+     * Evaluates the formulas of the schedule. Texts of laws are an exception, because they contain
+     * braces.
+     */
     private List<Node> evaluatedChanges(Node schedule, RunPoint point, Problems problems) {
         List<Node> changes = new ArrayList<>();
         for (Node change : schedule.children()) {
@@ -370,7 +381,11 @@ public final class Experiment {
         return evaluated(mapping, point, -1, problems);
     }
 
-    /** Evaluates the formulas of a mapping; {@code port} is a variable unless it is below 0. */
+    /**
+     * Evaluates the formulas of a mapping.
+     *
+     * @param port value of the variable {@code port}; below 0 if there is no such variable
+     */
     private Node evaluated(Node mapping, RunPoint point, int port, Problems problems) {
         List<String> names = new ArrayList<>(point.values().keySet());
         List<Double> values = new ArrayList<>(point.values().values());

@@ -13,8 +13,8 @@ import java.util.Set;
 import java.util.stream.Collectors;
 
 /**
- * Reader of the forces that act from the start of a world, as a saved world has them. Runs after
- * the items are read.
+ * Reader of the forces that act from the start of a world. A file that was saved from a running
+ * world may contain them. Runs after all items were read.
  */
 final class ForceReader {
     private static final Unit NEWTON = Unit.parse("N");

@@ -12,13 +12,13 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * A formula in the text of a repeated item, computed from the numbers of each repetition: {@code
- * 0.1 * i}, {@code [cos(i), sin(i), 0]}, {@code 3 * ball(7)}. A value is one number or a list of
- * numbers; operators and functions apply to each element. Results are the same on every machine.
- * Immutable.
+ * A formula in the text of a repeated item, for example {@code 0.1 * i}, {@code [cos(i), sin(i),
+ * 0]} or {@code 3 * ball(7)}. It is computed from the numbers of each repetition. A value is one
+ * number or a list of numbers, and operators and functions apply to each element. Results are the
+ * same on every machine. Immutable.
  */
 final class Formula {
-    /** Maximum length of a formula [characters], which also limits its nesting. */
+    /** Maximum length of a formula [characters]. This also limits its nesting. */
     static final int MAX_LENGTH = 512;
 
     private static final Pattern TOKEN =
@@ -61,7 +61,7 @@ final class Formula {
         return new Formula(new Parser(text, variables).parse());
     }
 
-    /** Returns whether a name is that of a function or constant of formulas. */
+    /** Returns whether formulas have a function or constant of this name. */
     static boolean isTaken(String name) {
         return CONSTANTS.containsKey(name)
                 || FUNCTIONS.containsKey(name)
@@ -73,7 +73,8 @@ final class Formula {
      * Returns the value in one repetition: one or more numbers, which may be infinite or NaN.
      *
      * @param variables values of the variables, in order
-     * @param number number of the repetition, from 0; random numbers depend on it and on a seed
+     * @param number number of the repetition, from 0; random numbers depend on this number and on a
+     *     seed
      * @throws IllegalArgumentException if lists of different lengths are combined
      */
     double[] value(double[] variables, long number) {
@@ -101,7 +102,7 @@ final class Formula {
         return combined;
     }
 
-    /** A recursive-descent parser: sums of products of powers. */
+    /** A recursive-descent parser. A formula is a sum of products of powers. */
     private static final class Parser {
         private final String text;
         private final List<String> variables;

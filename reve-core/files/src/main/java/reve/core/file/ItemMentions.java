@@ -13,13 +13,13 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The items of a world file by name, and the references to them, which are checked when all items
- * are known.
+ * The items of a world file by name, and the references to them. References are checked when all
+ * items are known.
  */
 final class ItemMentions {
     private final Problems problems;
 
-    /** Items by name; the first of several with the same name. */
+    /** Items by name. If several items have the same name, only the first one is included. */
     private final Map<String, Entry> byName = new LinkedHashMap<>();
 
     private final List<Mention> mentions = new ArrayList<>();
@@ -30,7 +30,7 @@ final class ItemMentions {
     /** References to parents, by the name of the attached item. */
     private final Map<String, Node> parents = new LinkedHashMap<>();
 
-    /** The data of an item that references depend on. */
+    /** The data of an item that are necessary to check references to it. */
     private record Entry(Node name, String kind, boolean hasPhysics) {}
 
     /** A reference to an item, and the requirements on the item. */
@@ -43,7 +43,7 @@ final class ItemMentions {
     /**
      * Adds an item.
      *
-     * @return false, with a problem noted, if the name is already in use
+     * @return false if the name is already in use; this is then recorded as a problem
      */
     boolean add(Node name, String kind, boolean hasPhysics) {
         String text = name.text().orElseThrow();
@@ -69,14 +69,14 @@ final class ItemMentions {
     }
 
     /**
-     * Permits references to items that are not in the text; the running world, which is edited,
-     * checks them.
+     * Permits references to items that are not in the text. The running world checks these
+     * references later, when it executes the edit.
      */
     void permitOthers() {
         others = true;
     }
 
-    /** Resolves all references, and notes problems. Called when all items are known. */
+    /** Resolves all references, and records the problems. Called when all items are known. */
     void resolve() {
         for (Mention mention : mentions) {
             if (problems.full()) {
@@ -89,8 +89,8 @@ final class ItemMentions {
     }
 
     /**
-     * Returns the names in a list of bodies for agents, without those that agents cannot take;
-     * notes a problem for each of these.
+     * Returns the names in a list of bodies for agents. Omits bodies that agents cannot take, and
+     * records a problem for each of them.
      */
     List<String> bodies(Node list) {
         List<String> names = new ArrayList<>();
@@ -110,23 +110,23 @@ final class ItemMentions {
     }
 
     /**
-     * Returns the name in a node if a body has it. Otherwise the result is empty, with a problem
-     * noted.
+     * Returns the name in a node if a body has this name. Otherwise records a problem and returns
+     * empty.
      */
     Optional<String> body(Node name) {
         return name.text().filter(text -> resolve(new Mention(name, WorldPrototype.BODY, false)));
     }
 
     /**
-     * Returns the name in a node if a body with a physics aspect has it. Otherwise the result is
-     * empty, with a problem noted.
+     * Returns the name in a node if a body with a physics aspect has this name. Otherwise records a
+     * problem and returns empty.
      */
     Optional<String> physicalBody(Node name) {
         return name.text().filter(text -> resolve(new Mention(name, WorldPrototype.BODY, true)));
     }
 
     /**
-     * @return false, with a problem noted, if no item meets the requirements
+     * @return false if no item meets the requirements; this is then recorded as a problem
      */
     private boolean resolve(Mention mention) {
         Node target = mention.target;
@@ -172,8 +172,8 @@ final class ItemMentions {
     }
 
     /**
-     * Refuses cycles of parents: items that are, through any number of parents, attached to
-     * themselves.
+     * Refuses cycles of parents. In a cycle, items are attached to themselves through any number of
+     * parents.
      */
     private void refuseCircles() {
         Set<String> free = new HashSet<>();

@@ -23,24 +23,35 @@ import java.util.function.BiFunction;
 import java.util.function.Consumer;
 import java.util.function.Function;
 
-/** Reader of items with their four aspects, and then of the references between them. */
+/**
+ * Reader of items with their four aspects. After the items, it reads the references between them.
+ */
 final class ItemReader {
     private final WorldPrototype prototype;
     private final Completion completion;
 
-    /** Maximum nesting depth of items that actions of created items create. */
+    /**
+     * Maximum nesting depth of items that actions create. The level increases when a created item
+     * has an action that creates items.
+     */
     private static final int MAX_CREATED_DEPTH = 8;
 
     /**
-     * Maximum number of definitions of items that actions create; a definition counts each time it
+     * Maximum number of definitions of items that actions create. A definition counts each time it
      * is read.
      */
     private static final int MAX_CREATED = 10_000;
 
-    /** Maximum number of values that are read for single items, not once in a prefab. */
+    /**
+     * Maximum number of values that are read for single items. Values that are read once in a
+     * prefab do not count.
+     */
     static final int MAX_READ = 2_000_000;
 
-    /** Number of values per aspect, except actions, that do not count towards {@link #MAX_READ}. */
+    /**
+     * Number of values per aspect that do not count towards {@link #MAX_READ}. All values of
+     * actions count.
+     */
     private static final int FREE_VALUES = 16;
 
     private final Problems problems;
@@ -52,10 +63,12 @@ final class ItemReader {
     private final ItemMentions names;
     private final BodyCheck bodies;
 
-    /** Creates the builder of an item from its name; throws if the name is invalid. */
+    /** Creates the builder of an item from its name. Throws an exception if the name is invalid. */
     private final Function<String, ItemDefinition.Builder> beginning;
 
-    /** Aspects that items take unchanged from prefabs; each is read once, as a definition. */
+    /**
+     * Aspects that items take unchanged from prefabs. Each aspect is read once, as a definition.
+     */
     private final Map<SharedAspect, ItemDefinition> shared = new HashMap<>();
 
     private final Allowance created = new Allowance(MAX_CREATED);
@@ -69,8 +82,8 @@ final class ItemReader {
     }
 
     /**
-     * The key of a shared aspect: the node of the prefab, and the item's data that determine how
-     * the node is read.
+     * The key of a shared aspect. It contains the node of the prefab, and the data of the item that
+     * determine how the node is read.
      */
     private record SharedAspect(Node aspect, String kind, boolean hasPhysics) {}
 
@@ -104,7 +117,7 @@ final class ItemReader {
         this.beginning = doubts == Doubts.IGNORED ? ItemDefinition::kept : ItemDefinition::named;
     }
 
-    /** Returns all valid items under {@code items}. */
+    /** Returns all valid items under the key {@code items}. */
     List<ItemDefinition> readAll(List<Node> nodes, Expansion expansion) throws WorldFileException {
         List<ItemDefinition> items = new ArrayList<>();
         var sink =
@@ -141,7 +154,7 @@ final class ItemReader {
     }
 
     /**
-     * Returns the template of the bodies that are created for agents; the caller renames each body.
+     * Returns the template of the bodies that are created for agents. The caller renames each body.
      */
     ItemDefinition readTemplate(Node description) throws WorldFileException {
         Node template = completion.complete(description);
@@ -158,8 +171,8 @@ final class ItemReader {
     }
 
     /**
-     * Reads an item from a store file, without the other items of its world. References to other
-     * items are not checked.
+     * Reads an item from a store file, without the other items of its world. Does not check
+     * references to other items.
      */
     Optional<ItemDefinition> readAlone(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
@@ -173,7 +186,7 @@ final class ItemReader {
         return item.map(ItemDefinition.Builder::build);
     }
 
-    /** Reads the new values of an item. References to other items are not checked. */
+    /** Reads the new values of an item. Does not check references to other items. */
     ItemDefinition readChange(Node node, String kind) throws WorldFileException {
         try {
             ItemDefinition.Builder item =
@@ -187,14 +200,17 @@ final class ItemReader {
         }
     }
 
-    /** Reads a part of an item only to note its problems. */
+    /** Reads a part of an item only to record its problems. */
     void readPart(Node node, String kind) throws WorldFileException {
         if (kind(node).isPresent()) {
             readAspects(node, kind, true, ItemDefinition.named("prefab"));
         }
     }
 
-    /** Reads the definition of an item that an action creates, possibly many times. */
+    /**
+     * Reads the definition of an item that an action creates. One action may create several items
+     * from it.
+     */
     private Optional<ItemDefinition> readCreated(Node description) throws WorldFileException {
         if (createdDepth == MAX_CREATED_DEPTH || !created.take(1)) {
             problems.add(
@@ -249,8 +265,8 @@ final class ItemReader {
     }
 
     /**
-     * Reads the first repetition of an item completely, and of the other repetitions only the
-     * differing values if possible.
+     * Reads the first repetition of an item completely. If possible, reads only the differing
+     * values of the other repetitions.
      */
     private void readRepeated(Template template, Repetition repetition, List<ItemDefinition> items)
             throws WorldFileException {
@@ -295,7 +311,7 @@ final class ItemReader {
                 case "physics" ->
                         physics.readProperty(
                                 made.value(), definition.kind(), sink(item, item::physics));
-                default -> {} // the name was read before; the parent is read last
+                default -> {} // the name was read before, and the parent is read last
             }
         }
         first.parent(values).ifPresent(parent -> readParent(parent, definition.kind(), item));
@@ -352,7 +368,10 @@ final class ItemReader {
         }
     }
 
-    /** Returns the kind of an item. Empty, with a problem noted, if items cannot have that kind. */
+    /**
+     * Returns the kind of an item. If items cannot have this kind, records a problem and returns
+     * empty.
+     */
     private Optional<String> kind(Node item) {
         Optional<Node> node = item.get("kind");
         String kind = node.flatMap(Node::text).orElse(WorldPrototype.BODY);
@@ -445,10 +464,8 @@ final class ItemReader {
                     (aspect, into) -> readPhysics(aspect, kind, into),
                     item::physicsOf);
         } else if (properties.isPresent()) {
-            readPhysics(
-                    properties.get(),
-                    kind,
-                    item); // after the shape, from which a density gives the mass
+            // This follows the shape, because a density needs the shape to compute the mass.
+            readPhysics(properties.get(), kind, item);
         }
         if (node.get("capabilities").isPresent()) {
             requireWork(node.get("capabilities").get(), FREE_VALUES);
@@ -486,8 +503,8 @@ final class ItemReader {
     }
 
     /**
-     * Reads an aspect. An aspect that items take unchanged from a prefab is read for the first item
-     * only.
+     * Reads an aspect. If items take the aspect unchanged from a prefab, it is read for the first
+     * of these items only.
      */
     private void read(
             Node node,
@@ -514,8 +531,8 @@ final class ItemReader {
     }
 
     /**
-     * Counts the values of a part that is read for a single item; throws if all of them exceed
-     * {@link #MAX_READ}.
+     * Counts the values of a part that is read for a single item. Throws an exception if the values
+     * of all parts exceed {@link #MAX_READ}.
      */
     private void requireWork(Node part, int free) throws WorldFileException {
         if (!work.take(Math.max(0, part.valueCount() - free))) {
@@ -534,8 +551,8 @@ final class ItemReader {
     }
 
     /**
-     * Reads the actions of an item. Actions that items take unchanged from a prefab are read once
-     * for all of them.
+     * Reads the actions of an item. If items take the actions unchanged from a prefab, they are
+     * read once for all of these items.
      */
     private void readActions(
             Node access, String kind, boolean hasPhysics, ItemDefinition.Builder item)
@@ -565,7 +582,7 @@ final class ItemReader {
             try {
                 capability.text().ifPresent(item::capability);
             } catch (IllegalArgumentException noName) {
-                // the schema check has reported it
+                // the schema check has reported the problem
             }
         }
     }
@@ -596,8 +613,8 @@ final class ItemReader {
     }
 
     /**
-     * Reads the value of a symbol. If the symbol has a declared unit, its number may be given in
-     * another unit, like the number of a property.
+     * Reads the value of a symbol. If the symbol has a declared unit, the number may be given in
+     * another unit, as for a property.
      */
     private Optional<Object> symbolValue(Node symbol) {
         Optional<SymbolDescriptor> number =
@@ -640,8 +657,8 @@ final class ItemReader {
     }
 
     /**
-     * Requires that a physics aspect has every reference of the kind ({@code end1}, {@code end2}),
-     * each to a different item.
+     * Checks that a physics aspect has every reference of the kind, for example {@code end1} and
+     * {@code end2}, and that they refer to different items.
      */
     private void requireReferences(Node item, String kind) {
         if (!hasPhysics(item)) {

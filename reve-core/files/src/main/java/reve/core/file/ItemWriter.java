@@ -24,12 +24,12 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * Writer of items as text in the form of a world file. The same item always gives the same text,
- * which {@link WorldFile#parseItem} reads back to the bit. Default values, for example properties
- * that are 0, are omitted. Immutable, any thread.
+ * Writer of items as text in the form of a world file. The same item always gives the same text.
+ * {@link WorldFile#parseItem} reads this text back to the bit. Default values are omitted, for
+ * example properties that are 0. Immutable. For any thread.
  */
 public final class ItemWriter {
-    /** Name that the text gives to data without an item name, such as a {@link Likeness}. */
+    /** Name of the item in the text of data that have no item name, such as a {@link Likeness}. */
     private static final String ANYBODY = "item";
 
     private final WorldPrototype prototype;
@@ -44,8 +44,8 @@ public final class ItemWriter {
     /**
      * Writes an item with its four aspects.
      *
-     * @throws IllegalArgumentException naming the item if it contains something that a world file
-     *     cannot express: an action made by a program, or a mesh or texture without a file
+     * @throws IllegalArgumentException naming the item if a world file cannot express a part of it:
+     *     an action of a program, or a mesh or texture without a file
      */
     public String write(ItemDefinition item) {
         return YamlWriter.write(tree(item));
@@ -54,7 +54,7 @@ public final class ItemWriter {
     /**
      * Writes the data that similar items share, as an item with the name `item`.
      *
-     * @throws IllegalArgumentException as {@link #write(ItemDefinition)}
+     * @throws IllegalArgumentException like {@link #write(ItemDefinition)}
      */
     public String write(Likeness item) {
         Map<String, Object> tree = named(ANYBODY, item.kind());
@@ -75,7 +75,8 @@ public final class ItemWriter {
     }
 
     /**
-     * Returns the tree of an item without name and kind, the form of the key {@code agents.body}.
+     * Returns the tree of an item without name and kind. This is the form of the key {@code
+     * agents.body}.
      */
     Map<String, Object> template(ItemDefinition item) {
         Map<String, Object> tree = new LinkedHashMap<>();
@@ -108,7 +109,7 @@ public final class ItemWriter {
         return all;
     }
 
-    /** Returns the tree of a sensor, without values that are the default. */
+    /** Returns the tree of a sensor. Omits default values. */
     private static Map<String, Object> sensor(Sensor sensor) {
         Map<String, Object> tree = new LinkedHashMap<>();
         if (sensor.touch()) {
@@ -307,7 +308,7 @@ public final class ItemWriter {
 
     /**
      * Returns the physics properties that are not 0, in the order of the prototype. If all are 0,
-     * returns the kind's first property, so that the item keeps a physics aspect.
+     * returns the first property of the kind, so that the item keeps a physics aspect.
      */
     private Map<String, Object> physics(ItemDefinition item) {
         Map<String, Object> aspect = new LinkedHashMap<>();

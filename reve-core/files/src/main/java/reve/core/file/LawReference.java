@@ -12,11 +12,12 @@ import java.util.Optional;
 /**
  * The reference of a world file to a physics law that the world requires.
  *
- * @param name name of the library that contains the law, never a path: {@code hooke_spring}
+ * @param name name of the library that contains the law, for example {@code hooke_spring}; never a
+ *     path
  * @param text the law as text, if the world file contains it; {@code name} is then the name of the
  *     first law in the text
  * @param parameters values [coherent SI units] by parameter name, in the order of the file
- * @param budget of the law's time in a frame, if it has one
+ * @param budget maximum time of the law in a frame, if the file states one
  * @param place position of the reference, as {@code file:line:column}, for messages
  * @param mentions positions and units of the parameters in the file, by name; empty without a file
  */

@@ -5,7 +5,7 @@ package reve.core.file;
  * A change of a world's laws at a frame of a run.
  *
  * @param frame the first frame with the change; the first frame of a run is 1
- * @param law the law, with the parameters and, for a law as text, the text that the change uses
+ * @param law the law, with its parameters; for a law as text also the text
  */
 public record LawStep(long frame, Change change, LawReference law) {
     /** The kind of change. */
@@ -16,7 +16,7 @@ public record LawStep(long frame, Change change, LawReference law) {
         UNLOAD,
         /** Sets parameters of the loaded law. */
         SET,
-        /** Loads the law's text, in place of a loaded text of the same name. */
+        /** Loads the law's text, which replaces a loaded text of the same name. */
         TEXT
     }
 }

@@ -17,7 +17,8 @@ final class LawStepReader {
     private static final List<String> CHANGES = List.of("load", "unload", "set", "text");
 
     /**
-     * Fraction of a frame by which a time may exceed the beginning of a frame, because of rounding.
+     * Fraction of a frame by which a time may exceed the beginning of a frame. A larger excess is
+     * not a rounding error.
      */
     private static final double ROUNDING = 1e-6;
 
@@ -38,7 +39,10 @@ final class LawStepReader {
         this.physics = new PhysicsReader(world.prototype(), Set.of(), Doubts.REFUSED, problems);
     }
 
-    /** Returns the changes in the order of their frames; those of one frame as in the file. */
+    /**
+     * Returns the changes in the order of their frames. The changes of one frame have the order of
+     * the file.
+     */
     List<LawStep> readAll(Iterable<Node> nodes) {
         List<LawStep> steps = new ArrayList<>();
         for (Node node : nodes) {

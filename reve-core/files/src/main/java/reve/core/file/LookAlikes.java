@@ -18,9 +18,9 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Warnings about names that look alike: those with equal skeletons by Unicode standard UTS 39.
- * Names of ASCII characters are compared directly; ICU is loaded only for a world with other
- * characters.
+ * Warnings about names that look alike. Such names have equal skeletons by Unicode Technical
+ * Standard 39. Names of ASCII characters are compared directly. The library ICU is loaded only for
+ * a world with other characters.
  */
 final class LookAlikes {
     private static final Pattern WORD = Pattern.compile("[\\p{L}\\p{M}]+");
@@ -37,7 +37,7 @@ final class LookAlikes {
     }
 
     /**
-     * Notes a warning for each name that looks like another one.
+     * Records a warning for each name that looks like another one.
      *
      * @param names texts, all different, in the order of the file
      */
@@ -74,8 +74,8 @@ final class LookAlikes {
     }
 
     /**
-     * Returns the skeleton of the name's Unicode compatibility form, in which full-width letters
-     * are ordinary ones.
+     * Returns the skeleton of the name's Unicode compatibility form. This form replaces full-width
+     * letters by ordinary ones.
      */
     private String skeleton(Node name) {
         return checker.getSkeleton(Normalizer.normalize(text(name), Normalizer.Form.NFKC));
@@ -94,7 +94,7 @@ final class LookAlikes {
                         + ", but has other characters; write them alike or choose another name");
     }
 
-    /** Warns of a word that looks like ASCII letters but mixes letters of several scripts. */
+    /** Warns of a word that looks like ASCII letters but contains letters of several scripts. */
     private void warnOfMixedWords(Node name) {
         Matcher word = WORD.matcher(text(name));
         while (word.find()) {

@@ -10,7 +10,7 @@ import java.util.OptionalDouble;
  * A value that an experiment measures in each of its runs.
  *
  * @param place position in the file, as {@code file:line:column}, for messages
- * @param take how the measurements of a run become one value
+ * @param take the way in which the measurements of a run become one value
  * @param expected the expected value of this run, if the file states one
  * @param tolerance maximum relative error of the value; empty if any error is accepted
  */
@@ -29,15 +29,15 @@ public record Measure(
     public record OfItem(String item, Expression expression) implements Source {}
 
     /**
-     * A value of all items of a kind.
+     * A value that is computed from all items of a kind.
      *
-     * @param itemClass only items of this class, if present
+     * @param itemClass class of the items; empty for items of any class
      */
     public record OfKind(Fold fold, String kind, Optional<String> itemClass, Expression expression)
             implements Source {}
 
     /**
-     * A value of the ledger.
+     * A value of the ledger, which contains the changes of energy and momentum by their causes.
      *
      * @param line name of a law, or client, ground, unloaded or total
      */
@@ -50,11 +50,11 @@ public record Measure(
     public enum Fold {
         /** The sum, added in the order of the items. */
         SUM,
-        /** The sum divided by the number of items. */
+        /** The sum, divided by the number of items. */
         MEAN,
-        /** The least value. */
+        /** The smallest value. */
         MIN,
-        /** The greatest value. */
+        /** The largest value. */
         MAX
     }
 
@@ -87,27 +87,27 @@ public record Measure(
 
     /** A part of the energy. */
     public enum EnergyPart {
-        /** Of translation and rotation of all bodies. */
+        /** Kinetic energy of the translation and rotation of all bodies. */
         KINETIC,
         /** The sum of the laws' potential energies. */
         POTENTIAL,
-        /** The sum of both. */
+        /** The sum of kinetic and potential energy. */
         TOTAL
     }
 
-    /** The summary of a run's measurements. */
+    /** The way in which the measurements of a run become one value. */
     public enum Take {
         /** The value at the end of the run. */
         END,
-        /** The least value. */
+        /** The smallest value. */
         MIN,
-        /** The greatest value. */
+        /** The largest value. */
         MAX,
         /** The arithmetic mean. */
         MEAN,
         /**
-         * The mean time between two successive passages through 0 from below [s]; each passage is
-         * interpolated linearly between two measurements.
+         * The mean time between two successive passages through 0 from below [s]. The time of each
+         * passage is interpolated linearly between two measurements.
          */
         PERIOD
     }

@@ -19,7 +19,7 @@ import java.util.OptionalDouble;
 
 /** Reader of the measures of an experiment, for the world of one run. */
 final class MeasureReader {
-    /** The keys of which each measure has exactly one, with their meaning. */
+    /** The keys of sources. Each measure has exactly one of them. */
     private static final List<String> SOURCES =
             List.of("of", "sum", "mean", "min", "max", "ledger", "energy");
 
@@ -30,7 +30,7 @@ final class MeasureReader {
     private final Map<String, Scope> scopes = new HashMap<>();
 
     /**
-     * @param sampled whether values are measured during the run, not only at its end
+     * @param sampled whether values are also measured during the run, in addition to its end
      */
     MeasureReader(WorldDescription world, boolean sampled, Problems problems) {
         this.world = world;

@@ -5,14 +5,14 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * A camera of a world file that commands select by its name. It is fixed, or moves along key views,
- * or with an item, or both. Immutable.
+ * A camera of a world file that commands select by its name. It may be fixed, move along key views,
+ * follow an item, or do both. Immutable.
  *
- * @param follow item to whose location eye and target are added; if empty, they are places in the
- *     world
+ * @param follow item to whose location eye and target are added; if empty, eye and target are
+ *     places in the world
  * @param turning whether eye, target and up also turn with the followed item
  * @param lookAt item at which the camera looks instead of the targets of the keys
- * @param keys at least one, at increasing times; a fixed camera has one
+ * @param keys key views at increasing times, at least one; a fixed camera has exactly one
  */
 public record NamedCamera(
         String name,
@@ -38,10 +38,12 @@ public record NamedCamera(
     }
 
     /**
-     * Returns the view at a time: that of a key at its time, and between two keys a smooth curve
-     * through all of them (cubic Hermite splines whose slope at a key is that of the line between
-     * its neighbours, and 0 at both ends). Before the first key and after the last one, the camera
-     * rests. Items are not considered.
+     * Returns the view at a time. It is the view of a key at the time of this key. Between keys, a
+     * smooth curve passes through all of them. Before the first key and after the last one, the
+     * camera rests. The view ignores {@code follow} and {@code lookAt}.
+     *
+     * <p>The curve consists of cubic Hermite splines. The slope at a key is the slope of the line
+     * between its neighbours, and 0 at both ends.
      */
     public CameraDescription at(double timeSeconds) {
         int next = 0;

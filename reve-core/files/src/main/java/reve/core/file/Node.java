@@ -13,7 +13,7 @@ import java.util.Optional;
 
 /**
  * One value of a YAML file, and its position. An accessor for a type returns empty if the value has
- * another type; the schema check reports that once.
+ * another type. The schema check reports such a value once.
  */
 final class Node {
     /** Maximum number of names that a message lists. */
@@ -52,7 +52,11 @@ final class Node {
         this.textColumn = column;
     }
 
-    /** Creates the outermost value of a file; {@code value} has the form of {@link Slot#fill}. */
+    /**
+     * Creates the outermost value of a file.
+     *
+     * @param value in the form of {@link Slot#fill}
+     */
     static Node root(String file, int line, int column, @Nullable Object value) {
         return new Node(file, null, "", line, column, line, column, value);
     }
@@ -65,7 +69,7 @@ final class Node {
     }
 
     /**
-     * Returns this value with its position as the value of another mapping or list.
+     * Returns this value with its position, as the value of another mapping or list.
      *
      * @param owner the mapping or list, which does not change
      * @param otherKey a String for a mapping, an Integer for a list
@@ -88,8 +92,8 @@ final class Node {
 
     /**
      * Returns this mapping completed with the values of a base, for example of a prefab. Mappings
-     * under the same key are merged in the same way; any other value here replaces that of the
-     * base. Every value keeps its position.
+     * under the same key are merged in the same way. Any other value of this mapping replaces the
+     * value of the base. Every value keeps its position.
      */
     Node over(Node base) {
         var fields = new LinkedHashMap<>(base.fieldMap());
@@ -106,7 +110,7 @@ final class Node {
         return withValue(fields);
     }
 
-    /** Returns the number of values in this mapping and its nested mappings. */
+    /** Returns the number of values in this mapping and in its nested mappings. */
     int fieldCount() {
         int count = 0;
         for (Node field : children()) {
@@ -134,10 +138,10 @@ final class Node {
         return withValue(fields);
     }
 
-    /** The position of a key or list element whose value is not yet read. */
+    /** The position of a key or list element whose value is not read yet. */
     record Slot(Node parent, Object key, int keyLine, int keyColumn) {
         /**
-         * Creates the node when its value is read.
+         * Creates the node as soon as the parser reaches its value.
          *
          * @param value a new LinkedHashMap or ArrayList for a mapping or list, otherwise the scalar
          *     value
@@ -154,7 +158,7 @@ final class Node {
     }
 
     /**
-     * Returns whether this value was written in the mapping of {@code owner} itself, not in a
+     * Returns whether this value was written in the mapping of {@code owner} itself and not in a
      * prefab.
      */
     boolean isWrittenIn(Node owner) {
@@ -162,15 +166,16 @@ final class Node {
     }
 
     /**
-     * Sets the column of the text's first character, if the value begins elsewhere: with a quote,
-     * or on an earlier line.
+     * Sets the column of the text's first character. It differs from the column of the value if the
+     * value begins with a quote or on an earlier line.
      */
     void setTextColumn(int newTextColumn) {
         textColumn = newTextColumn;
     }
 
     /**
-     * Returns the column of a text's first character; -1 if it is on a later line than the value.
+     * Returns the column of the text's first character; -1 if this character is on a later line
+     * than the value.
      */
     int textColumn() {
         return textColumn;
@@ -237,7 +242,7 @@ final class Node {
         return value == null;
     }
 
-    /** Returns the value under a key; empty if this is no mapping or has no such key. */
+    /** Returns the value under a key; empty if this value is no mapping or has no such key. */
     Optional<Node> get(String name) {
         return isMapping() ? Optional.ofNullable(fieldMap().get(name)) : Optional.empty();
     }
@@ -285,7 +290,7 @@ final class Node {
         };
     }
 
-    /** Joins names by commas, for messages; at most the first {@link #MAX_LISTED}. */
+    /** Joins at most the first {@link #MAX_LISTED} names by commas, for messages. */
     static String list(List<String> names) {
         return names.size() <= MAX_LISTED
                 ? String.join(", ", names)
@@ -300,12 +305,12 @@ final class Node {
         return text.length() <= 48 ? text : text.substring(0, 47) + "…";
     }
 
-    @SuppressWarnings("unchecked") // by construction
+    @SuppressWarnings("unchecked") // the value of a mapping always has this type
     private LinkedHashMap<String, Node> fieldMap() {
         return (LinkedHashMap<String, Node>) Objects.requireNonNull(value);
     }
 
-    @SuppressWarnings("unchecked") // by construction
+    @SuppressWarnings("unchecked") // the value of a list always has this type
     private ArrayList<Node> elementList() {
         return (ArrayList<Node>) Objects.requireNonNull(value);
     }

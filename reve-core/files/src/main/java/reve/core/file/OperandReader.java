@@ -23,8 +23,8 @@ import java.util.function.Predicate;
 import java.util.regex.Pattern;
 
 /**
- * Reader of the values in the effects of one action: constants, or after a {@code $} parameters and
- * expressions.
+ * Reader of the values in the effects of one action. A value is a constant or, after a {@code $}, a
+ * parameter or an expression.
  */
 final class OperandReader {
     /** Names that parameters must not have, because expressions reserve them. */
@@ -42,7 +42,7 @@ final class OperandReader {
 
     /**
      * @param parameters parameters of the action by name; the Optional is empty if the declaration
-     *     is wrong, which was reported
+     *     is wrong, which was already reported
      * @param expressions number of different expressions that the world's actions may still have
      */
     OperandReader(
@@ -72,7 +72,10 @@ final class OperandReader {
                 values -> physics.fits(node, property, values));
     }
 
-    /** Reads a value of {@code count} numbers in a unit, which columns of a type can hold. */
+    /**
+     * Reads a value of {@code count} numbers in a unit. Columns of this type must be able to hold
+     * the numbers.
+     */
     Optional<Operand> numbers(Node node, int count, Unit unit, ScalarType type) {
         return numbers(node, count, unit, values -> physics.fits(node, type, values));
     }
@@ -130,7 +133,8 @@ final class OperandReader {
                             .orElse(ExpressionType.ANY));
         }
         Optional<Object> constant = constant(node);
-        if (constant.isEmpty() && node.isList()) { // the schema refuses values that are no list
+        if (constant.isEmpty()
+                && node.isList()) { // the schema check refuses values that are no list
             problems.add(
                     node,
                     node.label() + ": expected true or false, a number, a text or a list of these");
@@ -159,7 +163,7 @@ final class OperandReader {
                 : node.scalar().map(OperandReader::widened).map(OperandReader::constant);
     }
 
-    /** Reads a text that is an expression, without the {@code $} before it. */
+    /** Reads an expression. The text does not contain the {@code $} before the expression. */
     Optional<Expression> expression(Node node, String text, int begin, ExpressionType expected) {
         if (!scope.knows(text) && !expressions.take(1)) {
             problems.add(
@@ -193,7 +197,10 @@ final class OperandReader {
         }
     }
 
-    /** Returns a constant as a symbol stores it: a text, boolean, number, or a list of these. */
+    /**
+     * Returns a constant in the form in which a symbol stores it: a text, boolean, number, or a
+     * list of these.
+     */
     static Optional<Object> constant(Node node) {
         if (node.isList()) {
             List<Object> elements =
@@ -277,7 +284,9 @@ final class OperandReader {
         return node.text().filter(text -> text.startsWith("$")).isPresent();
     }
 
-    /** Returns whether the value has the form {@code $p}, even if there is no parameter p. */
+    /**
+     * Returns whether the value has the form {@code $p}, even if there is no parameter {@code p}.
+     */
     private boolean isParameter(Node node) {
         return node.text()
                 .filter(text -> text.startsWith("$"))

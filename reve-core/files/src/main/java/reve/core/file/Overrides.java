@@ -8,9 +8,12 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Replacement of values of a world file, each named by its path: the keys that lead to it, joined
- * by dots. An element of a list is named by its {@code name}, or by itself if it is a text. A
- * replaced value keeps the position of the replacement, so problems with it are reported there.
+ * Replacement of values of a world file. A path names each value. It consists of the keys that lead
+ * to the value, joined by dots. The step to an element of a list is the element's {@code name}, or
+ * the element itself if it is a text.
+ *
+ * <p>A replaced value keeps the position of the replacement in its file, so problems are reported
+ * at this position.
  */
 final class Overrides {
     private static final String SEPARATOR = ".";
@@ -27,7 +30,7 @@ final class Overrides {
     }
 
     /**
-     * Returns the world with other values, after the schema check.
+     * Returns the world file with replaced values, after the schema check.
      *
      * @param sets mappings from paths to values; later ones replace earlier ones
      * @param files resolves the files that the world names
@@ -85,11 +88,14 @@ final class Overrides {
      * The first step of a path.
      *
      * @param key key of the child, or its index in a list
-     * @param rest path from the child; empty at the end
+     * @param rest path that begins at the child; empty if the path ends there
      */
     private record Step(Object key, Node child, String rest) {}
 
-    /** Returns the step to the child with the longest name that begins the path. */
+    /**
+     * Returns the step to a child. If the path begins with the names of several children, uses the
+     * longest name.
+     */
     private static Optional<Step> step(Node node, String path) {
         Step longest = null;
         int length = -1;
@@ -113,7 +119,7 @@ final class Overrides {
         return path.equals(name) || path.startsWith(name + SEPARATOR);
     }
 
-    /** Returns the name of an element of a list. */
+    /** Returns the name by which a path refers to an element of a list. */
     private static Optional<String> nameOf(Node element) {
         return element.isMapping()
                 ? element.get("name")
@@ -177,7 +183,7 @@ final class Overrides {
         return list.withValue(elements);
     }
 
-    /** Returns an element that is only a name as a mapping with this name. */
+    /** Converts an element that is only a name into a mapping with this name. */
     private static Node named(Node element) {
         Map<String, Node> fields = new LinkedHashMap<>();
         Node mapping = element.withValue(fields);

@@ -9,12 +9,12 @@ import java.io.IOException;
 public final class PackException extends IOException {
     private static final long serialVersionUID = 1L;
 
-    /** Creates an exception with its cause, if any. */
+    /** Creates an exception with its cause, if any. The message must name the pack. */
     PackException(String message, @Nullable Throwable cause) {
         super(message, cause);
     }
 
-    /** Creates an exception; the message must name the pack. */
+    /** Creates an exception. The message must name the pack. */
     PackException(String message) {
         super(message);
     }

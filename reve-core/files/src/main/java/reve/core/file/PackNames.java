@@ -11,15 +11,15 @@ import java.util.Locale;
 import java.util.Map;
 
 /**
- * Check of the names and the total size of the files of one {@link WorldPack} against its limits.
- * The same checks apply when a pack is made and when it is opened. For one thread.
+ * Check of the names and the total size of the files in one {@link WorldPack} against the limits of
+ * packs. The same checks apply when a pack is made and when it is opened. For one thread.
  */
 final class PackNames {
     private final Path pack;
 
     /**
-     * The names of files and their folders, by a normalised form: names with the same form may be
-     * the same file in some file systems.
+     * The names of files and folders, by a normalised form. Names with the same form may be the
+     * same file in some file systems.
      */
     private final Map<String, String> taken = new HashMap<>();
 
@@ -30,7 +30,7 @@ final class PackNames {
         this.pack = pack;
     }
 
-    /** Checks the name of a file or, with a slash at its end, of a folder. */
+    /** Checks the name of a file, or of a folder if the name ends with a slash. */
     void add(String entry) throws PackException {
         boolean isFolder = entry.endsWith("/");
         String name = isFolder ? entry.substring(0, entry.length() - 1) : entry;
@@ -63,7 +63,7 @@ final class PackNames {
         }
     }
 
-    /** Counts bytes of a file's content; throws if all files exceed the limit. */
+    /** Counts bytes of a file's content. Throws an exception if all files exceed the limit. */
     void take(String name, long count) throws PackException {
         bytes += count;
         if (bytes > WorldPack.MAX_BYTES) {

@@ -10,8 +10,9 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Reader of a file that contains only the parameters of one law: a mapping in YAML, with values as
- * in {@code parameters} of a world file, such as {@code drag: 3 kg/s}. For any thread.
+ * Reader of a file that contains only the parameters of one law. The file is a mapping in YAML,
+ * with values as under the key {@code parameters} of a world file, such as {@code drag: 3 kg/s}.
+ * For any thread.
  */
 public final class ParameterFile {
 
@@ -19,10 +20,10 @@ public final class ParameterFile {
 
     /**
      * Reads the parameters of a law and converts them to SI units. Does not check their names and
-     * dimensions, which only the loaded law knows.
+     * dimensions, because only the loaded law knows them.
      *
      * @param law name of the law
-     * @param file name of the file, for places
+     * @param file name of the file, for positions in messages
      * @throws WorldFileException with all problems of the text
      */
     public static LawReference read(String law, String text, String file)
@@ -52,7 +53,7 @@ public final class ParameterFile {
         return read;
     }
 
-    /** Returns a law with the parameters of these nodes; notes problems of their values. */
+    /** Returns a law with the parameters of these nodes. Records the problems of their values. */
     static LawReference reference(
             String name,
             Optional<String> text,

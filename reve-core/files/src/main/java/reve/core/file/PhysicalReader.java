@@ -76,7 +76,7 @@ final class PhysicalReader {
         aspect.get("material").filter(Node::isMapping).ifPresent(node -> material(node, item));
     }
 
-    /** Reads a value if its key is location, orientation or colour; ignores other keys. */
+    /** Reads a value if its key is location, orientation or colour. Ignores other keys. */
     void readPlaceOrColour(Node value, ItemDefinition.Builder item) {
         switch (value.key()) {
             case "colour" ->
@@ -98,8 +98,8 @@ final class PhysicalReader {
     }
 
     /**
-     * Warns of an angle of more than a full turn without a unit: its author probably means degrees,
-     * not radians.
+     * Warns of an angle without a unit that exceeds a full turn. Such a number is in radians, but
+     * its author probably meant degrees.
      */
     private void doubtAngle(Node node) {
         node.number()
@@ -150,7 +150,7 @@ final class PhysicalReader {
         boolean fromFile = name.equals("mesh") && aspect.get("file").isPresent();
         Set<String> wanted = fromFile ? Set.of("file") : KEYS_BY_SHAPE.getOrDefault(name, Set.of());
         if (node.isPresent() && wanted.isEmpty()) {
-            return; // the shape is unknown, which the schema check reported
+            return; // the shape is unknown, which the schema check has reported
         }
         boolean complete = true;
         for (String key : SHAPE_KEYS) {
@@ -223,7 +223,10 @@ final class PhysicalReader {
                 : Optional.of(shape.of(radius.get()[0], height.get()[0]));
     }
 
-    /** Returns the mesh of a height field: two triangles for each four neighbouring heights. */
+    /**
+     * Returns the mesh of a height field. It contains two triangles for each four neighbouring
+     * heights.
+     */
     private Optional<Shape> terrain(Node aspect) {
         Optional<double[]> size = lengths(aspect, "size", 2);
         Node heights = aspect.get("heights").orElseThrow();
@@ -364,7 +367,7 @@ final class PhysicalReader {
                 || !triangles.isList()
                 || vertices.children().size() < 3
                 || triangles.children().isEmpty()) {
-            return Optional.empty(); // the schema check reported it
+            return Optional.empty(); // the schema check has reported the problem
         }
         float[] coordinates = new float[3 * vertices.children().size()];
         int[] indices = new int[3 * triangles.children().size()];
@@ -414,7 +417,8 @@ final class PhysicalReader {
     }
 
     /**
-     * Runs a step that throws at wrong values, and notes its message as a problem with the value.
+     * Runs a step that throws an exception for wrong values, and records its message as a problem
+     * with the value.
      */
     private void attempt(Node node, Runnable step) {
         try {

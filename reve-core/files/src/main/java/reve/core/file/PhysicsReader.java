@@ -16,11 +16,14 @@ import java.util.Set;
 
 /** Reader of physics aspects. The prototype defines the properties with their types and units. */
 final class PhysicsReader {
-    /** The words for the types of joints; the column stores their place in this list, from 1. */
+    /**
+     * The words for the types of joints. The column stores the position of a word in this list,
+     * from 1.
+     */
     private static final List<String> JOINT_TYPES =
             List.of("fixed", "ball", "hinge", "slider", "distance");
 
-    /** The last layer of contacts; a column has a bit for each. */
+    /** The highest number of a contact layer. A column has one bit for each layer. */
     private static final int MAX_LAYER = 31;
 
     private final WorldPrototype prototype;
@@ -30,8 +33,8 @@ final class PhysicsReader {
     private final Quantities quantities;
 
     /**
-     * @param misdeclared names of properties whose declaration was refused; later uses of these
-     *     properties are not reported
+     * @param misdeclared names of properties whose declaration was refused. Later uses of these
+     *     properties cause no further problems
      */
     PhysicsReader(
             WorldPrototype prototype, Set<String> misdeclared, Doubts doubts, Problems problems) {
@@ -86,8 +89,8 @@ final class PhysicsReader {
     }
 
     /**
-     * Returns the value of the key `density`, from which mass and inertia are computed; empty if
-     * the world declares a property of this name.
+     * Returns the value of the key `density`, from which mass and inertia are computed. Returns
+     * empty if the world declares a property of this name.
      */
     Optional<Node> density(Node aspect, String kind) {
         return aspect.get("density").filter(value -> isDensity(value, kind));
@@ -99,7 +102,10 @@ final class PhysicsReader {
                 && prototype.find(kind, "density").isEmpty();
     }
 
-    /** Returns the constants of the world by name; all files together may set each once. */
+    /**
+     * Returns the constants of the world by name. A constant may be set only once in all files
+     * together.
+     */
     Map<String, List<Double>> constants(List<Node> aspects) {
         Map<String, List<Double>> values = new LinkedHashMap<>();
         Map<String, Node> given = new HashMap<>();
@@ -139,9 +145,10 @@ final class PhysicsReader {
     }
 
     /**
-     * Returns the property of a kind and name. Empty, with a problem noted, if it is unknown.
+     * Returns the property of a kind and name. If it is unknown, records a problem and returns
+     * empty.
      *
-     * @param where the node for messages, whose key or value contains the name
+     * @param where node whose key or value contains the name, for messages
      */
     Optional<PropertyDescriptor> find(Node where, String name, String kind) {
         Optional<PropertyDescriptor> property = prototype.find(kind, name);
@@ -162,8 +169,8 @@ final class PhysicsReader {
     }
 
     /**
-     * Reads the value of a numeric property in its unit. Empty, with a problem noted, if it does
-     * not fit.
+     * Reads the value of a numeric property in its unit. If the value does not fit, records a
+     * problem and returns empty.
      */
     Optional<double[]> numbers(Node node, PropertyDescriptor property) {
         if (isJointType(property) && node.text().isPresent()) {
@@ -177,7 +184,7 @@ final class PhysicsReader {
                 .filter(values -> fits(node, property, values));
     }
 
-    /** Reads a list of numbers of layers as bits. */
+    /** Reads a list of layer numbers. The result has one bit for each layer. */
     private Optional<double[]> layers(Node node, PropertyDescriptor property) {
         int bits = 0;
         for (Node layer : node.children()) {
@@ -205,7 +212,7 @@ final class PhysicsReader {
         return property.kind().equals(WorldPrototype.JOINT) && property.name().equals("jointType");
     }
 
-    /** Reads the word for a type of joint as its code. */
+    /** Reads the word for a type of joint, and returns its code. */
     private Optional<double[]> jointType(Node node) {
         int code = JOINT_TYPES.indexOf(node.text().orElseThrow());
         if (code < 0) {
@@ -221,7 +228,10 @@ final class PhysicsReader {
         return Optional.of(new double[] {code + 1});
     }
 
-    /** Returns whether the values are in the range of the property; notes a problem if not. */
+    /**
+     * Returns whether the values are in the range of the property. Records a problem if they are
+     * not.
+     */
     boolean fits(Node node, PropertyDescriptor property, double[] values) {
         for (double value : values) {
             if (value < property.minimum()) {
@@ -234,7 +244,10 @@ final class PhysicsReader {
         return fits(node, property.type(), values);
     }
 
-    /** Returns whether a column of the type can represent the values; notes a problem if not. */
+    /**
+     * Returns whether a column of this type can represent the values. Records a problem if it
+     * cannot.
+     */
     boolean fits(Node node, ScalarType type, double[] values) {
         for (double value : values) {
             if (!type.holds(value)) {
@@ -267,8 +280,8 @@ final class PhysicsReader {
     }
 
     /**
-     * Returns whether laws can compute with the numbers, which must not be too large; notes a
-     * problem if not.
+     * Returns whether laws can compute with the numbers. Records a problem if the numbers are too
+     * large.
      */
     boolean isWorkable(Node node, double... values) {
         for (double value : values) {

@@ -9,11 +9,11 @@ import java.util.Optional;
 
 /**
  * The positions (line and column) of items, constants and laws in a world file, for warnings that
- * can be found only after loading. All objects of this class are equal, so that worlds are compared
- * without positions. Immutable.
+ * can be found only after loading. All objects of this class are equal, so that the comparison of
+ * world descriptions ignores positions. Immutable.
  */
 public final class Places {
-    /** The aspects whose values have positions of their own. */
+    /** The aspects in which each value has a position. */
     private static final List<String> ASPECTS = List.of("physical", "physics");
 
     private static final Places NONE = new Places("", List.of(), Map.of());
@@ -23,7 +23,7 @@ public final class Places {
     private final Map<String, Place> constants;
 
     /**
-     * The position of an item and of the values of its aspects. Repetitions of an item share one
+     * The position of an item and of the values in its aspects. Repetitions of an item share one
      * object.
      *
      * @param keys names of the values, such as {@code physics.mass}; the other arrays have one
@@ -103,16 +103,16 @@ public final class Places {
      * Returns a warning about an item.
      *
      * @param item index in {@link WorldDescription#items}
-     * @param key of the value in question, such as {@code physics.mass}; if the file does not
-     *     contain the value, the warning has the position of the item
+     * @param key name of a value, such as {@code physics.mass}; if the file does not contain the
+     *     value, the warning has the position of the item
      */
     public Problem item(int item, String key, String message) {
         return item < items.size() ? items.get(item).warning(key, message) : world(message);
     }
 
     /**
-     * Returns a warning at a constant, or at the start of the file if the file does not set the
-     * constant.
+     * Returns a warning about a constant. Its position is the start of the file if the file does
+     * not set the constant.
      */
     public Problem constant(String name, String message) {
         return Optional.ofNullable(constants.get(name))

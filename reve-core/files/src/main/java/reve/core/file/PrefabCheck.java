@@ -11,8 +11,9 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Check of prefabs (templates of items) that no item uses yet, so that errors are found early. Does
- * not check parts that only an item can complete: formulas, incomplete shapes, references to items.
+ * Check of prefabs (templates of items) that no item uses yet. It reports errors before the first
+ * item uses the prefab. It does not check parts that only an item can complete: formulas,
+ * incomplete shapes, and references to items.
  */
 final class PrefabCheck {
     private static final List<String> SHAPE_KEYS =
@@ -39,11 +40,14 @@ final class PrefabCheck {
 
     private final ItemReader reader;
 
-    /** Aspects of prefabs, and the same aspects without the values that formulas give. */
+    /**
+     * Aspects of prefabs. The value of each is the same aspect without the values that contain
+     * formulas.
+     */
     private final Map<Node, Node> constants = new HashMap<>();
 
     /**
-     * @param reader a reader of its own, which does not check that referenced items exist
+     * @param reader a separate reader that does not check whether referenced items exist
      */
     PrefabCheck(WorldPrototype prototype, ItemReader reader) {
         this.prototype = prototype;
@@ -66,7 +70,8 @@ final class PrefabCheck {
     }
 
     /**
-     * Returns the prefab without formulas. Searches an aspect that several prefabs share only once.
+     * Returns the prefab without the values that contain formulas. Searches an aspect that several
+     * prefabs share only once.
      */
     private Node withoutFormulas(Node prefab) {
         Map<String, Node> fields = new LinkedHashMap<>();
@@ -105,8 +110,8 @@ final class PrefabCheck {
     }
 
     /**
-     * Returns the declared kind of a prefab, or else the kind to which most of its properties
-     * belong.
+     * Returns the declared kind of a prefab. If there is none, returns the kind to which most of
+     * the prefab's properties belong.
      */
     private String kind(Node prefab) {
         Optional<String> declaredKind = prefab.get("kind").flatMap(Node::text);

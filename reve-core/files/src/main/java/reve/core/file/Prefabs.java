@@ -12,11 +12,11 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The prefabs of a world file by name: templates whose values an item takes if it is {@code like}
- * the prefab.
+ * The prefabs of a world file by name. A prefab is a template. An item with the key {@code like}
+ * takes the values of this prefab.
  */
 final class Prefabs {
-    /** Maximum length of a chain of prefabs in which each is {@code like} the next. */
+    /** Maximum length of a chain of prefabs in which each prefab is {@code like} the next one. */
     static final int MAX_CHAIN = 32;
 
     private final Problems problems;
@@ -28,8 +28,9 @@ final class Prefabs {
     private final Set<String> used = new HashSet<>();
 
     /**
-     * @param prefabs nodes whose keys are the names; of several with one name, the first counts
-     * @param values limit on the values that completing items creates
+     * @param prefabs nodes whose keys are the names of the prefabs; if several have the same name,
+     *     the first one is used
+     * @param values limit on the values that the completion of items creates
      */
     Prefabs(List<Node> prefabs, Problems problems, Expansion.Room values)
             throws WorldFileException {
@@ -75,8 +76,8 @@ final class Prefabs {
     }
 
     /**
-     * @param users names of the prefabs that are being completed, each {@code like} the next, to
-     *     find cycles
+     * @param users names of the prefabs that are being completed, each {@code like} the next one;
+     *     used to find cycles
      */
     private Node complete(Node item, Set<String> users) throws WorldFileException {
         Optional<Node> like = item.get("like");
@@ -93,7 +94,7 @@ final class Prefabs {
     }
 
     /**
-     * @param where the node with the name, for the problem if there is no such prefab
+     * @param where node that contains the name, for the problem if there is no such prefab
      */
     private Optional<Node> prefab(Node where, String name, Set<String> users)
             throws WorldFileException {

@@ -6,8 +6,8 @@ import java.util.Comparator;
 /**
  * An error or a warning about a world file.
  *
- * @param severity whether the file is refused because of it
- * @param file name of the file as the caller gave it
+ * @param severity whether the problem causes the refusal of the file
+ * @param file name of the file, in the form in which the caller gave it
  * @param line number of the line, from 1
  * @param column number of the character in the line, from 1
  * @param pointer JSON pointer of the value, such as {@code /items/0/physics/mass}; empty for the

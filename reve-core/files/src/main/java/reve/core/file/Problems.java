@@ -12,15 +12,15 @@ import java.util.Set;
 import java.util.regex.Pattern;
 
 /**
- * Collector of the problems (errors and warnings) in a world file and its included files; limits
- * their number.
+ * Collector of the problems (errors and warnings) in a world file and its included files. It limits
+ * the number of problems.
  */
 final class Problems {
     /** Maximum number of problems in one report. */
     static final int MAX_REPORTED = 100;
 
     /**
-     * Maximum number of wrong names per report for which the collector searches a similar known
+     * Maximum number of wrong names in one report for which the collector searches a similar known
      * name.
      */
     static final int MAX_SUGGESTIONS = 20;
@@ -33,7 +33,7 @@ final class Problems {
 
     /**
      * Mappings with an unknown key. If such a mapping lacks a required key, the unknown key may be
-     * this one, misspelt.
+     * a misspelling of the required one.
      */
     private final Set<String> misspelt;
 
@@ -61,7 +61,7 @@ final class Problems {
         this.misspelt = misspelt;
     }
 
-    /** Returns a collector for another file that adds to the report of this one. */
+    /** Returns a collector for another file. It adds its problems to the same report. */
     Problems of(String otherFile) {
         return new Problems(otherFile, found, warnings, misspelt, suggestions);
     }
@@ -82,8 +82,8 @@ final class Problems {
     }
 
     /**
-     * Returns the position of another node for a message about {@code from}: {@code on line 5}, or
-     * {@code in f.yaml:5} if it is in another file.
+     * Returns the position of another node for a message about {@code from}. The result is {@code
+     * on line 5} in the same file, or {@code in f.yaml:5} in another file.
      */
     static String place(Node other, Node from) {
         return other.file().equals(from.file())
@@ -92,8 +92,8 @@ final class Problems {
     }
 
     /**
-     * Notes a problem with the value of a node. Of several problems with one scalar value, only the
-     * first is kept.
+     * Records a problem with the value of a node. If one scalar value has several problems, only
+     * the first one is recorded.
      */
     void add(Node node, String message) {
         if (isFirst(node)) {
@@ -112,8 +112,10 @@ final class Problems {
     }
 
     /**
-     * Notes a problem at the character {@code offset} (from 0) of a text; for a text in YAML block
-     * style, at the start of the text.
+     * Records a problem at a character of a text. For a text in YAML block style, the position is
+     * the start of the text.
+     *
+     * @param offset index of the character, from 0
      */
     void addInText(Node node, int offset, String message) {
         int column = node.textColumn() < 0 ? node.column() : node.textColumn() + offset;
@@ -121,7 +123,8 @@ final class Problems {
     }
 
     /**
-     * Notes a problem with the key of a node, under the conditions of {@link #add(Node, String)}.
+     * Records a problem with the key of a node. Like {@link #add(Node, String)}, this may ignore
+     * further problems.
      */
     void addAtKey(Node node, String message) {
         if (isFirst(node)) {
@@ -133,29 +136,30 @@ final class Problems {
         add(problem(file, line, column, pointer, message));
     }
 
-    /** Notes a key that a mapping cannot have. */
+    /** Records a key that a mapping cannot have. */
     void addUnknownKey(Node mapping, Node node, String message) {
         misspelt.add(mapping.file() + mapping.pointer());
         addAtKey(node, message);
     }
 
     /**
-     * Returns whether the mapping has an unknown key, which may be a missing one misspelt; missing
-     * keys are then not reported.
+     * Returns whether the mapping has an unknown key. In such a mapping, missing keys are not
+     * reported, because the unknown key may be a misspelling of the missing one.
      */
     boolean isMisspelt(Node mapping) {
         return misspelt.contains(mapping.file() + mapping.pointer());
     }
 
     /**
-     * Returns the end of a message that suggests the intended name. Empty if no name is similar,
-     * and after {@link #MAX_SUGGESTIONS} names, because the search is slow.
+     * Returns the end of a message that suggests the intended name. Returns an empty text if no
+     * known name is similar. Also returns an empty text after {@link #MAX_SUGGESTIONS} names,
+     * because the search is slow.
      */
     String suggestion(String wrong, Collection<String> known) {
         return !full() && suggestions.take(1) ? Suggestion.of(wrong, known) : "";
     }
 
-    /** Notes a warning, which does not make the file invalid. */
+    /** Records a warning. A warning does not make the file invalid. */
     void warn(Node node, String message) {
         Problem warning =
                 problem(
@@ -175,14 +179,17 @@ final class Problems {
         return problem(Problem.Severity.WARNING, file, line, column, pointer, message);
     }
 
-    /** Returns the warnings in order of position, at most as many as a report holds. */
+    /**
+     * Returns the warnings in order of position. Their number does not exceed {@link
+     * #MAX_REPORTED}.
+     */
     List<Problem> warnings() {
         return warnings.stream().sorted().toList();
     }
 
     /**
-     * Adds a problem, unless it was added before, for another item with a value from the same
-     * prefab.
+     * Adds a problem unless it was added before. The same problem occurs again if several items
+     * take a value from one prefab.
      */
     private void add(Problem problem) {
         if (!full() && !found.contains(problem)) {
@@ -199,10 +206,10 @@ final class Problems {
     }
 
     /**
-     * Throws if all files together declare more than {@code most} values under a key. Called before
-     * the values are read.
+     * Throws an exception if all files together declare more than {@code most} values under a key.
+     * Called before the values are read.
      *
-     * @param declared these values
+     * @param declared the declared values
      * @param key name of the key, for the message
      */
     void requireAtMost(int most, List<Node> declared, String key) throws WorldFileException {
@@ -220,14 +227,14 @@ final class Problems {
         }
     }
 
-    /** Throws if the report has its maximum number of errors. */
+    /** Throws an exception if the report has its maximum number of errors. */
     void throwIfFull() throws WorldFileException {
         if (full()) {
             throw exception();
         }
     }
 
-    /** Throws if there is any error. */
+    /** Throws an exception if there is any error. */
     void throwIfAny() throws WorldFileException {
         if (!found.isEmpty()) {
             throw exception();
@@ -246,8 +253,8 @@ final class Problems {
     }
 
     /**
-     * Creates a problem. Escapes control characters, because the file's content must not control a
-     * terminal.
+     * Creates a problem. Escapes control characters, because the content of a file must not control
+     * a terminal.
      */
     private static Problem problem(
             Problem.Severity severity,

@@ -22,10 +22,13 @@ final class PrototypeReader {
     /** Maximum number of properties of one world. */
     static final int MAX_PROPERTIES = 1000;
 
-    /** Keys with long lists of numbers, in which no properties need be searched. */
+    /** Keys with long lists of numbers. The search for properties skips them. */
     private static final Set<String> MESH_KEYS = Set.of("vertices", "triangles", "heights");
 
-    /** The property that a law writes for each body with this one. */
+    /**
+     * Properties that a law writes for each body, by the property that requests them. A world with
+     * an item that sets the first property also gets the second one.
+     */
     private static final Map<String, String> WRITTEN_WITH = Map.of("touchSensor", "touchCount");
 
     private static final Pattern PHYSICS_NAME = Pattern.compile("\\bphysics\\.(\\w+)");
@@ -40,7 +43,7 @@ final class PrototypeReader {
     }
 
     /**
-     * Returns the standard prototype that the file names, with the declared properties.
+     * Returns the standard prototype that the file names, together with the declared properties.
      *
      * @param parts the parts of the files that may contain the kind {@code joint}: items and rules
      */
@@ -60,8 +63,8 @@ final class PrototypeReader {
     }
 
     /**
-     * Adds the properties on demand that items set or rules of joints read, and that the file does
-     * not declare.
+     * Adds the properties on demand that items set or that rules of joints read. Omits those that
+     * the file declares.
      */
     private static WorldPrototype withPropertiesOnDemand(
             WorldPrototype prototype, List<Node> properties, List<Node> parts) {
@@ -86,8 +89,8 @@ final class PrototypeReader {
     }
 
     /**
-     * Adds the keys of all mappings with the key {@code physics} in a node, and the names after
-     * {@code physics.} in the rules of joints.
+     * Adds the keys of all mappings under the key {@code physics} in a node. Also adds the names
+     * after {@code physics.} in the rules of joints.
      */
     private static void findProperties(Node node, Set<String> found) {
         if (node.key().equals("physics") && node.isMapping()) {
@@ -121,8 +124,8 @@ final class PrototypeReader {
     }
 
     /**
-     * Returns the unit under the key {@code unit}, or the unit 1 if the key is missing. Empty, with
-     * a problem noted, if the unit is wrong.
+     * Returns the unit under the key {@code unit}, or the unit 1 if the key is missing. If the unit
+     * is wrong, records a problem and returns empty.
      */
     static Optional<Unit> unit(Node owner, Problems problems) {
         Optional<Node> node = owner.get("unit");
@@ -138,7 +141,7 @@ final class PrototypeReader {
     }
 
     /**
-     * Returns the number under the key {@code components}, or 1 if it is missing or wrong; the
+     * Returns the number under the key {@code components}, or 1 if it is missing or wrong. The
      * schema check reports a wrong number.
      */
     static int components(Node owner) {

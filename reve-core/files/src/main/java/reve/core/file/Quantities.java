@@ -15,8 +15,8 @@ import java.util.regex.Pattern;
 
 /**
  * Reader of the numbers of a world file: {@code 3}, {@code [0, 3, 0]}, {@code 3 kg}, {@code 0 3 0
- * km/h} or {@code "[0, 3, 0] km/h"}. A number without a unit has the expected unit; any other
- * number is converted to this unit.
+ * km/h} or {@code "[0, 3, 0] km/h"}. A number without a unit is in the expected unit. A number with
+ * a unit is converted to the expected unit.
  */
 final class Quantities {
     /** Maximum length of a text with numbers [characters]. */
@@ -34,21 +34,24 @@ final class Quantities {
 
     private final Problems problems;
 
-    /** Cache of parsed units by text; many items use the same few units. */
+    /** Cache of parsed units by text. It saves time because many items use the same few units. */
     private final Map<String, Unit> units = new HashMap<>();
 
     Quantities(Problems problems) {
         this.problems = problems;
     }
 
-    /** Returns one number in {@code unit}; empty, with a problem noted, if the value is wrong. */
+    /**
+     * Returns one number in {@code unit}. If the value is wrong, records a problem and returns
+     * empty.
+     */
     Optional<Double> number(Node node, Unit unit) {
         return numbers(node, 1, unit).map(values -> values[0]);
     }
 
     /**
-     * Returns {@code count} numbers in {@code unit}; empty, with a problem noted, if the value is
-     * wrong.
+     * Returns {@code count} numbers in {@code unit}. If the value is wrong, records a problem and
+     * returns empty.
      */
     Optional<double[]> numbers(Node node, int count, Unit unit) {
         if (node.text().isPresent()) {
@@ -68,7 +71,9 @@ final class Quantities {
      */
     record Quantity(double value, Optional<Unit> unit) {}
 
-    /** Returns one number with any unit; empty, with a problem noted, if the value is wrong. */
+    /**
+     * Returns one number with any unit. If the value is wrong, records a problem and returns empty.
+     */
     Optional<Quantity> quantity(Node node) {
         if (node.text().isEmpty()) {
             return node.number().map(value -> new Quantity(value, Optional.empty()));
@@ -145,7 +150,7 @@ final class Quantities {
                         + "`";
     }
 
-    /** Splits a text into the numbers at its start and the rest, the unit. */
+    /** Splits a text into the numbers at its start and the unit after them. */
     private Optional<Parsed> parse(Node node, String expected) {
         String text = node.text().orElseThrow().strip();
         if (text.length() > MAX_LENGTH) {

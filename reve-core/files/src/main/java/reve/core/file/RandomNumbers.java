@@ -4,11 +4,11 @@ package reve.core.file;
 import java.util.Map;
 
 /**
- * Pseudorandom numbers from a seed and the number of a repetition: SplitMix64 of Steele, Lea and
- * Flood, "Fast splittable pseudorandom number generators", 2014.
+ * Pseudorandom numbers from a seed and the number of a repetition. Uses SplitMix64 (G. L. Steele,
+ * D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, 2014).
  */
 final class RandomNumbers {
-    /** The random functions of formulas; their argument is the seed. */
+    /** The random functions of formulas. Their argument is the seed. */
     static final Map<String, Function> FUNCTIONS =
             Map.of(
                     "random", numbers -> new double[] {numbers.next()},
@@ -19,12 +19,12 @@ final class RandomNumbers {
     private static final long STEP = 0x9e3779b97f4a7c15L;
 
     /**
-     * Minimum squared distance from the origin of a random point that gives a direction; nearer
-     * points have too few digits.
+     * Minimum squared distance from the origin of a random point that determines a direction. The
+     * coordinates of nearer points have too few significant digits.
      */
     private static final double SMALLEST = 1e-6;
 
-    /** A random function: returns one number, or the coordinates of a point. */
+    /** A random function. It returns one number, or the coordinates of a point. */
     interface Function {
         double[] value(RandomNumbers numbers);
     }
@@ -47,7 +47,8 @@ final class RandomNumbers {
     }
 
     /**
-     * Returns a uniform point in the ball of radius 1: the first point of the cube that is inside.
+     * Returns a uniform point in the ball of radius 1. It is the first random point of the cube
+     * that is inside the ball.
      */
     private double[] inBall() {
         double[] point = inBox();

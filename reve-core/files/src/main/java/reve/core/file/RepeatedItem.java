@@ -7,8 +7,8 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The first repetition of an item. The other repetitions differ from it only in the values that
- * formulas give, so only these values are read for them.
+ * The first repetition of an item. The other repetitions differ from it only in the values of
+ * formulas. Therefore only these values are read for the other repetitions.
  *
  * @param node the node of the first repetition
  * @param definition the definition read from this node
@@ -19,7 +19,7 @@ record RepeatedItem(Node node, ItemDefinition definition) {
         return definition.kind();
     }
 
-    /** Returns whether each value that formulas give can be read without the rest of the item. */
+    /** Returns whether each value of a formula can be read without the rest of the item. */
     boolean differsInSingleValues(List<Template.Made> values) {
         return values.stream().allMatch(made -> isSingle(made.aspect(), made.value().key()));
     }
@@ -35,17 +35,29 @@ record RepeatedItem(Node node, ItemDefinition definition) {
         };
     }
 
-    /** Returns the name of another repetition, which has these values. */
+    /**
+     * Returns the name of another repetition.
+     *
+     * @param values the values of formulas in that repetition
+     */
     Node name(List<Template.Made> values) {
         return find(values, "", "name").or(() -> node.get("name")).orElseThrow();
     }
 
-    /** Returns the parent of another repetition, which has these values. */
+    /**
+     * Returns the parent of another repetition.
+     *
+     * @param values the values of formulas in that repetition
+     */
     Optional<Node> parent(List<Template.Made> values) {
         return find(values, "", "parent").or(() -> node.get("parent"));
     }
 
-    /** Returns a physics property of another repetition, which has these values. */
+    /**
+     * Returns a physics property of another repetition.
+     *
+     * @param values the values of formulas in that repetition
+     */
     Optional<Node> physics(List<Template.Made> values, String property) {
         return find(values, "physics", property)
                 .or(() -> node.get("physics").flatMap(aspect -> aspect.get(property)));

@@ -14,14 +14,14 @@ import java.util.Optional;
 record Repetition(List<String> variables, long count, Values values) {
     private static final String INDEX = "i";
 
-    /** Returns the values of the variables in one repetition. */
+    /** A function that returns the values of the variables in one repetition. */
     interface Values {
         double[] at(long number);
     }
 
     /**
-     * Reads the value of the key {@code repeat}. Empty, with a problem noted, if the value is
-     * wrong.
+     * Reads the value of the key {@code repeat}. If the value is wrong, records a problem and
+     * returns empty.
      */
     static Optional<Repetition> read(Node node, SourceFiles files, Problems problems)
             throws WorldFileException {
@@ -40,8 +40,8 @@ record Repetition(List<String> variables, long count, Values values) {
     }
 
     /**
-     * Reads a grid: one repetition for each combination of several indices; the last index changes
-     * fastest.
+     * Reads a grid, which has one repetition for each combination of several indices. The last
+     * index changes fastest.
      */
     private static Optional<Repetition> grid(Node node, Problems problems) {
         List<String> names = node.children().stream().map(Node::key).toList();

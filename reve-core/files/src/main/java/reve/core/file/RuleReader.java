@@ -161,7 +161,8 @@ final class RuleReader {
     }
 
     /**
-     * Requires that a rule reads only symbols of earlier rules, not its own or those of later ones.
+     * Checks that a rule reads only symbols of earlier rules. It must not read its own symbol or
+     * symbols of later rules.
      */
     private void requireOrder(List<Rule> rules, Map<String, Node> nodes) {
         misplaced(rules)
@@ -201,8 +202,8 @@ final class RuleReader {
     /**
      * Reads one rule of a change.
      *
-     * @param scopes by kind, for all rules of the change, because creating a scope takes longer
-     *     than reading a rule
+     * @param scopes scopes of expressions by kind. All rules of the change share them, because the
+     *     creation of a scope takes longer than reading a rule
      */
     Optional<Rule> readChange(Node node, WorldPrototype prototype, Map<String, Scope> scopes) {
         return rule(node, prototype, scopes);

@@ -6,11 +6,11 @@ import java.util.List;
 /**
  * One run of an experiment.
  *
- * @param point the values that distinguish the run
+ * @param point the values by which the run differs from the other runs
  * @param world the world of the run
  * @param frames number of frames
- * @param steps changes of laws, in order of frames
- * @param measures what is measured, in the order of the file
+ * @param steps changes of laws, in the order of their frames
+ * @param measures the values to measure, in the order of the file
  * @param agents programs that join as agents
  */
 public record RunPlan(

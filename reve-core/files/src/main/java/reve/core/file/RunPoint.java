@@ -7,7 +7,7 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The values that distinguish a run of an experiment from the others.
+ * The values by which a run of an experiment differs from the other runs.
  *
  * @param number number of the run, from 1
  * @param itsCase name of the case, if the experiment has cases

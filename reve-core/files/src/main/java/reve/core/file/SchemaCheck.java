@@ -30,8 +30,8 @@ import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 
 /**
- * Check of a world file against the JSON schema of world files. Translates the errors of the schema
- * library into messages with the position in the file.
+ * Check of a world file against the JSON schema of world files. It translates the errors of the
+ * schema library into messages with the position in the file.
  */
 final class SchemaCheck {
     private static final Source WORLD =
@@ -41,8 +41,8 @@ final class SchemaCheck {
     private static final Schema ITEM = WORLD.schema("#/$defs/item");
 
     /**
-     * Number of elements of a list that are checked: one more than the schema permits in any list
-     * whose elements it describes.
+     * Maximum number of elements of a list that are checked. It exceeds by one the maximum number
+     * that the schema permits in lists with described elements.
      */
     private static final int MAX_ELEMENTS = 10_001;
 
@@ -66,7 +66,7 @@ final class SchemaCheck {
     private final Problems problems;
     private final JsonNode tree;
 
-    /** Whether a list or a mapping is longer than permitted. */
+    /** Whether a list or a mapping in the file is longer than permitted. */
     private boolean tooLong;
 
     private SchemaCheck(Problems problems) {
@@ -99,14 +99,14 @@ final class SchemaCheck {
         }
     }
 
-    /** The schema of experiments, read when the first experiment is checked. */
+    /** The schema of experiments. It is read when the first experiment is checked. */
     private static final class OfExperiments {
         private static final Source SOURCE =
                 new Source("/reve-experiment.schema.json", "urn:reve:experiment:1");
         private static final Schema FILE = SOURCE.schema("");
     }
 
-    /** Notes all violations of the schema in a world file. */
+    /** Records all violations of the schema in a world file as problems. */
     static void check(Node root, Problems problems) throws WorldFileException {
         new SchemaCheck(problems).check(root, FILE);
     }
@@ -131,8 +131,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Checks a file. Checks its items one by one, so that the check of many items ends when the
-     * report is full.
+     * Checks a file. The items are checked one by one, so that the check of many items ends when
+     * the report is full.
      */
     private void check(Node root, Schema schema) throws WorldFileException {
         ObjectNode withoutItems = (ObjectNode) toJson(root, root.get("items").filter(Node::isList));
@@ -147,7 +147,10 @@ final class SchemaCheck {
         endIfTooLong();
     }
 
-    /** Throws if a list or mapping is too long, so that the readers may rely on the limits. */
+    /**
+     * Throws an exception if a list or mapping is too long. After this check, the readers can rely
+     * on the limits.
+     */
     private void endIfTooLong() throws WorldFileException {
         if (tooLong) {
             problems.throwIfAny();
@@ -211,8 +214,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Notes a decimal comma, if the error is one: in braces, YAML reads {@code mass: 0,5} as a mass
-     * of 0 and a key 5 without a value.
+     * Records a problem and returns true if the error is a decimal comma. In braces, YAML reads
+     * {@code mass: 0,5} as a mass of 0 and a key 5 without a value.
      */
     private boolean tellsOfDecimalComma(Node base, Error error, Node node) {
         boolean comma =
@@ -232,8 +235,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Returns the mapping that contains the node; the library reports an unknown key at its
-     * mapping.
+     * Returns the mapping that contains the node. For an unknown key, the library reports this
+     * mapping instead of the node.
      */
     private static Node mapping(Node base, Error error, Node node) {
         Node reported = resolve(base, error.getInstanceLocation());
@@ -315,13 +318,16 @@ final class SchemaCheck {
         return suggestion.isEmpty() ? "; known here: " + String.join(", ", known) : suggestion;
     }
 
-    /** Returns the part of the schema that contains the broken rule. */
+    /** Returns the part of the schema that contains the violated rule. */
     private JsonNode surrounding(Error error) {
         String rule = error.getSchemaLocation().getFragment().toString();
         return tree.at(JsonPointer.compile(rule.substring(0, rule.lastIndexOf('/'))));
     }
 
-    /** Returns the description of a rule, from the rule itself or from its reference. */
+    /**
+     * Returns the description of a rule. If the rule is a reference, returns the description of the
+     * referenced rule.
+     */
     private String description(JsonNode rule) {
         JsonNode reference = rule.path("$ref");
         return (reference.isMissingNode()
@@ -351,7 +357,9 @@ final class SchemaCheck {
 
     /**
      * Converts a node into the JSON tree of the schema library. Copies only the first elements of
-     * long lists, and the list {@code emptied} as an empty list.
+     * long lists.
+     *
+     * @param emptied list that becomes an empty list
      */
     private static JsonNode toJson(Node node, Optional<Node> emptied) {
         JsonNodeFactory json = JsonNodeFactory.instance;
@@ -381,8 +389,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Returns whether a number is whole and exceeds 64 bits. The library must get it as a big
-     * integer, because its comparison would overflow.
+     * Returns whether a number is whole and exceeds 64 bits. Such a number is passed to the library
+     * as a big integer, because its comparison would overflow.
      */
     private static boolean isWholeBeyondLong(double number) {
         return Double.isFinite(number) && Math.abs(number) >= 0x1p63;

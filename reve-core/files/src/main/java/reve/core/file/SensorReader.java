@@ -30,7 +30,7 @@ final class SensorReader {
         this.quantities = new Quantities(problems);
     }
 
-    /** Reads one sensor. Empty, with a problem noted, if it is invalid. */
+    /** Reads one sensor. If it is invalid, records a problem and returns empty. */
     Optional<Sensor> read(Node node) {
         Optional<Node> camera = node.get("camera");
         return camera.isPresent() ? readCamera(node, camera.get()) : readSense(node);

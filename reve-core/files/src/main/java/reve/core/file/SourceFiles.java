@@ -14,12 +14,15 @@ import java.util.Optional;
 
 /**
  * The text files of a world: the world file, and the files in its folder that it names directly or
- * through other files. Their total size is limited.
+ * through other files. The total size of these files is limited.
  */
 final class SourceFiles {
     private final WorldFolder folder;
 
-    /** The folder in the name of the world file as the user gave it; null if this name has none. */
+    /**
+     * The folder in the name of the world file as the user gave it; null if this name contains no
+     * folder.
+     */
     private final @Nullable Path named;
 
     private final Allowance bytes = new Allowance(SourceText.MAX_BYTES);
@@ -40,8 +43,8 @@ final class SourceFiles {
     }
 
     /**
-     * Returns the file that the text of a node names. Empty, with a problem noted, if the folder
-     * has no such file.
+     * Returns the file that the text of a node names. If the folder has no such file, records a
+     * problem and returns empty.
      */
     Optional<Source> find(Node node, Problems problems) {
         Optional<String> text = node.text();
@@ -59,8 +62,8 @@ final class SourceFiles {
     }
 
     /**
-     * Returns the path within the folder, separated by {@code /}, of a name relative to the file
-     * that contains it.
+     * Returns the path of a named file within the folder, separated by {@code /}. The name is
+     * relative to the file that contains it.
      */
     String pathOf(Node node, String name) {
         Path beside = Path.of(node.file()).getParent();
@@ -83,15 +86,15 @@ final class SourceFiles {
     }
 
     /**
-     * Reads the text of the world file, which may be anywhere; otherwise like {@link #read(Source,
-     * Problems)}.
+     * Reads the text of the world file, which may be in any folder. Otherwise like {@link
+     * #read(Source, Problems)}.
      */
     String read(Path worldFile, Problems problems) throws WorldFileException, IOException {
         return SourceText.read(worldFile, problems, bytes);
     }
 
     /**
-     * Decodes the text of a world file that is already in memory; its size counts towards the
+     * Decodes the text of a world file that is already in memory. Its size counts towards the
      * limit.
      */
     String decode(byte[] content, Problems problems) throws WorldFileException {

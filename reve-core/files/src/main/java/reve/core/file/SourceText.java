@@ -12,7 +12,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 
 /**
- * Reader of a file's text; refuses files that are too large or not UTF-8, or that would take the
+ * Reader of a file's text. It refuses files that are too large, are not UTF-8 or would take the
  * parser too long.
  */
 final class SourceText {
@@ -20,8 +20,8 @@ final class SourceText {
     static final int MAX_BYTES = 16 << 20;
 
     /**
-     * Maximum length of a stretch of text without any of the {@link #BREAKS} [characters]; for a
-     * longer stretch the parser needs seconds.
+     * Maximum length of a stretch of text without any of the {@link #BREAKS} [characters]. The
+     * parser needs seconds for a longer stretch.
      */
     static final int MAX_STRETCH = 65_536;
 
@@ -33,7 +33,7 @@ final class SourceText {
      * Reads a regular UTF-8 file.
      *
      * @param bytes number of bytes that may still be read
-     * @throws IOException if the system cannot read it
+     * @throws IOException if the system cannot read the file
      */
     static String read(Path path, Problems problems, Allowance bytes)
             throws IOException, WorldFileException {
@@ -49,8 +49,8 @@ final class SourceText {
                             : "not a regular file");
         }
         try (InputStream in = Files.newInputStream(path)) {
-            // Reads no more than the stated size: a file with size 0, such as /proc/kmsg, could
-            // block for ever.
+            // Read no more than the stated size. A file with the stated size 0, such as /proc/kmsg,
+            // could block for ever.
             int size = (int) Math.min(Files.size(path), MAX_BYTES + 1L);
             return decode(in.readNBytes(size), problems, bytes);
         }
@@ -95,7 +95,11 @@ final class SourceText {
         }
     }
 
-    /** Returns an exception whose position is the end of {@code text}, the beginning of a file. */
+    /**
+     * Returns an exception with the position of the end of a text.
+     *
+     * @param text beginning of the file up to the position of the error
+     */
     private static WorldFileException atEnd(CharSequence text, Problems problems, String message) {
         int line = 1;
         int column = 1;

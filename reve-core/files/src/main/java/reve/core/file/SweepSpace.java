@@ -11,14 +11,14 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The runs of an experiment: all combinations of cases, swept values and seeds. The seed changes
- * fastest, then the last variable; the case changes slowest.
+ * The runs of an experiment: all combinations of cases, swept values and seeds. From run to run,
+ * the seed changes fastest, then the last variable. The case changes slowest.
  */
 final class SweepSpace {
-    /** Maximum number of runs. */
+    /** Maximum number of runs of an experiment. */
     static final int MAX_RUNS = 100_000;
 
-    /** Names of values that are no variables of the sweep. */
+    /** Names that variables of the sweep must not have, because other values have them. */
     static final Set<String> RESERVED = Set.of("seed", "run", "port");
 
     private final List<Node> cases;
@@ -55,7 +55,9 @@ final class SweepSpace {
         count = (int) Math.min(runs, MAX_RUNS);
     }
 
-    /** Reads the keys {@code cases}, {@code sweep} and {@code seeds}; notes their problems. */
+    /**
+     * Reads the keys {@code cases}, {@code sweep} and {@code seeds}, and records their problems.
+     */
     static SweepSpace read(Node root, Problems problems) {
         return new SweepSpace(root, problems);
     }
@@ -134,19 +136,27 @@ final class SweepSpace {
         return List.copyOf(axes.keySet());
     }
 
-    /** Returns whether there are cases. */
+    /** Returns whether the experiment has cases. */
     boolean hasCases() {
         return !cases.isEmpty();
     }
 
-    /** Returns the case of a run, from 0. */
+    /**
+     * Returns the case of a run.
+     *
+     * @param run number of the run, from 0
+     */
     Optional<Node> caseOf(int run) {
         return cases.isEmpty()
                 ? Optional.empty()
                 : Optional.of(cases.get(run / (count / cases.size())));
     }
 
-    /** Returns the values of a run, from 0. */
+    /**
+     * Returns the values of a run.
+     *
+     * @param run number of the run, from 0
+     */
     RunPoint point(int run) {
         int rest = run;
         long seed = seeds[rest % seeds.length];

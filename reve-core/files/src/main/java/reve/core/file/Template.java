@@ -10,15 +10,15 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * A repeated item whose texts contain formulas in braces: {@code node-{i+1}}. A text that consists
- * of one formula becomes the number or list of numbers that the formula gives. {@code {{} and
+ * A repeated item whose texts contain formulas in braces: {@code node-{i+1}}. If a text consists of
+ * one formula, its value is the number or list of numbers that the formula gives. {@code {{} and
  * {@code }}} are literal braces.
  */
 final class Template {
     /** Maximum length of a text that formulas produce [characters]. */
     static final int MAX_TEXT = 4096;
 
-    /** Number of characters of a text that count as much as one formula in {@link #formulas}. */
+    /** Number of characters of a text that cost as much as one formula in {@link #formulas}. */
     private static final int CHARACTERS_OF_A_FORMULA = 64;
 
     private static final Pattern PIECE =
@@ -30,12 +30,12 @@ final class Template {
      */
     private static final int FREE_CHILDREN = 8;
 
-    /** Creates one value of the item for a repetition. */
+    /** A function that creates one value of the item for a repetition. */
     private interface Maker {
         Node make(double[] variables, long number);
     }
 
-    /** A value of the item that formulas give, and the name of its aspect. */
+    /** A value of the item that contains formulas, and the name of its aspect. */
     private record Part(String aspect, Maker maker) {}
 
     /**
@@ -56,7 +56,9 @@ final class Template {
     private long formulas;
 
     /**
-     * @param variables the names that formulas may use; problems with formulas are noted
+     * Reads the formulas of an item, and records their problems.
+     *
+     * @param variables names that formulas may use
      */
     Template(Node item, List<String> variables, Problems problems) {
         this(item, variables, problems, 0);
@@ -78,15 +80,15 @@ final class Template {
     }
 
     /**
-     * Returns the cost of each repetition in formula evaluations; a long formula or text counts as
-     * several.
+     * Returns the cost of each repetition in formula evaluations. A long formula or text counts as
+     * several evaluations.
      */
     long formulas() {
         return formulas;
     }
 
     /**
-     * Returns the item of one repetition; notes a problem where a formula has no value.
+     * Returns the item of one repetition. If a formula has no value, records a problem.
      *
      * @param values values of the variables
      * @param number number of the repetition, from 0
@@ -95,7 +97,9 @@ final class Template {
         return maker.make(values, number);
     }
 
-    /** Returns only the values of a repetition that formulas give, otherwise like {@link #make}. */
+    /**
+     * Returns only those values of a repetition that formulas give. Otherwise like {@link #make}.
+     */
     List<Made> makeParts(double[] values, long number) {
         List<Made> all = new ArrayList<>(parts.size());
         for (Part part : parts) {
@@ -259,8 +263,8 @@ final class Template {
     }
 
     /**
-     * Returns the value of a formula, finite numbers. If it has none, notes a problem and returns
-     * 1, so that the rest of the item is still checked.
+     * Returns the value of a formula, which consists of finite numbers. If there is no such value,
+     * records a problem and returns 1, so that the rest of the item is still checked.
      */
     private double[] value(Node node, Formula formula, double[] variableValues, long repetition) {
         String wrong;

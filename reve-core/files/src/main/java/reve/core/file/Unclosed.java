@@ -8,16 +8,17 @@ import java.util.Deque;
 import java.util.Optional;
 
 /**
- * Search for a quote or bracket that was not closed. A YAML parser reports only where it failed,
- * which may be the end of the file. Recognizes only quotes, comments, brackets and block texts.
+ * Search for a quote or bracket that was not closed. A YAML parser reports only where parsing
+ * failed, which may be the end of the file. This search recognizes only quotes, comments, brackets
+ * and block texts.
  */
 final class Unclosed {
     /**
      * An opening quote or bracket.
      *
-     * @param line its line, from 1
-     * @param column its column, from 1
-     * @param indent spaces at the start of its line
+     * @param line line of the sign, from 1
+     * @param column column of the sign, from 1
+     * @param indent number of spaces at the start of the line
      */
     record Opening(char sign, int line, int column, int indent) {}
 
@@ -40,7 +41,7 @@ final class Unclosed {
     }
 
     /**
-     * Returns the quote or bracket that is open where a parser failed.
+     * Returns the quote or bracket that is still open at the position where the parser failed.
      *
      * @param problemLine line of the failure, from 1
      * @param problemColumn column of the failure, from 1

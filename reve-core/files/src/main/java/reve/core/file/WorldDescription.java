@@ -21,21 +21,21 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The checked content of a world file in SI units. Immutable; any number of worlds can be built
+ * The checked content of a world file in SI units. Immutable. Any number of worlds can be built
  * from it.
  *
  * @param doc description of the world for human readers; may be empty
- * @param age number of frames that the world has made before, if it was saved; see {@link
- *     World#age}
+ * @param age number of frames of the world before it was saved, see {@link World#age}; 0 for a new
+ *     world
  * @param laws references to the required laws, in loading order
  * @param constants values of the properties of the item {@code world}, by name [the property's
  *     unit]
  * @param camera viewpoint of pictures; if empty, pictures show all bodies
  * @param rules rules that compute symbols, in the order of evaluation
  * @param ruleSteps maximum number of evaluation steps of all rules in one frame
- * @param items in the order of the file; they may refer to each other
+ * @param items items in the order of the file; they may refer to each other
  * @param forces forces of actions that still act on items, in the order in which they are added up
- * @param warnings about the file
+ * @param warnings warnings about the file
  * @param places positions of items and constants in the file, for warnings
  * @param threads maximum number of threads that laws share; results do not depend on it
  * @param cameras cameras that commands select by their names, in the order of the file
@@ -146,7 +146,9 @@ public record WorldDescription(
     }
 
     /**
-     * Builds a world with all items, owned by the calling thread; {@code arena} must outlive it.
+     * Builds a world with all items. The calling thread owns the world.
+     *
+     * @param arena allocator of column memory; it must outlive the world
      */
     public World build(ColumnArena arena) {
         World world = new World(name, prototype, arena);
@@ -174,11 +176,11 @@ public record WorldDescription(
     }
 
     /**
-     * Returns a description of the current world: its items and constants, in an order that
-     * preserves the rows that laws see. For the world's thread only.
+     * Returns a description of the current state of a world. The order of the items preserves the
+     * rows that laws see. For the world's thread only.
      *
-     * @param world built from this description
-     * @param nowLoaded the laws that act on it now
+     * @param world a world that was built from this description
+     * @param nowLoaded references to the laws that are loaded now
      */
     public WorldDescription of(World world, List<LawReference> nowLoaded) {
         Map<String, List<Double>> now = new LinkedHashMap<>();
@@ -211,8 +213,8 @@ public record WorldDescription(
     }
 
     /**
-     * Returns the forces that still act, without those on items that were removed or lost their
-     * physics, which end with the next frame.
+     * Returns the forces that still act. Omits forces on items that were removed or lost their
+     * physics aspect, because these forces end with the next frame.
      */
     private static List<LastingForce> forcesIn(World world) {
         List<LastingForce> forces = new ArrayList<>();
@@ -229,9 +231,9 @@ public record WorldDescription(
     }
 
     /**
-     * Returns all items except {@code world}. Adding them in this order to an empty world of the
-     * same prototype gives each item with a physics aspect its current row. The order is by id
-     * where the rows permit it.
+     * Returns all items except {@code world}. If they are added in this order to an empty world of
+     * the same prototype, each item with a physics aspect gets its current row. Where the rows
+     * permit it, the order is by id.
      */
     private static List<Item> inOrderOfRows(World world) {
         Map<String, Integer> rows = new HashMap<>();

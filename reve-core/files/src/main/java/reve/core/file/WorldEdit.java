@@ -23,11 +23,11 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * A change of a running world's items that an operator requests, with values in the form of world
- * files. {@link EditReader} reads them. Immutable.
+ * A change of a running world's items that an operator requests. Its values have the form of world
+ * files, and {@link EditReader} reads them. Immutable.
  */
 public sealed interface WorldEdit {
-    /** Code of the refusal of an edit by the world, for programs. */
+    /** The code with which the world refuses an edit, for programs. */
     String REFUSED = "edit-refused";
 
     /** Adds items, which may refer to each other and to items of the world. */
@@ -39,8 +39,8 @@ public sealed interface WorldEdit {
     }
 
     /**
-     * Removes an item; if {@code cascade} is true, also all items that refer to it or are attached
-     * to it.
+     * Removes an item. If {@code cascade} is true, also removes all items that refer to it or are
+     * attached to it.
      */
     record Remove(String item, boolean cascade) implements WorldEdit {}
 
@@ -65,12 +65,13 @@ public sealed interface WorldEdit {
     }
 
     /**
-     * Makes edits in their order, all of them or none. First tries several edits on a copy of the
-     * world, which takes two bulk copies of the columns. World's thread, outside the phase PHYSICS.
+     * Makes edits in their order, either all of them or none. First tries several edits on a copy
+     * of the world, which takes two bulk copies of the columns. For the world's thread, outside the
+     * phase PHYSICS.
      *
      * @param kept ids of items that no edit may remove, such as the bodies of agents
-     * @param between called after the edits were found to be possible and before they are made; an
-     *     exception of it refuses them
+     * @param between called after the check that the edits are possible, and before they are made;
+     *     if it throws an exception, the edits are refused
      * @throws ActionRefused with the reason; the world is then unchanged
      */
     static void make(World world, List<WorldEdit> edits, Collection<ItemId> kept, Step between)
@@ -158,7 +159,10 @@ public sealed interface WorldEdit {
         }
     }
 
-    /** A world with more items could be saved, but not read again. */
+    /**
+     * Refuses an edit after which the world would have too many items. Such a world could be saved,
+     * but not read again.
+     */
     static void requireRoom(int count, int more) throws ActionRefused {
         if (count + more > Expansion.MAX_ITEMS) {
             throw new ActionRefused(

@@ -19,14 +19,14 @@ import java.util.Set;
 import java.util.function.Consumer;
 
 /**
- * Reader of world files: YAML (including JSON) that follows the schema {@code
- * reve-world.schema.json}. Any thread; keeps no state between calls.
+ * Reader of world files. A world file is YAML (including JSON) and follows the schema {@code
+ * reve-world.schema.json}. This class has no state. For any thread.
  */
 public final class WorldFile {
     /** Version of the format, the value of the key {@code reve}. */
     public static final int FORMAT_VERSION = 1;
 
-    /** File name of a world in a folder. */
+    /** Name of the world file in a world's folder. */
     public static final String NAME = "world.yaml";
 
     private WorldFile() {}
@@ -35,7 +35,7 @@ public final class WorldFile {
      * Reads and checks a file with its included files.
      *
      * @throws WorldFileException with all problems, by line and column
-     * @throws IOException if the system cannot read it
+     * @throws IOException if the system cannot read the file
      */
     public static WorldDescription load(Path path) throws WorldFileException, IOException {
         return load(path, path.toString(), _ -> {});
@@ -45,8 +45,9 @@ public final class WorldFile {
      * Reads and checks a file like {@link #load(Path)}.
      *
      * @param shown name of the file for problems
-     * @param found receives the paths of the files that the world file names, relative to its
-     *     folder and separated by {@code /}; the same path may be passed several times
+     * @param found receives the path of each file that the world file names. The paths are relative
+     *     to the folder of the world file and separated by {@code /}. The same path may be passed
+     *     several times
      */
     public static WorldDescription load(Path path, String shown, Consumer<String> found)
             throws WorldFileException, IOException {
@@ -57,11 +58,11 @@ public final class WorldFile {
     }
 
     /**
-     * Reads the file {@value #NAME} of a folder, like {@link #load}. Neither the file nor the files
-     * that it names may be outside the folder, because the user chose only the folder.
+     * Reads the file {@value #NAME} of a folder, like {@link #load}. Neither this file nor the
+     * files that it names may be outside the folder, because the user chose only the folder.
      *
-     * @throws WorldFileException also if the world file is a link out of the folder, or no regular
-     *     file
+     * @throws WorldFileException also if the world file is a link out of the folder or not a
+     *     regular file
      */
     public static WorldDescription loadFolder(Path folder) throws WorldFileException, IOException {
         return loadFolder(folder, _ -> {});
@@ -70,7 +71,7 @@ public final class WorldFile {
     /**
      * Reads a folder like {@link #loadFolder(Path)}.
      *
-     * @param found as in {@link #load(Path, String, Consumer)}
+     * @param found like in {@link #load(Path, String, Consumer)}
      */
     public static WorldDescription loadFolder(Path folder, Consumer<String> found)
             throws WorldFileException, IOException {
@@ -84,10 +85,11 @@ public final class WorldFile {
     }
 
     /**
-     * Reads and checks the content of a world file, which cannot refer to other files.
+     * Reads and checks the content of a world file that is in memory. It cannot refer to other
+     * files.
      *
      * @param name name of the file for problems
-     * @throws WorldFileException as {@link #load}
+     * @throws WorldFileException like {@link #load}
      */
     public static WorldDescription parse(String name, byte[] content) throws WorldFileException {
         var problems = new Problems(name);
@@ -96,12 +98,12 @@ public final class WorldFile {
     }
 
     /**
-     * Writes a world file atomically; {@link #load} reads it back to the bit. The paths of meshes
+     * Writes a world file atomically. {@link #load} reads it back to the bit. The paths of meshes
      * and images in the text stay relative to the folder of the original world file.
      *
-     * @throws IllegalArgumentException naming what a world file cannot express, for example a world
-     *     that is too large
-     * @throws IOException if the system cannot write it
+     * @throws IllegalArgumentException naming the part that a world file cannot express, for
+     *     example a world that is too large
+     * @throws IOException if the system cannot write the file
      */
     public static void save(Path path, WorldDescription world) throws IOException {
         byte[] text = WorldWriter.write(world).getBytes(StandardCharsets.UTF_8);
@@ -137,12 +139,12 @@ public final class WorldFile {
 
     /**
      * Reads and checks the text of an item that an {@link ItemWriter} wrote. Referenced items need
-     * not exist, and actions may use physics properties even if the item has no physics aspect.
+     * not exist. Actions may use physics properties even if the item has no physics aspect.
      *
      * @param name name of the text for problems
-     * @param prototype of the item's world
+     * @param prototype prototype of the item's world
      * @param assets source of the item's mesh and texture
-     * @throws WorldFileException as {@link #load}
+     * @throws WorldFileException like {@link #load}
      */
     public static ItemDefinition parseItem(
             String name, String text, WorldPrototype prototype, Assets assets)

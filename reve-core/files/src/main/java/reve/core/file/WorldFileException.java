@@ -5,7 +5,7 @@ import java.util.List;
 import java.util.stream.Collectors;
 
 /**
- * Reports that a world file was refused. Its message contains all problems, one per line, in the
+ * Reports that a world file was refused. The message contains all problems, one per line, in the
  * order of the file.
  */
 public final class WorldFileException extends Exception {
@@ -18,7 +18,7 @@ public final class WorldFileException extends Exception {
         this.problems = List.copyOf(problems);
     }
 
-    /** Returns the problems sorted by position; at least one. */
+    /** Returns the problems sorted by position. There is at least one. */
     public List<Problem> problems() {
         return problems;
     }

@@ -28,10 +28,10 @@ import java.util.zip.ZipFile;
 import java.util.zip.ZipOutputStream;
 
 /**
- * A world with all of its files in one file: a zip archive with a {@value WorldFile#NAME} at its
- * root. The files are stored in the order of their names, with one fixed date and without
- * compression, so that the same files give the same bytes on each machine. Any thread; keeps no
- * state between calls.
+ * A world with all of its files in one file. This file is a zip archive with a {@value
+ * WorldFile#NAME} at its root. The files are stored in the order of their names, with one fixed
+ * date and without compression. Therefore the same files give the same bytes on each machine. This
+ * class has no state. For any thread.
  */
 public final class WorldPack {
     /** Ending of the file name of a pack. */
@@ -70,14 +70,14 @@ public final class WorldPack {
             byte[] begin = in.readNBytes(Integer.BYTES);
             return begin.length == Integer.BYTES && little(begin).getInt() == FIRST_SIGNATURE;
         } catch (IOException unreadable) {
-            return false; // the reader of world files will report that it is unreadable
+            return false; // the reader of world files will report that the file is unreadable
         }
     }
 
     /**
      * Writes a pack atomically.
      *
-     * @param files by their names in the pack, separated by {@code /}
+     * @param files files by their names in the pack, which are separated by {@code /}
      * @throws PackException if the files exceed the limits, or some file system could treat two
      *     names as one
      */
@@ -116,8 +116,8 @@ public final class WorldPack {
     }
 
     /**
-     * Writes the files of a pack into an empty folder. After a failure the folder may contain some
-     * of them.
+     * Writes the files of a pack into an empty folder. After a failure, the folder may contain some
+     * of these files.
      *
      * @throws PackException if the pack is damaged, exceeds the limits, has no world file, or
      *     contains a name that leads out of the folder
@@ -147,7 +147,8 @@ public final class WorldPack {
     }
 
     /**
-     * Writes one file of a pack; checks the number of bytes that it really has against the limits.
+     * Writes one file of a pack. Checks the number of bytes that were really read against the
+     * limits, because the stated number may be wrong.
      */
     private static void extract(
             Path pack, ZipFile zip, ZipEntry entry, Path folder, PackNames names)
@@ -172,8 +173,8 @@ public final class WorldPack {
     }
 
     /**
-     * Checks the list of files at the end of a pack before a library reads it into memory: its
-     * size, and that all its entries are files or folders.
+     * Checks the list of files at the end of a pack before a library reads the list into memory.
+     * The list must not be too large, and all its entries must be files or folders.
      */
     private static void requireForm(Path pack) throws IOException {
         try (FileChannel file = FileChannel.open(pack)) {
@@ -230,7 +231,7 @@ public final class WorldPack {
         byte[] bytes = new byte[count];
         ByteBuffer into = ByteBuffer.wrap(bytes);
         while (into.hasRemaining() && file.read(into, place + into.position()) >= 0) {
-            // read() may return fewer bytes than requested: read until all are there
+            // read() may return fewer bytes than requested, so it is called until all are there
         }
         return little(bytes);
     }

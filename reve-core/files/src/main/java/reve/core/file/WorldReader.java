@@ -22,14 +22,16 @@ import java.util.stream.Collectors;
 import java.util.stream.Stream;
 
 /**
- * Reader of a whole world file after the schema check; checks the conditions that the schema cannot
- * express.
+ * Reader of a whole world file after the schema check. It checks the conditions that the schema
+ * cannot express.
  */
 final class WorldReader {
     private static final Pattern FIRST_LAW =
             Pattern.compile("(?m)^law[ \\t]+([A-Za-z_][A-Za-z0-9_]{0,46})");
 
-    /** Maximum number of numbers in the declared properties of all items; 400 MB in f64. */
+    /**
+     * Maximum number of numbers in the declared properties of all items; 400 MB in 64-bit numbers.
+     */
     private static final long MAX_NUMBERS = 50_000_000;
 
     private static final Unit METRE = Unit.parse("m");
@@ -127,7 +129,9 @@ final class WorldReader {
                 cameras);
     }
 
-    /** Refuses declared properties that need more than {@link #MAX_NUMBERS} for all items. */
+    /**
+     * Refuses declared properties that need more than {@link #MAX_NUMBERS} numbers for all items.
+     */
     private void requireRoom(List<Node> properties, List<ItemDefinition> items) {
         if (properties.isEmpty()) {
             return;
@@ -231,8 +235,8 @@ final class WorldReader {
     }
 
     /**
-     * Returns the name of the first law in a text; for a text without a law, the physics engine
-     * reports the error.
+     * Returns the name of the first law in a text. If the text contains no law, the physics engine
+     * reports the error later.
      */
     static String nameInText(String text) {
         Matcher name = FIRST_LAW.matcher(text);
@@ -240,8 +244,8 @@ final class WorldReader {
     }
 
     /**
-     * Reads a law and converts its parameters to SI units. Does not check the names of parameters,
-     * which only the loaded law knows.
+     * Reads a law and converts its parameters to SI units. Does not check the names of the
+     * parameters, because only the loaded law knows them.
      */
     private LawReference law(
             String name, Optional<String> text, Node law, String place, PhysicsReader physics) {

@@ -13,8 +13,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * A world file with its included files, also those included by others, each once, after the schema
- * check.
+ * A world file with all files that it includes directly or through other files, after the schema
+ * check. Each file is read once.
  *
  * @param world the outermost mapping of the world file
  * @param parts the outermost mappings of all files; an included file precedes the including one
@@ -36,9 +36,9 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files, long seed) {
     }
 
     /**
-     * Returns the index that the random generator gets for the first repetition; later ones count
-     * on from it. There are fewer than 2^32 repetitions, so the indices of different seeds do not
-     * overlap.
+     * Returns the index that the random generator gets for the first repetition. Each further
+     * repetition adds 1 to the index. There are fewer than 2^32 repetitions, so the indices of
+     * different seeds do not overlap.
      */
     long firstNumber() {
         return seed << SEED_SHIFT;
@@ -57,13 +57,13 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files, long seed) {
         return reader.read(text);
     }
 
-    /** Reads a world that is not in a file and can therefore not include files. */
+    /** Reads a world that is not in a file, and can therefore not include files. */
     static WorldSource parse(byte[] content, Problems problems) throws WorldFileException {
         var reader = new Reader(WorldFolder.none(), problems);
         return reader.read(reader.files.decode(content, problems));
     }
 
-    /** Returns the value of a top-level key in each file that has the key. */
+    /** Returns the values of a top-level key in all files that have the key. */
     List<Node> each(String key) {
         return parts.stream().map(part -> part.get(key)).flatMap(Optional::stream).toList();
     }
@@ -88,8 +88,8 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files, long seed) {
         private final List<Node> parts = new ArrayList<>();
 
         /**
-         * Real paths of the files that are being read, each included by the one before it, to find
-         * cycles.
+         * Real paths of the files that are being read. Each file is included by the file before it.
+         * Used to find cycles.
          */
         private final Set<Path> open = new LinkedHashSet<>();
 

@@ -22,9 +22,9 @@ import java.util.stream.Collectors;
 import java.util.stream.Stream;
 
 /**
- * Writer of a world as text of one world file. The same world always gives the same text, and
- * reading it restores the world to the bit. Prefabs, repetitions and included files are expanded;
- * meshes and images stay separate files.
+ * Writer of a world as text of one world file. The same world always gives the same text. Reading
+ * this text restores the world to the bit. The text contains no prefabs, repetitions or included
+ * files, because they are expanded. Meshes and images stay separate files.
  */
 public final class WorldWriter {
     /** Maximum number of forces in a world file, as the schema states it. */
@@ -47,7 +47,7 @@ public final class WorldWriter {
     /**
      * Returns the text of a world file.
      *
-     * @throws IllegalArgumentException naming the item or property that a world file cannot express
+     * @throws IllegalArgumentException naming an item or property that a world file cannot express
      */
     public static String write(WorldDescription world) {
         return YamlWriter.write(new WorldWriter(world).tree());
@@ -91,8 +91,9 @@ public final class WorldWriter {
     }
 
     /**
-     * Returns the trees of the items. A world has a property on demand if one of its items sets it,
-     * so the first item of the kind sets those that are 0 at all items.
+     * Returns the trees of the items. A world has a property on demand only if one of its items
+     * sets it. If a property on demand is 0 at all items, the first item of the kind therefore sets
+     * it explicitly.
      */
     private List<Map<String, Object>> items() {
         List<Map<String, Object>> trees = world.items().stream().map(items::tree).toList();
@@ -115,7 +116,7 @@ public final class WorldWriter {
         for (int i = 0; i < trees.size(); i++) {
             if (world.items().get(i).kind().equals(kind)
                     && trees.get(i).get("physics") instanceof Map<?, ?> physics) {
-                @SuppressWarnings("unchecked") // keys are names of properties
+                @SuppressWarnings("unchecked") // keys are names of properties, which are texts
                 var aspect = (Map<Object, Object>) physics;
                 aspects.add(aspect);
             }
@@ -149,7 +150,7 @@ public final class WorldWriter {
         return forces;
     }
 
-    /** A text that exceeds these limits could be written, but not read again. */
+    /** Refuses a text that exceeds a limit. Such a text could be written, but not read again. */
     private void requireAtMost(int most, int count, String what) {
         if (count > most) {
             throw new IllegalArgumentException(
@@ -238,8 +239,8 @@ public final class WorldWriter {
     }
 
     /**
-     * Returns the name of a property's type for the file; empty if it is the prototype's real type,
-     * the default.
+     * Returns the name of a property's type for the file. Returns empty if the type is the default,
+     * which is the prototype's real type.
      */
     private Optional<String> type(PropertyDescriptor property) {
         if (property.type() == world.prototype().realType()) {
@@ -323,7 +324,7 @@ public final class WorldWriter {
         return tree;
     }
 
-    /** Returns the cameras whose items are still in the world. */
+    /** Returns the cameras that need no item or whose items are still in the world. */
     private Map<String, Object> cameras() {
         Map<String, Object> cameras = new LinkedHashMap<>();
         if (world.cameras().isEmpty()) {

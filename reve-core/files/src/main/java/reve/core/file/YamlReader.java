@@ -32,15 +32,18 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Parser of a text, one YAML 1.2 document of mappings, lists and scalars, into {@link Node}s.
- * Surprising or dangerous features of YAML are refused: aliases, tags, several documents, deep
- * nesting.
+ * Parser of a text into {@link Node}s. The text is one YAML 1.2 document of mappings, lists and
+ * scalars. The parser refuses surprising or dangerous features of YAML: aliases, tags, several
+ * documents, deep nesting.
  */
 final class YamlReader {
-    /** Maximum nesting of mappings and lists. */
+    /** Maximum nesting depth of mappings and lists. */
     static final int MAX_DEPTH = 32;
 
-    /** Maximum number of values, including mappings and lists, in a file and its included files. */
+    /**
+     * Maximum number of values in a file and its included files. Mappings and lists count as
+     * values.
+     */
     static final int MAX_VALUES = 2_000_000;
 
     /**
@@ -56,23 +59,23 @@ final class YamlReader {
     static final int MAX_TEXT_LENGTH = 65_536;
 
     /**
-     * Maximum size of the YAML library's buffer [characters]. The library copies the unread rest
-     * for each refill, so with its small default buffer the time grows with the square of a token's
-     * length.
+     * Maximum size of the YAML library's buffer [characters]. The library copies the unread rest of
+     * the buffer for each refill. With its small default buffer, the time would grow with the
+     * square of a token's length.
      */
     private static final int MAX_PIECE = 1 << 20;
 
     private static final int MIN_PIECE = 1024;
 
     /**
-     * Maximum length of each half of a message of the YAML library, which may quote the file
-     * [characters].
+     * Maximum length of each half of a message of the YAML library [characters]. The limit exists
+     * because the message may quote the file.
      */
     private static final int MAX_QUOTE = 200;
 
     /**
-     * Explanations of indicators that this reader refuses at the start of a value, by the words of
-     * the YAML library for them.
+     * Explanations of indicators that this reader refuses at the start of a value. The keys are the
+     * words of the YAML library for these indicators.
      */
     private static final Map<String, String> SIGNS =
             Map.of(
@@ -91,7 +94,7 @@ final class YamlReader {
     private final Allowance values;
     private final ScalarResolver resolver = new CoreScalarResolver(false);
 
-    /** The open mappings and lists, innermost last. */
+    /** The mappings and lists that are open. The innermost one is the last. */
     private final Deque<Node> open = new ArrayDeque<>();
 
     private @Nullable Node root;
@@ -107,8 +110,8 @@ final class YamlReader {
     private int others;
 
     /**
-     * Position of the last call of {@link #offset}, in code points; the next field has it in
-     * characters.
+     * Position of the last call of {@link #offset} in code points. The next field contains the same
+     * position in characters.
      */
     private int passedPoints;
 
@@ -122,8 +125,8 @@ final class YamlReader {
     }
 
     /**
-     * Returns the outermost mapping of the text. Adds duplicate keys and non-finite numbers to
-     * {@code problems}, and continues.
+     * Returns the outermost mapping of the text. Duplicate keys and non-finite numbers are added to
+     * {@code problems} and do not end the reading.
      *
      * @param values number of values that may still be read
      * @throws WorldFileException if reading cannot continue: syntax, limits, refused YAML features
@@ -160,14 +163,14 @@ final class YamlReader {
         return reader.requireRoot();
     }
 
-    /** Reads the text of a store file, like {@link #read}, but accepts unpaired surrogates. */
+    /** Reads the text of a store file like {@link #read}, but accepts unpaired surrogates. */
     static Node readKept(String text, Problems problems) throws WorldFileException {
         return read(text, problems, new Allowance(MAX_VALUES), true);
     }
 
     /**
-     * A reader that leaves one character of the buffer free, for the YAML library: it appends the
-     * second half of a surrogate pair if the buffer ends between the halves.
+     * A reader that leaves one character of the buffer free for the YAML library. If the buffer
+     * ends between the halves of a surrogate pair, the library appends the second half.
      */
     private static final class WholeCharacters extends StringReader {
         WholeCharacters(String text) {
@@ -205,7 +208,8 @@ final class YamlReader {
                 takeScalar(scalar);
             }
             case CollectionEndEvent end -> open.removeLast();
-            default -> {} // events without content: start and end of the stream and of the document
+            // Events without content, such as the start and end of the stream and of the document.
+            default -> {}
         }
     }
 
@@ -428,7 +432,7 @@ final class YamlReader {
     }
 
     /**
-     * Converts a position of the YAML library, in code points, into characters. Counts from the
+     * Converts a position of the YAML library from code points into characters. Counts from the
      * last position, because positions only increase.
      */
     private int offset(Optional<Mark> mark) {
@@ -444,7 +448,10 @@ final class YamlReader {
         return passed;
     }
 
-    /** Returns an exception that names the quote or bracket that is not closed, if there is one. */
+    /**
+     * Returns an exception for a syntax error. If a quote or bracket is not closed, the exception
+     * names it.
+     */
     private WorldFileException notYaml(MarkedYamlEngineException syntax) {
         int line = syntax.getProblemMark().map(Mark::getLine).orElse(0) + 1;
         int column = syntax.getProblemMark().map(Mark::getColumn).orElse(0) + 1;
@@ -469,7 +476,7 @@ final class YamlReader {
                         + (comment ? "; a # begins a comment unless it is in quotes" : ""));
     }
 
-    /** Joins the two halves of the library's message, without its excerpt of the line. */
+    /** Joins the two halves of the library's message. Omits its excerpt of the line. */
     private static String sentence(MarkedYamlEngineException syntax) {
         String context = syntax.getContext();
         String problem =

@@ -26,9 +26,9 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Writer of mappings, lists, texts, numbers and booleans as YAML that {@link YamlReader} reads back
- * to the bit. The same values always give the same text. Writes a value that contains a mapping on
- * several lines, and any other value on one line.
+ * Writer of mappings, lists, texts, numbers and booleans as YAML. {@link YamlReader} reads this
+ * YAML back to the bit. The same values always give the same text. A value that contains a mapping
+ * takes several lines, and any other value one line.
  */
 public final class YamlWriter {
     private static final int WIDTH = 100;
@@ -63,7 +63,7 @@ public final class YamlWriter {
                         });
     }
 
-    /** A number in the tree, as the text to be written. */
+    /** A number in the tree, in the form of the text that is written. */
     public record Numeral(String text) {
         /** Returns the shortest text that is read as exactly this number. */
         public static Numeral of(double value) {
@@ -156,7 +156,7 @@ public final class YamlWriter {
     /** A text of several lines, written unchanged as a YAML block text. */
     record Lines(String text) {}
 
-    /** Writes a text, quoted if it would otherwise be read as a number, a boolean or null. */
+    /** Writes a text. Quotes it if it would otherwise be read as a number, a boolean or null. */
     private void text(String text) {
         if (!text.codePoints().allMatch(YamlWriter::isPlain)) {
             scalar(text, QUOTED, ScalarStyle.DOUBLE_QUOTED);

@@ -31,8 +31,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The codec of {@link WorldChange}s as JSON, with which a journal repeats the changes on an equal
- * world. For one thread.
+ * The codec of {@link WorldChange}s as JSON. A journal uses it to repeat changes on an equal world.
+ * For one thread.
  */
 public final class ChangeCodec {
 
@@ -51,7 +51,7 @@ public final class ChangeCodec {
      * @param columnRows bytes of all rows of a directly edited column, after the change; null for
      *     any other change
      * @throws IllegalArgumentException if an item of the change cannot be written, or if the change
-     *     restored the world, which only an image describes
+     *     is a restoration of the world, which only an image can describe
      */
     public Map<String, Object> write(WorldChange change, byte @Nullable [] columnRows) {
         return switch (change) {
@@ -97,7 +97,7 @@ public final class ChangeCodec {
     }
 
     /**
-     * Repeats a change. World's thread, in a phase that permits adding and removing items.
+     * Repeats a change. For the world's thread, in a phase that permits adding and removing items.
      *
      * @throws CorruptException if the change has no meaning in this world
      */
@@ -248,9 +248,9 @@ public final class ChangeCodec {
 
     private static void editPhysics(Item item, String property, JsonNode to) {
         if (to.isMissingNode()) {
-            item.physics()
-                    .clear(); // clearing the aspect is recorded as one change per property; the
-            // first clears all
+            // The clearing of the aspect is recorded as one change per property. The first of these
+            // changes clears all properties.
+            item.physics().clear();
         } else if (to.path(0).isIntegralNumber()) {
             item.physics().setReferences(property, references(to));
         } else {
@@ -258,7 +258,9 @@ public final class ChangeCodec {
         }
     }
 
-    /** Reads ids of items, which are written as integers; other numbers have a decimal point. */
+    /**
+     * Reads ids of items. They are written as integers, while other numbers have a decimal point.
+     */
     private static ItemId[] references(JsonNode to) {
         ItemId[] ids = new ItemId[to.size()];
         for (int i = 0; i < ids.length; i++) {
@@ -304,7 +306,9 @@ public final class ChangeCodec {
         return text.length() > 200 ? text.substring(0, 200) + "..." : text;
     }
 
-    /** Returns a map from a list of alternating keys and values, in this order. */
+    /**
+     * Returns a map from a list of alternating keys and values. The map has the order of the list.
+     */
     private static Map<String, Object> tree(Object... keysAndValues) {
         Map<String, Object> tree = new LinkedHashMap<>();
         for (int i = 0; i < keysAndValues.length; i += 2) {

@@ -25,7 +25,7 @@ final class ItemTexts {
 
     /**
      * Maximum number of cached texts. Equal texts of different items are cached once, so a world
-     * needs few.
+     * needs few texts.
      */
     private static final int MAX_KEPT = 10_000;
 
@@ -41,8 +41,8 @@ final class ItemTexts {
     }
 
     /**
-     * Returns the text of an item without id, name, symbols and attachment, so that many items have
-     * the same text.
+     * Returns the text of an item without id, name, symbols and attachment. Many items therefore
+     * have the same text.
      */
     String write(ItemSymbols item) {
         Likeness likeness = item.likeness();
@@ -72,8 +72,8 @@ final class ItemTexts {
     }
 
     /**
-     * Returns the symbolic data of an item from its id, name and decoded text; symbols and
-     * attachment are missing.
+     * Returns the symbolic data of an item from its id, name and decoded text. Symbols and
+     * attachment are still missing.
      */
     ItemSymbols read(ItemId id, String name, ItemDefinition likeness) {
         ItemDefinition named =
@@ -82,8 +82,8 @@ final class ItemTexts {
     }
 
     /**
-     * Returns the complete item as a tree: its text, and separately its symbols, whose names may be
-     * invalid in a world file.
+     * Returns the complete item as a tree. The symbols are separate from the item's text, because
+     * their names may be invalid in a world file.
      */
     Map<String, Object> tree(ItemDefinition item) {
         return Map.of("item", writer.write(item.withSymbols(Map.of())), "symbols", item.symbols());
@@ -103,8 +103,8 @@ final class ItemTexts {
     }
 
     /**
-     * Returns a definition with only the actions of the item {@code world}, because its kind is not
-     * permitted in a world file.
+     * Returns a definition with only the actions of the item {@code world}. The text omits the kind
+     * of this item, because a world file does not permit it.
      */
     private static ItemDefinition withoutKind(ItemSymbols constants) {
         var definition = ItemDefinition.named("item");

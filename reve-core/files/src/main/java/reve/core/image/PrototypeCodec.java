@@ -16,14 +16,14 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The codec of world prototypes as trees (maps and lists): the name of the standard prototype, and
- * the properties added to it.
+ * The codec of world prototypes as trees (maps and lists). A tree contains the name of the standard
+ * prototype and the properties that were added to it.
  */
 public final class PrototypeCodec {
 
     private PrototypeCodec() {}
 
-    /** Returns a tree for {@link Trees#write}. */
+    /** Returns a tree that {@link Trees#write} can encode. */
     public static Map<String, Object> write(WorldPrototype prototype) {
         int standard = WorldPrototype.standard(prototype.name()).properties().size();
         List<PropertyDescriptor> all = prototype.properties();

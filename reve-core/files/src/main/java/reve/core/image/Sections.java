@@ -12,9 +12,14 @@ import java.util.Map;
 import java.util.zip.CRC32C;
 
 /**
- * The codec of named byte arrays (sections) as one block: magic bytes and the version of the
- * format, then each section's name, length, bytes and CRC32C (over these three), then the CRC32C of
- * the block. Reading detects every flipped or missing bit.
+ * The codec of named byte arrays (sections) as one block. Reading detects every flipped or missing
+ * bit. A block has these parts:
+ *
+ * <ul>
+ *   <li>magic bytes and the version of the format
+ *   <li>for each section its name, length and bytes, then the CRC32C of these three
+ *   <li>the CRC32C of the block
+ * </ul>
  */
 public final class Sections {
 
@@ -24,7 +29,7 @@ public final class Sections {
     private Sections() {}
 
     /**
-     * @param sections bytes by name; names have at most 255 bytes of UTF-8
+     * @param sections bytes by name. A name has at most 255 bytes of UTF-8
      */
     public static byte[] write(Map<String, byte[]> sections) {
         var out = new ByteArrayOutputStream();

@@ -13,8 +13,8 @@ import java.util.Map;
 import java.util.stream.IntStream;
 
 /**
- * The codec of trees (maps, lists, texts and numbers) as JSON. Doubles are restored to the bit.
- * Methods throw a {@link CorruptException} if the input has another form.
+ * The codec of trees (maps, lists, texts and numbers) as JSON. Doubles are restored to the bit. The
+ * methods throw a {@link CorruptException} if the input does not have the required form.
  */
 public final class Trees {
 
@@ -26,7 +26,7 @@ public final class Trees {
     private Trees() {}
 
     /**
-     * @param tree a Map or List of String, Number, Boolean, Map and List
+     * @param tree a Map or List whose values are Strings, Numbers, Booleans, Maps and Lists
      */
     public static byte[] write(Object tree) {
         return MAPPER.writeValueAsBytes(tree);
@@ -120,7 +120,7 @@ public final class Trees {
                         + expected);
     }
 
-    /** Returns the elements of a list; an empty list if the field is missing. */
+    /** Returns the elements of a list. Returns an empty list if the field is missing. */
     public static List<JsonNode> listIfAny(JsonNode object, String name) {
         return object.has(name) ? list(object, name) : List.of();
     }

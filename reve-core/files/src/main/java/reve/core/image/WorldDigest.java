@@ -13,16 +13,18 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * A short digest of all columns of a world, two numbers for each: the sum of a hash of every row,
- * and this sum weighted with the id of the row's item, both modulo 2^64. Worlds whose columns
- * differ have, for all practical purposes, different digests. If a column differs in one item only,
- * the two numbers identify the item. World's thread only.
+ * A short digest of all columns of a world. It contains two numbers for each column, both modulo
+ * 2^64. The first number is the sum of the hashes of all rows. The second is the same sum, in which
+ * each hash is multiplied by the id of the row's item. For the world's thread only.
+ *
+ * <p>Worlds whose columns differ have, for all practical purposes, different digests. If a column
+ * differs in one item only, the two numbers identify the item.
  */
 public final class WorldDigest {
 
     /**
-     * Name of the part of the digest that covers the order of rows: the item in each row, and the
-     * number of rows with physics.
+     * Name of the part of the digest for the order of rows. This part covers the item in each row
+     * and the number of rows with a physics aspect.
      */
     public static final String ROWS = "rows";
 
@@ -32,20 +34,21 @@ public final class WorldDigest {
     private final List<Part> parts = new ArrayList<>();
 
     /**
-     * The data that two numbers of the digest cover: a column or, if it is empty, the order of
-     * rows.
+     * The data that two numbers of the digest cover. These are a column or, if {@code column} is
+     * empty, the order of rows.
      */
     private record Part(Table table, Optional<Column> column) {}
 
     /**
      * The first difference between two worlds of the same prototype.
      *
-     * @param property {@link #ROWS} if the items of the kind or their order differ
-     * @param item the only item that differs in this property, empty if several do
+     * @param property the property that differs; {@link #ROWS} if the items of the kind or their
+     *     order differ
+     * @param item the only item that differs in this property; empty if several items differ
      */
     public record Difference(String kind, String property, Optional<ItemId> item) {}
 
-    /** Prepares digests of a world, whose set of tables must not change. */
+    /** Prepares digests of a world. The set of its tables must not change. */
     public WorldDigest(World world) {
         this.world = world;
         for (Table table : world.tables()) {
@@ -54,12 +57,12 @@ public final class WorldDigest {
         }
     }
 
-    /** Returns how many numbers the digest has. */
+    /** Returns the number of numbers in the digest. */
     public int size() {
         return 2 * parts.size();
     }
 
-    /** Writes the digest, {@link #size} numbers; allocates nothing. */
+    /** Writes the digest, which has {@link #size} numbers. Allocates no memory. */
     public void compute(long[] into) {
         for (int i = 0; i < parts.size(); i++) {
             Part part = parts.get(i);
@@ -72,8 +75,8 @@ public final class WorldDigest {
     }
 
     /**
-     * Returns the first difference between the world and the digest of another, in the order of the
-     * prototype; one that identifies an item is preferred.
+     * Returns the first difference between the world and the digest of another world, in the order
+     * of the prototype. Prefers a difference that identifies an item.
      */
     public Optional<Difference> firstDifference(long[] others) {
         long[] own = new long[size()];
@@ -85,7 +88,8 @@ public final class WorldDigest {
             if (plain != 0 || weighted != 0) {
                 Difference found = difference(parts.get(i), plain, weighted);
                 if (found.item.isPresent() || found.property.equals(ROWS)) {
-                    return Optional.of(found); // more precise than a difference in several items
+                    return Optional.of(
+                            found); // this difference is more precise than one in several items
                 }
                 first = first.or(() -> Optional.of(found));
             }
@@ -152,8 +156,8 @@ public final class WorldDigest {
     }
 
     /**
-     * Hashes two numbers (with the finalizer of SplitMix64), so that each bit of both affects the
-     * result.
+     * Hashes two numbers so that each bit of both affects the result. Uses the finalizer of
+     * SplitMix64.
      */
     private static long mix(long hash, long word) {
         long mixed = (hash * FACTOR ^ word) * 0xBF58476D1CE4E5B9L;

@@ -27,8 +27,8 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * The codec of world images as sections: {@code world} and {@code items} (JSON), and the bytes of
- * each column that is not all zeros. For one thread.
+ * The codec of world images as sections. The sections {@code world} and {@code items} are JSON. A
+ * further section contains the bytes of each column that is not all zeros. For one thread.
  */
 public final class WorldImageCodec {
 
@@ -66,8 +66,7 @@ public final class WorldImageCodec {
     /**
      * Decodes sections into an image of a world with the same prototype.
      *
-     * @throws CorruptException if the sections belong to another prototype, or the sections
-     *     contradict each other
+     * @throws CorruptException if the sections belong to another prototype or contradict each other
      */
     public void read(Map<String, byte[]> sections, WorldImage into) {
         try {
@@ -139,9 +138,14 @@ public final class WorldImageCodec {
     }
 
     /**
-     * Returns the section {@code items}: the distinct texts of items; for each item its id, name,
-     * text, symbols, and parent with pose if it is attached; the symbols set by rules; and by agent
-     * the ids of the items that its actions created.
+     * Returns the section {@code items}. It contains these data:
+     *
+     * <ul>
+     *   <li>the distinct texts of items
+     *   <li>for each item its id, name, text and symbols, and if it is attached its parent and pose
+     *   <li>the symbols that rules have set
+     *   <li>for each agent the ids of the items that its actions created
+     * </ul>
      */
     private Map<String, Object> items(PMap<ItemId, ItemSymbols> symbols) {
         Map<String, Integer> places = new LinkedHashMap<>();
@@ -226,7 +230,7 @@ public final class WorldImageCodec {
     }
 
     /**
-     * @param items total number of items, the maximum number of rows
+     * @param items total number of items. It limits the number of rows
      */
     private static void readTable(
             JsonNode tree, int items, Map<String, byte[]> sections, TableCopy into) {

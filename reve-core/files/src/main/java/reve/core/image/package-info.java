@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Encoding of worlds as bytes: images (complete states), changes and digests, for store files and
- * recordings. Depends on no engine, file or database.
+ * Encoding of worlds as bytes for store files and recordings: images (complete states), changes and
+ * digests. This package depends on no engine, file or database.
  */
 @NullMarked
 package reve.core.image;

@@ -8,12 +8,12 @@ package reve.core.mesh;
 public final class AssetException extends Exception {
     private static final long serialVersionUID = 1L;
 
-    /** Creates an exception; the message must name the file. */
+    /** Creates an exception. The message must name the file. */
     public AssetException(String message) {
         super(message);
     }
 
-    /** Creates an exception with its cause; the message must name the file. */
+    /** Creates an exception with its cause. The message must name the file. */
     public AssetException(String message, Throwable cause) {
         super(message, cause);
     }

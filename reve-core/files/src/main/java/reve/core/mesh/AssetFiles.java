@@ -8,7 +8,7 @@ import java.util.HashMap;
 import java.util.Map;
 import java.util.Optional;
 
-/** The mesh and image files of one world, with limits on their total. For one thread. */
+/** The mesh and image files of one world, with limits on their total size. For one thread. */
 final class AssetFiles {
 
     private static final int MAX_IMAGE_BYTES = 32 << 20;
@@ -16,7 +16,7 @@ final class AssetFiles {
     private final WorldFolder folder;
     private final Budget budget;
 
-    /** Decoded images that meshes name, by real path; several meshes may share an image. */
+    /** Decoded images that meshes name, by real path. Several meshes may share an image. */
     private final Map<Path, Texture> images = new HashMap<>();
 
     AssetFiles(WorldFolder folder, Budget budget) {
@@ -34,8 +34,8 @@ final class AssetFiles {
     }
 
     /**
-     * Returns the real path of the folder in {@code path}, without following a link in its last
-     * name.
+     * Returns the real path of the folder that contains the file at {@code path}. Does not follow
+     * the file itself if it is a link.
      */
     Path folderOf(String path) throws AssetException {
         return folder.folderOf(path);
@@ -49,7 +49,8 @@ final class AssetFiles {
     /**
      * Reads an image.
      *
-     * @param file see {@link Texture#file}
+     * @param path path of the image, relative to the world's folder
+     * @param file value for {@link Texture#file}
      */
     Texture image(String path, Optional<String> file) throws AssetException {
         return ImageDecoder.decode(read(path, MAX_IMAGE_BYTES), path, file, budget);

@@ -12,7 +12,7 @@ import java.util.Optional;
 
 /**
  * The meshes and textures of one world. Each file is read once, even if items name it by different
- * paths or links, and all these items share the result. For one thread.
+ * paths or links. All these items share the result. For one thread.
  */
 public final class Assets {
 
@@ -31,9 +31,11 @@ public final class Assets {
     private record Place(Path file, Path beside) {}
 
     /**
-     * The result of reading a file, which all items that name the file share.
+     * The result of an attempt to read a file. All items that name the file share it.
      *
      * @param path the path by which the file was read
+     * @param value the content of the file; empty after a failure
+     * @param problem the reason of a failure
      */
     private record Loaded<T>(String path, Optional<T> value, Optional<AssetException> problem) {
         T get(String by) throws AssetException {
@@ -66,7 +68,7 @@ public final class Assets {
      * .obj} file.
      *
      * @param path relative to the world's folder
-     * @throws AssetException if the file cannot be used; the message says why
+     * @throws AssetException with the reason if the file cannot be used
      */
     public Mesh mesh(String path) throws AssetException {
         return once(
@@ -90,11 +92,11 @@ public final class Assets {
     }
 
     /**
-     * Returns the image of a {@code .png}, {@code .jpg} or {@code .jpeg} file. Does not open other
-     * files, because the folder comes from a stored world and may be any folder.
+     * Returns the image of a {@code .png}, {@code .jpg} or {@code .jpeg} file. Does not open files
+     * of other types, because a stored world names its folder, which may be any folder.
      *
      * @param path relative to the world's folder
-     * @throws AssetException if the file cannot be used; the message says why
+     * @throws AssetException with the reason if the file cannot be used
      */
     public Texture texture(String path) throws AssetException {
         return once(

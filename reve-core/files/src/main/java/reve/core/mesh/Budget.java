@@ -12,7 +12,8 @@ final class Budget {
     static final long MAX_PIXELS = 1 << 25;
 
     /**
-     * Maximum time to read all assets [s]. Normally one of the size limits is reached long before.
+     * Maximum time to read all assets of a world [s]. Normally one of the size limits is reached
+     * long before.
      */
     static final long MAX_SECONDS = 60;
 
@@ -31,19 +32,19 @@ final class Budget {
         this.nanoTime = nanoTime;
     }
 
-    /** Starts the clock before an asset is read. */
+    /** Starts the clock. Called before an asset is read. */
     void begin() {
         begun = nanoTime.getAsLong();
     }
 
-    /** Stops the clock when an asset is read. */
+    /** Stops the clock. Called after an asset was read. */
     void end() {
         nanoseconds += nanoTime.getAsLong() - begun;
     }
 
     /**
-     * Counts the size of a file, or of data inside a file that are read again; throws if the limit
-     * is exceeded.
+     * Counts the size of a file. Data inside a file that are read again count again. Throws an
+     * exception if the limit is exceeded.
      */
     void takeBytes(String path, long count) throws AssetException {
         bytes += count;

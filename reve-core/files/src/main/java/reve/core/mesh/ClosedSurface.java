@@ -11,16 +11,16 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Check that a mesh encloses a volume: each edge belongs to two triangles, which traverse it in
- * opposite directions. Vertices at the same position count as one vertex, because files duplicate
- * vertices where normals or texture coordinates differ.
+ * Check that a mesh encloses a volume. In such a mesh, each edge belongs to two triangles, which
+ * traverse it in opposite directions. Vertices at the same position count as one vertex, because
+ * files duplicate vertices where normals or texture coordinates differ.
  */
 final class ClosedSurface {
 
     private final FloatBuffer vertices;
     private final int[] corners;
 
-    /** A vertex position; -0 and 0 are equal. */
+    /** A vertex position. The coordinates -0 and 0 are equal. */
     private record Place(float x, float y, float z) {}
 
     private ClosedSurface(Mesh mesh) {
@@ -37,7 +37,7 @@ final class ClosedSurface {
 
     /**
      * @throws IllegalArgumentException naming an edge that does not belong to two triangles, or
-     *     that its triangles traverse in the same direction
+     *     that two triangles traverse in the same direction
      */
     static void require(Mesh mesh) {
         new ClosedSurface(mesh)
@@ -71,8 +71,8 @@ final class ClosedSurface {
     }
 
     /**
-     * Returns the sorted edges of all triangles, each as a pair of its first and second vertex;
-     * ignores degenerate triangles.
+     * Returns the sorted edges of all triangles, except degenerate triangles. Each edge is a pair
+     * of its first and second vertex.
      */
     private long[] sortedEdges() {
         long[] edges = new long[corners.length];

@@ -15,8 +15,8 @@ import java.util.HashMap;
 import java.util.Map;
 
 /**
- * Access to the numbers in the buffers of a glTF file, without copying them. Checks the range of an
- * accessor before any number is read.
+ * Access to the numbers in the buffers of a glTF file, without copies of the buffers. The range of
+ * an accessor is checked before any number is read.
  */
 final class GltfAccessors {
 
@@ -32,8 +32,9 @@ final class GltfAccessors {
     }
 
     /**
-     * A glTF accessor: elements of several components. The elements begin every {@code stride}
-     * bytes of {@code bytes}; {@code type} is the GL code of a component's type.
+     * A glTF accessor, which consists of elements with several components. An element begins every
+     * {@code stride} bytes of {@code bytes}. The field {@code type} is the GL code of a component's
+     * type.
      */
     final class Accessor {
         private final String name;
@@ -67,8 +68,9 @@ final class GltfAccessors {
         }
 
         /**
-         * Requires {@code wanted} elements of {@code least} to {@code most} components, which are
-         * floats or unsigned integers that are normalized to 0 to 1.
+         * Checks that the accessor has {@code wanted} elements of {@code least} to {@code most}
+         * components. The components must be floats, or unsigned integers that are normalized to 0
+         * to 1.
          */
         void requireNumbers(String attribute, int least, int most, int wanted)
                 throws AssetException {
@@ -98,8 +100,8 @@ final class GltfAccessors {
         }
 
         /**
-         * Returns a component of an element as a float. Requires an earlier call of {@link
-         * #requireNumbers}.
+         * Returns a component of an element as a float. {@link #requireNumbers} must have been
+         * called before.
          */
         float number(int element, int component) {
             int at = element * stride + component * sizeOf(type);
@@ -110,7 +112,10 @@ final class GltfAccessors {
             };
         }
 
-        /** Returns an element as a vertex number; throws unless it is below {@code vertices}. */
+        /**
+         * Returns an element as a vertex number. Throws an exception unless it is below {@code
+         * vertices}.
+         */
         int index(int element, int vertices) throws AssetException {
             int at = element * stride;
             int index =

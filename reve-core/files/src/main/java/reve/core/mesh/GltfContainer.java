@@ -21,10 +21,10 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The parts of a glTF file: the JSON, whose numbers are not checked yet, and the binary chunk of a
- * .glb.
+ * The parts of a glTF file: the JSON, and the binary chunk of a .glb file. The numbers in the JSON
+ * are not checked yet.
  *
- * @param binary empty for a .gltf
+ * @param binary the binary chunk; empty for a .gltf file
  */
 record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
 
@@ -33,13 +33,14 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
     private static final int BINARY_CHUNK = 0x004e4942;
 
     /**
-     * Maximum number of values in the JSON, because one megabyte of JSON can take hundreds of
-     * megabytes as Java objects.
+     * Maximum number of values in the JSON. The limit exists because one megabyte of JSON can take
+     * hundreds of megabytes as Java objects.
      */
     private static final int MAX_TOKENS = 500_000;
 
     /**
-     * Maximum length of a text in the JSON [characters]; the library does not read longer texts.
+     * Maximum length of a text in the JSON [characters]. The JSON library does not read longer
+     * texts.
      */
     private static final int MAX_TEXT = 19_999_999;
 
@@ -88,7 +89,7 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
         return new GltfContainer(parse(json, sources), binary);
     }
 
-    /** Returns the element of a list with that index; throws if there is none. */
+    /** Returns the element of a list at an index. Throws an exception if there is none. */
     static <T> T element(
             @Nullable List<T> list, @Nullable Integer number, String what, Sources sources)
             throws AssetException {
@@ -116,7 +117,7 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             reader.setJsonErrorConsumer(
                     error -> {
                         // An error without an exception reports a property that glTF does not
-                        // define, which is allowed.
+                        // define. Such properties are allowed.
                         if (error.getThrowable() != null && unfit.isEmpty()) {
                             unfit.add(error);
                         }
@@ -170,7 +171,7 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
                 }
             }
         } catch (JacksonException broken) {
-            // Violations of the parser's own limits have no position.
+            // The exceptions for violations of the parser's own limits contain no position.
             String place =
                     broken.getLocation() == null
                             ? ""

@@ -58,7 +58,7 @@ final class GltfMaterials {
                 + (texture == null || texture.getTexCoord() == null ? 0 : texture.getTexCoord());
     }
 
-    /** Converts linear components from 0 to 1 into an sRGB colour. */
+    /** Converts linear colour components from 0 to 1 into an sRGB colour. */
     static Colour toSrgb(float red, float green, float blue) {
         return new Colour(toSrgb(red) | toSrgb(green) << 8 | toSrgb(blue) << 16 | 0xff000000);
     }
@@ -122,8 +122,8 @@ final class GltfMaterials {
     }
 
     /**
-     * Returns the image that a bufferView contains, as a texture. Images in the same view share one
-     * texture.
+     * Returns the image that a bufferView contains, as a texture. Images in the same bufferView
+     * share one texture.
      */
     private Texture inView(@Nullable Integer view, Integer source) throws AssetException {
         Texture known = inViews.get(view);

@@ -20,15 +20,17 @@ import java.util.Set;
 import java.util.stream.IntStream;
 
 /**
- * Reader of glTF 2.0 files. Returns one mesh with all triangles of the scene, transformed by their
- * nodes. Ignores cameras, lights, animations and morph targets. Refuses files that require features
- * which would change the triangles, and names these features.
+ * Reader of glTF 2.0 files. It returns one mesh with all triangles of the scene, transformed by
+ * their nodes. It ignores cameras, lights, animations and morph targets. It refuses files that
+ * require unsupported features which would change the triangles. The message names these features.
  */
 final class GltfReader {
 
     private static final int MAX_DEPTH = 256;
 
-    /** Maximum number of primitives in all nodes of the scene, including lines and points. */
+    /**
+     * Maximum number of primitives in all nodes of the scene. Lines and points count as primitives.
+     */
     private static final int MAX_PIECES = 1 << 20;
 
     private final GlTF gltf;
@@ -52,7 +54,8 @@ final class GltfReader {
         try {
             return new GltfReader(file, sources).read();
         } catch (RuntimeException broken) {
-            // The library does not check for missing values and values out of range.
+            // The library does not check for missing values and values out of range, so it throws
+            // unchecked exceptions.
             throw sources.refuse("not glTF: " + Reason.of(broken, "it contradicts itself"));
         }
     }
@@ -83,7 +86,10 @@ final class GltfReader {
                         + (compressed ? " compression" : ""));
     }
 
-    /** Returns the root nodes of the scene; without a scene, all nodes that have no parent. */
+    /**
+     * Returns the root nodes of the scene. If the file has no scene, returns all nodes without a
+     * parent.
+     */
     private List<Integer> roots() throws AssetException {
         List<Node> nodes = orEmpty(gltf.getNodes());
         if (!orEmpty(gltf.getScenes()).isEmpty()) {
@@ -145,7 +151,7 @@ final class GltfReader {
         }
         int mode = primitive.getMode() == null ? primitive.defaultMode() : primitive.getMode();
         if (mode < GltfConstants.GL_TRIANGLES) {
-            return; // ignores points and lines
+            return; // points and lines are ignored
         }
         Map<String, Integer> attributes =
                 primitive.getAttributes() == null ? Map.of() : primitive.getAttributes();
@@ -181,8 +187,10 @@ final class GltfReader {
     }
 
     /**
-     * Returns the places of the three corners of the i-th triangle among the vertices of a triangle
-     * list, strip or fan.
+     * Returns the positions of the three corners of a triangle in a triangle list, strip or fan.
+     *
+     * @param mode glTF code of a triangle list, strip or fan
+     * @param i number of the triangle, from 0
      */
     private int[] corners(int mode, int i) throws AssetException {
         return switch (mode) {

@@ -17,12 +17,12 @@ import javax.imageio.stream.ImageInputStream;
 import javax.imageio.stream.MemoryCacheImageInputStream;
 
 /**
- * Decoder of PNG and JPEG files. Reads the header first, because a small file can contain a huge
+ * Decoder of PNG and JPEG files. It reads the header first, because a small file can contain a huge
  * image.
  */
 final class ImageDecoder {
 
-    /** Maximum number of scans of a JPEG image; encoders write about ten. */
+    /** Maximum number of scans of a JPEG image. Encoders write about ten. */
     private static final int MAX_SCANS = 64;
 
     private static final int TEM = 0x01;
@@ -35,7 +35,7 @@ final class ImageDecoder {
 
     /**
      * @param name name of the image for messages
-     * @param file see {@link Texture#file}
+     * @param file value for {@link Texture#file}
      */
     static Texture decode(byte[] bytes, String name, Optional<String> file, Budget budget)
             throws AssetException {
@@ -75,8 +75,8 @@ final class ImageDecoder {
     }
 
     /**
-     * Limits the number of scans of a JPEG image, because a scan of a few bytes can cost a pass
-     * over all pixels.
+     * Limits the number of scans of a JPEG image, because a scan of a few bytes can make the
+     * decoder pass over all pixels.
      */
     private static void requireFewScans(byte[] bytes, String name) throws AssetException {
         int scans = 0;
@@ -118,7 +118,8 @@ final class ImageDecoder {
         int width = image.getWidth();
         int height = image.getHeight();
         byte[] pixels = new byte[4 * width * height];
-        // Java treats grey images as linear light; image files store grey as sRGB, like colours.
+        // Java treats grey values as linear light. Image files store grey values as sRGB, like
+        // colours.
         boolean grey = image.getColorModel().getColorSpace().getType() == ColorSpace.TYPE_GRAY;
         int[] row = new int[width];
         for (int y = 0; y < height; y++) {

@@ -13,9 +13,10 @@ import java.nio.IntBuffer;
  * @param volume [m^3]
  * @param mass [kg]
  * @param centre centre of mass in the axes of the shape (3) [m]
- * @param moments of inertia about axes through the centre of mass, parallel to the axes of the
- *     shape: xx yy zz (3) [kg*m^2]
- * @param products of inertia about the same axes: yz zx xy (3) [kg*m^2]; all 0 for principal axes
+ * @param moments moments of inertia xx yy zz about axes through the centre of mass, parallel to the
+ *     axes of the shape (3) [kg*m^2]
+ * @param products products of inertia yz zx xy about the same axes (3) [kg*m^2]; all 0 for
+ *     principal axes
  */
 public record MassProperties(
         double volume, double mass, double[] centre, double[] moments, double[] products) {
@@ -24,8 +25,9 @@ public record MassProperties(
      * Computes the properties of a solid with the given shape.
      *
      * @param density [kg/m^3], positive
-     * @throws IllegalArgumentException if the shape encloses no volume: a plane, a mesh with an
-     *     open edge, which the message names, or a mesh whose triangles do not all face outward
+     * @throws IllegalArgumentException if the shape encloses no volume. Such shapes are a plane, a
+     *     mesh with an open edge (the message names the edge), and a mesh whose triangles do not
+     *     all face outward
      */
     public static MassProperties of(Shape shape, double density) {
         return switch (shape) {
@@ -73,8 +75,8 @@ public record MassProperties(
     }
 
     /**
-     * Adds up a cylinder and two half balls, whose centres of mass are 3/8 of the radius beyond the
-     * ends of the cylinder.
+     * Adds up a cylinder and two hemispheres. The centres of mass of the hemispheres are 3/8 of the
+     * radius beyond the ends of the cylinder.
      */
     private static MassProperties capsule(double radius, double height, double density) {
         double middle = height - 2 * radius;
@@ -89,8 +91,10 @@ public record MassProperties(
     }
 
     /**
-     * Returns the properties of a solid of revolution about the Y axis with the moments {@code
-     * along} about Y and {@code across} about X and Z.
+     * Returns the properties of a solid of revolution about the Y axis.
+     *
+     * @param across moment of inertia about X and Z [kg*m^2]
+     * @param along moment of inertia about Y [kg*m^2]
      */
     private static MassProperties symmetric(
             double volume, double mass, double across, double along) {
@@ -99,10 +103,10 @@ public record MassProperties(
     }
 
     /**
-     * Adds up the tetrahedra between one inner point and each triangle. A tetrahedron counts
-     * negative if its triangle shows its outer side to the point. Exact for polyhedra. F. Tonon,
-     * Explicit exact formulas for the 3-D tetrahedron inertia tensor, J. Math. Stat. 1 (2005),
-     * 8-11.
+     * Adds up the tetrahedra between one inner point and each triangle. A tetrahedron counts as
+     * negative if the outer side of its triangle faces the point. The result is exact for
+     * polyhedra. Source: F. Tonon, Explicit exact formulas for the 3-D tetrahedron inertia tensor,
+     * J. Math. Stat. 1 (2005), 8-11.
      */
     private static MassProperties mesh(Mesh mesh, double density) {
         ClosedSurface.require(mesh);
@@ -113,10 +117,10 @@ public record MassProperties(
         FloatBuffer vertices = mesh.vertices();
         IntBuffer triangles = mesh.triangles();
         double sixVolumes = 0;
-        double[] first = new double[3]; // sums of determinant times coordinate
-        double[] second =
-                new double
-                        [6]; // sums of determinant times products of coordinates: xx yy zz yz zx xy
+        // Sums of the determinant times a coordinate, and of the determinant times the products of
+        // two coordinates: xx yy zz yz zx xy.
+        double[] first = new double[3];
+        double[] second = new double[6];
         double[][] corners = new double[3][3];
         while (triangles.hasRemaining()) {
             for (double[] corner : corners) {
@@ -152,9 +156,8 @@ public record MassProperties(
     private static MassProperties aboutCentre(
             double volume, double density, double[] inner, double[] first, double[] second) {
         double[] centre = new double[3];
-        double[] spread =
-                new double[6]; // mean products of coordinates relative to the centre of mass: xx yy
-        // zz yz zx xy
+        // Mean products of two coordinates relative to the centre of mass: xx yy zz yz zx xy.
+        double[] spread = new double[6];
         for (int axis = 0; axis < 3; axis++) {
             centre[axis] = first[axis] / (24 * volume);
         }

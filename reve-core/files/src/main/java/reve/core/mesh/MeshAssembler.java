@@ -10,8 +10,8 @@ import java.util.Arrays;
 import java.util.List;
 
 /**
- * Builder of one mesh from pieces. If only some pieces have an attribute, such as normals, gives
- * the other pieces default values.
+ * Builder of one mesh from pieces. If only some pieces have an attribute, such as normals, the
+ * other pieces get default values.
  */
 final class MeshAssembler {
 
@@ -32,7 +32,10 @@ final class MeshAssembler {
         this.sources = sources;
     }
 
-    /** Allocates space for more vertices and triangles; throws if the mesh would have too many. */
+    /**
+     * Allocates space for more vertices and triangles. Throws an exception if the mesh would have
+     * too many of them.
+     */
     void reserve(long vertices, long newTriangles) throws AssetException {
         requireRoom("vertices", vertexCount + vertices);
         requireRoom("triangles", indexCount / 3 + newTriangles);
@@ -64,8 +67,8 @@ final class MeshAssembler {
     }
 
     /**
-     * Adds a vertex, which is white by default, and returns its number. Call {@link #reserve}
-     * before.
+     * Adds a vertex, which is white by default, and returns its number. {@link #reserve} must be
+     * called before.
      */
     int vertex(float x, float y, float z) {
         int at = 3 * vertexCount;
@@ -99,8 +102,8 @@ final class MeshAssembler {
     }
 
     /**
-     * Adds a triangle with a material. Call {@link #reserve} before. Successive triangles with
-     * equal materials form one part.
+     * Adds a triangle with a material. {@link #reserve} must be called before. Successive triangles
+     * with equal materials form one part.
      */
     void triangle(int a, int b, int c, Material material) {
         int first = indexCount / 3;

@@ -6,7 +6,8 @@ import java.util.Locale;
 
 /**
  * Tokenizer of OBJ and MTL files. A backslash at the end of a line continues the line on the next
- * one. A line that begins with {@code #} is a comment. Reads the bytes once and allocates no copy.
+ * one. A line that begins with {@code #} is a comment. The tokenizer reads the bytes once and does
+ * not copy them.
  */
 final class ObjLines {
 
@@ -21,7 +22,7 @@ final class ObjLines {
     /** Number of the line that contains {@link #at}, from 1. */
     private int line = 1;
 
-    /** Start of the last word read; the next field is its end. */
+    /** Start of the last word read. The next field is the end of this word. */
     private int from;
 
     private int to;
@@ -56,7 +57,8 @@ final class ObjLines {
     }
 
     /**
-     * Returns whether the last word equals {@code keyword} (in lower case), regardless of its case.
+     * Returns whether the last word equals {@code keyword}, which is in lower case. Ignores the
+     * case of the word.
      */
     boolean is(String keyword) {
         if (to - from != keyword.length()) {
@@ -90,18 +92,18 @@ final class ObjLines {
         }
     }
 
-    /** Moves back, so that the last word is read again. */
+    /** Moves back to the start of the last word, so that it is read again. */
     void back() {
         at = from;
     }
 
-    /** Returns the text from the last word to the end of the line, trimmed. */
+    /** Returns the trimmed text from the last word to the end of the line. */
     String fromWord() {
         back();
         return rest();
     }
 
-    /** Returns the rest of the line, trimmed. */
+    /** Returns the trimmed rest of the line. */
     String rest() {
         int begin = at;
         skipLine();
@@ -123,7 +125,7 @@ final class ObjLines {
             try {
                 return Float.parseFloat(text());
             } catch (NumberFormatException none) {
-                // The exception below reports that it is no number.
+                // The exception below reports that the word is no number.
             }
         }
         throw refuse("`" + text() + "` is no number");
@@ -163,8 +165,9 @@ final class ObjLines {
     }
 
     /**
-     * Parses an index, which is positive from 1 or negative relative to the last element, into one
-     * from 0. The caller checks the upper limit after the whole file is read.
+     * Parses an index into an index from 0. A positive index in the file counts from 1, and a
+     * negative one is relative to the last element. The caller checks the upper limit after the
+     * whole file is read.
      */
     private int index(int begin, int end, int count) throws AssetException {
         boolean back = begin < end && bytes[begin] == '-';

@@ -13,7 +13,7 @@ import java.util.Optional;
 
 /**
  * The materials in the libraries (MTL) of an OBJ file, reduced to the properties that the renderer
- * supports: diffuse colour and texture, and roughness and metallic if present.
+ * supports. These are diffuse colour and texture, and roughness and metallic if present.
  */
 final class ObjMaterials {
 
@@ -44,7 +44,7 @@ final class ObjMaterials {
     private final Map<String, Material> materials = new HashMap<>();
     private int libraries;
 
-    /** A material whose lines are being read. */
+    /** A material that is being read, line by line. */
     private static final class Draft {
         private Colour colour = Colour.WHITE;
         private double roughness = Material.DEFAULT.roughness();

@@ -11,9 +11,9 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Reader of Wavefront OBJ files. Returns one mesh in metres with all faces; splits each face into
- * triangles that share its first corner. Ignores groups. Reads all lines before it builds the
- * faces, because a face may refer to later lines.
+ * Reader of Wavefront OBJ files. It returns one mesh in metres with all faces. Each face is split
+ * into triangles that share its first corner. Groups are ignored. All lines are read before the
+ * faces are built, because a face may refer to later lines.
  */
 final class ObjMeshReader {
 
@@ -35,7 +35,8 @@ final class ObjMeshReader {
     private final int[] counts = new int[3];
 
     /**
-     * (corners of all faces x 3) indices of position, texture coordinates and normal; -1 for none.
+     * (corners of all faces x 3) indices of position, texture coordinates and normal; -1 if a
+     * corner has none.
      */
     private int[] corners = new int[0];
 
@@ -49,8 +50,8 @@ final class ObjMeshReader {
     private final List<String> materialNames = new ArrayList<>();
 
     /**
-     * Hash table (open addressing) from the indices of a corner to its vertex number plus 1; {@link
-     * #known} has the indices of each vertex.
+     * Hash table (open addressing) from the three indices of a corner to its vertex number plus 1.
+     * {@link #known} contains the indices of each vertex.
      */
     private int[] slots = new int[1 << 12];
 
@@ -133,7 +134,8 @@ final class ObjMeshReader {
             System.arraycopy(corner, 0, corners, 3 * cornerCount++, 3);
         }
         if (cornerCount - before < 3) {
-            cornerCount = before; // a face of one or two corners is a point or a line: ignores it
+            cornerCount =
+                    before; // a face of one or two corners is a point or a line and is ignored
             return;
         }
         if (2 * faceCount + 2 > faces.length) {
@@ -182,8 +184,8 @@ final class ObjMeshReader {
     }
 
     /**
-     * Returns the number of the vertex for a corner; adds the vertex if no earlier corner has the
-     * same three indices.
+     * Returns the number of the vertex for a corner. If no earlier corner has the same three
+     * indices, adds a vertex.
      */
     private int vertex(int corner) throws AssetException {
         int at = 3 * corner;
@@ -216,8 +218,8 @@ final class ObjMeshReader {
     }
 
     /**
-     * Returns the slot of a corner in the hash table: the one with an equal corner, or else the
-     * free slot to use.
+     * Returns the slot of a corner in the hash table. If the table contains no equal corner,
+     * returns the free slot for it.
      */
     private int slot(int[] from, int at) {
         int hash = 31 * (31 * from[at] + from[at + 1]) + from[at + 2];
@@ -237,8 +239,8 @@ final class ObjMeshReader {
     }
 
     /**
-     * Returns the index in {@link #values} at which a corner's position, texture coordinates or
-     * normal begin.
+     * Returns the index in {@link #values} at which the position, texture coordinates or normal of
+     * a corner begin.
      */
     private int place(int at, int list) throws AssetException {
         int index = corners[at + list];

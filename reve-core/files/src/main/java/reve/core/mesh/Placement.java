@@ -23,8 +23,9 @@ record Placement(double[] m) {
     }
 
     /**
-     * Returns the transformation that scales first, then rotates by the quaternion xyzw (of any
-     * length), then translates.
+     * Returns a transformation that scales first, then rotates and then translates.
+     *
+     * @param rotation quaternion xyzw of any length
      */
     static Placement of(float[] scale, float[] rotation, float[] translation) {
         double x = rotation[0];
@@ -74,7 +75,7 @@ record Placement(double[] m) {
     }
 
     /**
-     * Returns the transformation for normals: the matrix of cofactors, which keeps normals
+     * Returns the transformation for normals, which is the matrix of cofactors. It keeps normals
      * perpendicular to the surface under any scale.
      */
     Placement forNormals() {

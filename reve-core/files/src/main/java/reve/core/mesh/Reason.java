@@ -12,7 +12,7 @@ import java.util.regex.Pattern;
  * understands.
  */
 final class Reason {
-    /** Pattern of names of Java classes and methods, which do not help the author of a file. */
+    /** Pattern of names of Java classes and methods. They do not help the author of a file. */
     private static final Pattern CODE =
             Pattern.compile(
                     "\\b[a-z]\\w*(\\.\\w+)*\\.[A-Z]\\w*|[A-Z]\\w+(Exception|Error)\\b|\\w+\\(\\)|\"<");
@@ -22,8 +22,8 @@ final class Reason {
     private Reason() {}
 
     /**
-     * Returns the first line of a message, or {@code otherwise} if there is no message or it
-     * contains names of code.
+     * Returns the first line of an exception's message. If there is no message or it contains names
+     * of code, returns {@code otherwise}.
      */
     static String of(Exception broken, String otherwise) {
         return broken instanceof NullPointerException
@@ -31,7 +31,10 @@ final class Reason {
                 : of(broken.getMessage(), otherwise);
     }
 
-    /** Returns the same for the message of an exception. */
+    /**
+     * Returns the first line of a message, under the same conditions as {@link #of(Exception,
+     * String)}.
+     */
     static String of(@Nullable String message, String otherwise) {
         String line = message == null ? "" : message.lines().findFirst().orElse("").strip();
         if (line.isEmpty() || CODE.matcher(line).find()) {
@@ -40,7 +43,7 @@ final class Reason {
         return line.length() <= MAX_LENGTH ? line : line.substring(0, MAX_LENGTH - 1) + "…";
     }
 
-    /** Returns why the operating system cannot read a file. */
+    /** Returns the reason why the operating system cannot read a file. */
     static String ofSystem(Exception unreadable) {
         if (unreadable instanceof AccessDeniedException) {
             return "permission denied";

@@ -12,8 +12,8 @@ import java.util.HashMap;
 import java.util.Map;
 
 /**
- * Reader of the data to which a mesh file refers: other files in its folder or below, or base64
- * data inside the file.
+ * Reader of the data to which a mesh file refers. These are other files in the folder of the mesh
+ * file or below, or base64 data inside the mesh file.
  */
 final class Sources {
 
@@ -33,7 +33,7 @@ final class Sources {
         this.path = path;
     }
 
-    /** Returns the mesh file's path, with which all messages begin. */
+    /** Returns the mesh file's path. All messages begin with it. */
     String path() {
         return path;
     }

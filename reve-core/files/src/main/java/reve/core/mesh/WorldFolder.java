@@ -17,14 +17,15 @@ import java.util.stream.Stream;
 
 /**
  * The folder of a world file. All files that the world file names are read from this folder:
- * included files, tables, meshes, textures. Paths are relative to it and separate names with {@code
- * /}. They never leave the folder: not by {@code ..}, a link or a URL. For any thread.
+ * included files, tables, meshes, textures. Their paths are relative to the folder and separate
+ * names with {@code /}. No path can leave the folder by {@code ..}, a link or a URL. For any
+ * thread.
  */
 public final class WorldFolder {
 
     private static final int MAX_PATH_LENGTH = 1024;
 
-    /** The key of a world file that states its format. */
+    /** Pattern of the key of a world file that states its format. */
     private static final Pattern WORLD = Pattern.compile("(?m)(^|[{,])\\s*[\"']?reve[\"']?\\s*:");
 
     private static final int BEGINNING_BYTES = 64 * 1024;
@@ -33,20 +34,20 @@ public final class WorldFolder {
     private final Optional<Path> folder;
     private final Consumer<String> found;
 
-    /** True if files are found only if the folder contains a world file. */
+    /** True if files can be found only if the folder contains a world file. */
     private final boolean needsWorld;
 
     private volatile boolean hasWorld;
 
-    /** Gives access to the files in this folder and below. */
+    /** Creates an access to the files in this folder and below. */
     public WorldFolder(Path folder) {
         this(folder, _ -> {});
     }
 
     /**
-     * Gives access to the files in this folder and below.
+     * Creates an access to the files in this folder and below.
      *
-     * @param found receives the path of a file each time that the file is found
+     * @param found receives the path of a file each time when the file is found
      */
     public WorldFolder(Path folder, Consumer<String> found) {
         this(Optional.of(folder), found, false);
@@ -59,14 +60,15 @@ public final class WorldFolder {
     }
 
     /**
-     * Gives access to the folder that a recording or a store names. It may be the work of a
-     * stranger, so files are found only if the folder contains a world file.
+     * Creates an access to the folder that a recording or a store names. A stranger may have made
+     * the recording or the store. Therefore files can be found only if the folder contains a world
+     * file.
      */
     public static WorldFolder named(Path folder) {
         return new WorldFolder(Optional.of(folder), _ -> {}, true);
     }
 
-    /** Returns an empty folder, for a world that is not read from a file. */
+    /** Returns an access to no files, for a world that is not read from a file. */
     public static WorldFolder none() {
         return new WorldFolder(Optional.empty(), _ -> {}, false);
     }
@@ -136,8 +138,8 @@ public final class WorldFolder {
     }
 
     /**
-     * Returns the real path of the folder that contains the file at {@code path}, a path that
-     * {@link #find} accepted. If the file itself is a link, this link is not followed.
+     * Returns the real path of the folder that contains the file at {@code path}. {@link #find}
+     * must have accepted this path. If the file itself is a link, this link is not followed.
      */
     Path folderOf(String path) throws AssetException {
         try {
@@ -181,9 +183,10 @@ public final class WorldFolder {
     }
 
     /**
-     * Checks that a path is a sequence of names that stays within a folder; reads no file.
+     * Checks that a path is a sequence of names that stays within a folder. Reads no file.
      *
-     * @throws AssetException if it is absolute, or has `..`, `.`, `:`, `\\` or control characters
+     * @throws AssetException if the path is absolute, or has `..`, `.`, `:`, `\\` or control
+     *     characters
      */
     public static void requireWithin(String path) throws AssetException {
         if (path.isEmpty() || path.length() > MAX_PATH_LENGTH) {

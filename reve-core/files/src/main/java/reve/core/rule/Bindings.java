@@ -8,7 +8,7 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The values that the names in an expression have in an evaluation: the aspects of an item, and the
+ * The values of an expression's names in one evaluation. They are the aspects of an item, and the
  * other names that the {@link Scope} permits. Numbers are in SI units. For the world's thread only.
  */
 public final class Bindings {
@@ -49,8 +49,8 @@ public final class Bindings {
     }
 
     /**
-     * Returns the number of steps of all evaluations with these bindings, including failed ones,
-     * and including the computation of the relations that they read.
+     * Returns the number of steps of all evaluations with these bindings. The number includes
+     * failed evaluations and the computation of relations that expressions read.
      */
     public long steps() {
         return steps;
@@ -61,8 +61,8 @@ public final class Bindings {
     }
 
     /**
-     * Returns the value of a full name, such as {@code actor.physics.mass}, as text for messages;
-     * "missing" if it has none.
+     * Returns the value of a full name, such as {@code actor.physics.mass}, as text for messages.
+     * Returns "missing" if the name has no value.
      */
     public String described(String nameInFull) {
         return value(nameInFull)
@@ -70,7 +70,7 @@ public final class Bindings {
                 .orElse("missing");
     }
 
-    /** Returns a text, shortened to {@code most} characters if it is longer. */
+    /** Returns a text. Shortens it if it is longer than {@code most} characters. */
     static String shortened(String text, int most) {
         return text.length() <= most ? text : text.substring(0, most) + "…";
     }

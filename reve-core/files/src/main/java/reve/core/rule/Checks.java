@@ -18,7 +18,7 @@ import java.util.OptionalLong;
 import java.util.Set;
 
 /**
- * Checks of expressions beyond their types: refuses expressions that can never be evaluated, or
+ * Checks of expressions beyond their types. They refuse expressions that can never be evaluated, or
  * whose cost has no bound.
  */
 final class Checks {
@@ -28,7 +28,7 @@ final class Checks {
     private final CelAbstractSyntaxTree ast;
     private final Map<String, Integer> components;
 
-    /** Names of the loop variables of an expression, which may hide names of the scope. */
+    /** Names of the loop variables of an expression. They may hide names of the scope. */
     private final Set<String> loops = new HashSet<>();
 
     private Checks(String text, CelAbstractSyntaxTree ast, Map<String, Integer> components) {
@@ -61,6 +61,8 @@ final class Checks {
     }
 
     /**
+     * Checks an expression whose types are known.
+     *
      * @param components number of components of each vector name, for example 3 for {@code
      *     physics.velocity}
      */

@@ -8,38 +8,38 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The structure of one expression, from which a {@link Meter} computes the cost of an evaluation:
- * the order of its parts, and how each part's value is used. Immutable.
+ * The structure of one expression: the order of its parts, and the use of each part's value. A
+ * {@link Meter} computes the cost of an evaluation from this structure. Immutable.
  */
 final class Cost {
-    /** How the enclosing part of the expression uses a part's value. */
+    /** The way in which the enclosing part of the expression uses the value of a part. */
     enum Role {
-        /** It may read the whole value. */
+        /** The enclosing part may read the whole value. */
         READ,
-        /** It selects one element. */
+        /** The enclosing part selects one element of the value. */
         PICKED,
-        /** It compares the elements with a value. */
+        /** The enclosing part compares the elements of the value with another value. */
         MEMBERS,
-        /** It is a loop over the value; it fails if the value is no list or map. */
+        /** The enclosing part is a loop over the value. It fails if the value is no list or map. */
         RANGE,
-        /** It fails unless the value is true or false. */
+        /** The enclosing part fails unless the value is true or false. */
         TRUTH,
-        /** It searches a pattern in the value. */
+        /** The enclosing part searches a pattern in the value. */
         MATCHED,
-        /** It searches another text in the value. */
+        /** The enclosing part searches another text in the value. */
         HAYSTACK,
-        /** It searches the value in a HAYSTACK. */
+        /** The enclosing part searches the value in a text with the role {@link #HAYSTACK}. */
         NEEDLE
     }
 
     /**
      * One part of the expression, such as an operator with its operands.
      *
-     * @param next the part that is evaluated next unless the enclosing part fails; 0 if that
-     *     depends on values
+     * @param next the part that is evaluated next unless the enclosing part fails; 0 if values
+     *     determine the next part
      * @param depth number of enclosing parts
-     * @param detail for MATCHED the size of the pattern; for a HAYSTACK and its NEEDLE the same
-     *     serial number
+     * @param detail for MATCHED, the size of the pattern; for a HAYSTACK and its NEEDLE, a serial
+     *     number that both have
      */
     record Part(int next, int depth, Role role, int detail) {}
 

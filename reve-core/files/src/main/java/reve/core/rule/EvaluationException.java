@@ -2,7 +2,7 @@
 package reve.core.rule;
 
 /**
- * Reports that the evaluation of an expression failed; the message quotes the expression and gives
+ * Reports that the evaluation of an expression failed. The message quotes the expression and gives
  * the reason.
  */
 public final class EvaluationException extends Exception {

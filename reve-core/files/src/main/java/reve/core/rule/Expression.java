@@ -21,13 +21,17 @@ import java.util.TreeSet;
 import java.util.regex.Pattern;
 
 /**
- * A compiled expression of a world file. Immutable; evaluated on the thread of the world whose data
- * it reads. Its cost is bounded: a {@link Meter} ends an evaluation that takes too many steps.
+ * A compiled expression of a world file. Its cost is bounded, because a {@link Meter} ends an
+ * evaluation that takes too many steps. Immutable. It is evaluated on the thread of the world whose
+ * data it reads.
  */
 public final class Expression {
     private static final Pattern PLACE = Pattern.compile("evaluation error( at <input>:\\d+)?: ");
 
-    /** Maximum length of the reason for a failure, which may quote values [characters]. */
+    /**
+     * Maximum length of the reason for a failure [characters]. The limit exists because the reason
+     * may quote values.
+     */
     private static final int MAX_REASON = 300;
 
     private final String text;
@@ -63,8 +67,8 @@ public final class Expression {
     }
 
     /**
-     * Returns the full names that the expression reads, in alphabetical order: {@code
-     * actor.physics.mass}, {@code semantic.lit}.
+     * Returns the full names that the expression reads, in alphabetical order, for example {@code
+     * actor.physics.mass} and {@code semantic.lit}.
      */
     public Set<String> uses() {
         return uses;
@@ -84,7 +88,7 @@ public final class Expression {
         return scope.parameters();
     }
 
-    /** Returns new bindings for the names of the expression, without values. */
+    /** Returns new bindings for the names of the expression. The names have no values yet. */
     public Bindings bindings() {
         return scope.bindings();
     }
@@ -92,7 +96,7 @@ public final class Expression {
     /**
      * Evaluates the expression to a Boolean, a finite Double, a String, or a List of these.
      *
-     * @throws EvaluationException if a name has no value (a missing symbol, the physics of
+     * @throws EvaluationException in these cases: a name has no value (for example, the physics of
      *     scenery), an operator does not accept the values, a number is not finite, or the
      *     evaluation takes too many steps
      */
@@ -115,8 +119,8 @@ public final class Expression {
     }
 
     /**
-     * Evaluates a condition; throws like {@link #evaluate}, and also if the result is not true or
-     * false.
+     * Evaluates a condition. Throws the same exceptions as {@link #evaluate}, and also one if the
+     * result is not true or false.
      */
     public boolean truth(Bindings bindings) throws EvaluationException {
         if (evaluate(bindings) instanceof Boolean truth) {
@@ -126,8 +130,8 @@ public final class Expression {
     }
 
     /**
-     * Evaluates the expression to {@code count} numbers in SI units; throws like {@link #evaluate},
-     * and also if the result has another form.
+     * Evaluates the expression to {@code count} numbers in SI units. Throws the same exceptions as
+     * {@link #evaluate}, and also one if the result has another form.
      */
     public double[] numbers(Bindings bindings, int count) throws EvaluationException {
         Object value = evaluate(bindings);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
-/** Reports that the text of an expression is invalid; the message gives the reason. */
+/** Reports that the text of an expression is invalid. The message gives the reason. */
 public final class ExpressionException extends Exception {
     private static final long serialVersionUID = 1L;
 

@@ -11,7 +11,7 @@ public enum ExpressionType {
     TEXT("a text"),
     /** Several values, such as the components of a vector. */
     LIST("a list"),
-    /** Any of these types, known only after the evaluation. */
+    /** Any of these types. The type is known only after the evaluation. */
     ANY("a value");
 
     private final String words;

@@ -13,9 +13,9 @@ import java.util.List;
 import java.util.function.DoubleBinaryOperator;
 
 /**
- * Operators and functions that extend the language CEL: operators with an integer and a real
- * operand, and functions of vectors, which are lists of numbers. Sums add the components from the
- * first to the last.
+ * Operators and functions that extend the language CEL. The operators have an integer and a real
+ * operand. The functions operate on vectors, which are lists of numbers. Sums add the components
+ * from the first to the last, so that results are the same on every machine.
  */
 final class Functions {
     private static final CelType VECTOR = ListType.create(SimpleType.DYN);
@@ -209,7 +209,10 @@ final class Functions {
         return result;
     }
 
-    /** Returns the vector rotated by a unit quaternion xyzw: v + 2 w (q x v) + 2 q x (q x v). */
+    /**
+     * Returns a vector v rotated by a unit quaternion with the vector part q and the real part w: v
+     * + 2 w (q x v) + 2 q x (q x v).
+     */
     private static double[] rotated(double[] q, double[] v) {
         if (q.length != 4 || v.length != 3) {
             throw new IllegalArgumentException(

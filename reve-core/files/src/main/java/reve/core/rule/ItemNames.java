@@ -20,8 +20,8 @@ import java.util.function.LongConsumer;
 import java.util.function.Supplier;
 
 /**
- * The names by which expressions read an item: one map per aspect, which reads a value of the item
- * when it is accessed.
+ * The names by which expressions read an item. Each aspect is a map that reads a value of the item
+ * when the value is accessed.
  */
 final class ItemNames {
     private static final String SYMBOL = KindNames.SEMANTIC + ".";
@@ -34,7 +34,10 @@ final class ItemNames {
     private final Map<String, Object> semantic;
     private final Map<String, Object> self;
 
-    /** Cache of the item's relations, because a loop may read one in every iteration. */
+    /**
+     * Cache of the item's relations. It saves time because a loop may read a relation in every
+     * iteration.
+     */
     private final Map<String, Optional<Object>> relations = new HashMap<>();
 
     /**
@@ -55,8 +58,8 @@ final class ItemNames {
     }
 
     /**
-     * Returns the value of {@code item}, of an aspect, or of a declared symbol by full name ({@code
-     * semantic.lit}); else null.
+     * Returns the value of {@code item}, of an aspect, or of a declared symbol by its full name,
+     * for example {@code semantic.lit}. Returns null for other names.
      */
     @Nullable Object find(String name) {
         if (name.startsWith(SYMBOL)) {
@@ -129,7 +132,7 @@ final class ItemNames {
     }
 
     /**
-     * Computes a spatial relation; counts a step for each compared body and for each name found.
+     * Computes a spatial relation. Counts one step for each compared body and for each name found.
      */
     private Optional<Object> related(Item present, String relation) {
         Relations all = present.semantic().relations();
@@ -156,8 +159,8 @@ final class ItemNames {
     }
 
     /**
-     * A read-only map whose values are computed on access. CEL reads single names; only its macros
-     * iterate over the map.
+     * A read-only map whose values are computed when they are accessed. CEL reads single names.
+     * Only the macros of CEL iterate over the map.
      */
     static final class View extends AbstractMap<String, Object> {
         private final Supplier<Set<String>> names;

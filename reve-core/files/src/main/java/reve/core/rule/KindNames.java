@@ -13,7 +13,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 
-/** The names in the aspects of items of one kind that expressions may use. Immutable. */
+/** The names that expressions may use in the aspects of items of one kind. Immutable. */
 final class KindNames {
     static final String PHYSICS = "physics";
     static final String PHYSICAL = "physical";
@@ -23,7 +23,9 @@ final class KindNames {
     /** Names that {@code item} has in addition to its aspects. */
     static final Set<String> ITEM_NAMES = Set.copyOf(List.of("name", "kind"));
 
-    /** Names of the physical aspect, with the number of components; 0 for a text. */
+    /**
+     * Names of the physical aspect, with the number of components of their values; 0 for a text.
+     */
     private static final Map<String, Integer> PHYSICAL_NAMES =
             Map.of("location", 3, "orientation", 4, "size", 3, "colour", 0);
 
@@ -53,7 +55,7 @@ final class KindNames {
         return properties.get(name);
     }
 
-    /** Returns the names of the physical aspect; empty for kinds without a place. */
+    /** Returns the names of the physical aspect. Returns none for kinds without a place. */
     Map<String, Integer> physicalNames() {
         return kind.equals(WorldPrototype.BODY) ? PHYSICAL_NAMES : Map.of();
     }

@@ -41,8 +41,8 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * The compiler of CEL expressions (cel.dev) with the names of one {@link Scope}; without the CEL
- * types for time and bytes.
+ * The compiler of CEL expressions (cel.dev) with the names of one {@link Scope}. It does not
+ * support the CEL types for time and bytes.
  */
 final class Language {
     /** Maximum length of an expression [characters]. */
@@ -51,7 +51,9 @@ final class Language {
     /** Maximum number of operators, names and constants in one expression. */
     static final int MAX_PARTS = 250;
 
-    /** Maximum number of iterations of {@code map}, {@code all}, … in one evaluation. */
+    /**
+     * Maximum number of iterations of macros such as {@code map} and {@code all} in one evaluation.
+     */
     static final int MAX_ROUNDS = 1000;
 
     private static final CelOptions OPTIONS =
@@ -207,8 +209,8 @@ final class Language {
     }
 
     /**
-     * Translates CEL names of types into the words of the documentation: {@code list(double)}
-     * becomes "list of numbers".
+     * Translates the CEL names of types into the words of the documentation. For example, {@code
+     * list(double)} becomes "list of numbers".
      */
     private static String words(String types) {
         return types.replaceAll("\\b(int|uint|double)\\b", "number")

@@ -13,31 +13,32 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Counter of the steps of one evaluation, which ends the evaluation at a limit. Counts operations
- * and no time, so that the number is the same on every machine.
+ * Counter of the steps of one evaluation. It ends the evaluation at a limit. It counts operations
+ * and not time, so that the number is the same on every machine.
  */
-@SuppressWarnings("Immutable") // used by one evaluation on one thread
+@SuppressWarnings("Immutable") // each object serves one evaluation on one thread
 final class Meter implements CelEvaluationListener {
-    /** Maximum steps of one evaluation; a step takes about 0.1 microseconds. */
+    /** Maximum number of steps of one evaluation. */
     static final int MAX_STEPS = 20_000;
 
-    /** Number of characters whose reading, comparing or copying counts as one step. */
+    /** Number of characters that are read, compared or copied for one step. */
     private static final int CHARACTERS_PER_STEP = 32;
 
     /**
-     * Number of steps of a regular expression, per character of the text, that count as one step.
+     * Divisor of the cost of a regular expression. For each character of the text, this number of
+     * the pattern's own steps counts as one step.
      */
     private static final int PATTERN_STEPS_PER_STEP = 8;
 
     /**
-     * Steps for a part that fails, which costs more than a result. An evaluation can continue after
-     * it: {@code 1 / 0 > 1 || true}.
+     * Number of steps for a part that fails, which costs more time than a result. An evaluation can
+     * continue after a failure: {@code 1 / 0 > 1 || true}.
      */
     private static final int STEPS_OF_FAILURE = 100;
 
     private static final int STEPS_OF_FAILURE_PER_DEPTH = 10;
 
-    /** Steps for each name when all names of an item are read. */
+    /** Number of steps for each name if an expression reads all names of an item. */
     private static final int STEPS_PER_NAME = 4;
 
     private static final int[] NONE = {};
@@ -49,8 +50,8 @@ final class Meter implements CelEvaluationListener {
     private int next;
 
     /**
-     * Ends an evaluation that takes too many steps. Not an Exception, because CEL treats exceptions
-     * as values.
+     * Ends an evaluation that takes too many steps. It extends Error instead of Exception, because
+     * CEL treats exceptions as values.
      */
     static final class Exceeded extends Error {
         private static final long serialVersionUID = 1L;
@@ -66,7 +67,8 @@ final class Meter implements CelEvaluationListener {
     }
 
     /**
-     * Called by CEL with the value of a part of the expression, after the calls for its operands.
+     * Receives the value of a part of the expression. CEL calls this method after the calls for the
+     * operands of the part.
      */
     @Override
     public void callback(CelExpr expr, Object value) {
@@ -122,22 +124,21 @@ final class Meter implements CelEvaluationListener {
         spend(STEPS_OF_FAILURE + STEPS_OF_FAILURE_PER_DEPTH * depth);
     }
 
-    /** Returns the steps so far, at most the limit of one evaluation. */
+    /** Returns the number of steps so far, at most the limit of one evaluation. */
     long steps() {
         return MAX_STEPS - Math.max(0, left);
     }
 
     /**
-     * Counts a step for each value inside, and for characters of texts. A repeated value counts
-     * each time.
+     * Counts a step for each value in a list or map, and further steps for the characters of texts.
+     * A repeated value counts each time.
      */
     private void weigh(@Nullable Object value) {
         switch (value) {
             case null -> {}
             case String text -> spend(text.length() / CHARACTERS_PER_STEP);
-            case ConcatenatedListView<?>
-                            growing -> {} // a list that a loop is building: counted when the loop
-            // ends
+            // A loop is building this list, whose elements are counted when the loop ends.
+            case ConcatenatedListView<?> growing -> {}
             case List<?> list -> {
                 for (Object element : list) {
                     spend(1);

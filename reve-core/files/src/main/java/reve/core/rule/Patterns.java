@@ -12,15 +12,15 @@ import java.util.Deque;
 import java.util.regex.Matcher;
 
 /**
- * Check of the regular expressions in calls of {@code matches}: they must be constants of limited
+ * Check of the regular expressions in calls of {@code matches}. They must be constants of limited
  * size.
  */
 final class Patterns {
     static final String FUNCTION = "matches";
 
     /**
-     * Maximum number of steps (compiled instructions) of a pattern: about one per character, with
-     * repetitions written out.
+     * Maximum number of steps (compiled instructions) of a pattern. A pattern has about one step
+     * per character, where repetitions count as if they were written out.
      */
     static final int MAX_SIZE = 1000;
 
@@ -81,14 +81,14 @@ final class Patterns {
     }
 
     /**
-     * Returns whether the pattern ignores case for characters beyond ASCII, for some of which the
-     * library for regular expressions does not terminate.
+     * Returns whether the pattern ignores case and contains characters beyond ASCII. For some of
+     * these characters, the library for regular expressions does not terminate.
      */
     static boolean foldsBeyondAscii(String pattern) {
         return FOLDING.matcher(pattern).find() && BEYOND_ASCII.matcher(pattern).find();
     }
 
-    /** Returns a lower bound of the number of steps of a pattern, without compiling it. */
+    /** Returns a lower bound of the number of steps of a pattern. Does not compile the pattern. */
     static long estimate(String pattern) {
         Deque<Long> outside = new ArrayDeque<>();
         Matcher repetition = REPETITION.matcher(pattern);
@@ -98,7 +98,7 @@ final class Patterns {
         for (int at = 0; at < pattern.length(); at = end) {
             char c = pattern.charAt(at);
             end = end(pattern, at);
-            if (c == '(' && end > at + 1) { // flags
+            if (c == '(' && end > at + 1) { // the parentheses contain flags and no group
                 sum = add(sum, 1);
             } else if (c == '(') {
                 outside.push(sum);
@@ -115,7 +115,7 @@ final class Patterns {
                 last = add(last, 2);
                 sum = add(sum, 2);
             } else if (!pattern.startsWith("\\Q\\E", at)) {
-                // after an empty quotation, a repetition repeats what is before the quotation
+                // After an empty quotation, a repetition repeats the element before the quotation.
                 last = 1;
                 sum = add(sum, pattern.startsWith("\\Q", at) ? end - at : 1);
             }
@@ -136,8 +136,8 @@ final class Patterns {
     }
 
     /**
-     * Returns the end of the element that begins at {@code at}: an escape, a class, flags or a
-     * character.
+     * Returns the end of the element that begins at {@code at}. An element is an escape, a class,
+     * flags or a character.
      */
     private static int end(String pattern, int at) {
         return switch (pattern.charAt(at)) {
@@ -193,8 +193,8 @@ final class Patterns {
     }
 
     /**
-     * Returns the index after flags such as {@code (?i)}. If a group such as {@code (?i:} or {@code
-     * (} begins here instead, returns the index after its opening characters.
+     * Returns the index after flags such as {@code (?i)}. If a group begins here instead, such as
+     * {@code (?i:} or {@code (}, returns the index after its opening characters.
      */
     private static int flags(String pattern, int at) {
         Matcher flags = FLAGS.matcher(pattern).region(at, pattern.length());

@@ -8,16 +8,17 @@ import reve.core.world.StandardSymbols;
 import java.util.Optional;
 
 /**
- * A rule of a world: it computes a semantic symbol of items by an expression. Immutable.
+ * A rule of a world. It computes a semantic symbol of items by an expression. Immutable.
  *
+ * @param symbol name of the symbol
  * @param kind kind of the items that get the symbol
- * @param itemClass class of these items, their symbol {@code class}; empty for all classes
+ * @param itemClass class of these items, which is their symbol {@code class}; empty for all classes
  */
 public record Rule(
         String symbol, String kind, Optional<String> itemClass, Expression expression, String doc) {
 
     /**
-     * @throws IllegalArgumentException if the world itself computes the symbol, for example {@code
+     * @throws IllegalArgumentException if the world itself sets the symbol, for example {@code
      *     name}
      */
     public Rule {
@@ -27,14 +28,14 @@ public record Rule(
         }
     }
 
-    /** Returns whether the rule reads properties that only items with physics have. */
+    /** Returns whether the rule reads properties that only items with a physics aspect have. */
     boolean needsPhysics() {
         return expression.uses().stream().anyMatch(name -> name.startsWith("physics."));
     }
 
     /**
-     * Returns the symbol that a full name such as {@code semantic.lit} reads; null if it reads no
-     * symbol.
+     * Returns the symbol that a full name reads, for example {@code lit} for {@code semantic.lit}.
+     * Returns null if the name reads no symbol.
      */
     static @Nullable String symbolRead(String name) {
         return name.startsWith("semantic.") ? name.substring("semantic.".length()) : null;

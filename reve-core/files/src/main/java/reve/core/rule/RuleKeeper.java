@@ -22,11 +22,12 @@ import java.util.Objects;
 import java.util.function.BooleanSupplier;
 
 /**
- * Keeps the symbol of one rule up to date for all items of its kind. Stores for each row the inputs
- * of the last evaluation; while they are equal, the rule is not evaluated again.
+ * Updater of the symbol of one rule for all items of its kind. It stores the inputs of the last
+ * evaluation for each row. While the inputs of a row do not change, the rule is not evaluated for
+ * it again.
  */
 final class RuleKeeper {
-    /** Returned by {@link #update} when no item is left. */
+    /** Result of {@link #update} if no item is left. */
     static final int COMPLETE = -1;
 
     private static final String CLASS = "class";
@@ -40,8 +41,8 @@ final class RuleKeeper {
     private final Unit unit;
 
     /**
-     * Columns that the rule reads. If not all inputs can be compared ({@link #listed} is false),
-     * the rule is evaluated in every update.
+     * Columns that the rule reads. If some input cannot be compared ({@link #listed} is false),
+     * every update evaluates the rule.
      */
     private final List<Column> columns = new ArrayList<>();
 
@@ -77,8 +78,8 @@ final class RuleKeeper {
     }
 
     /**
-     * Adds the column or symbol that a name reads to the inputs; returns false for other names,
-     * such as relations, which cannot be compared.
+     * Adds the column or symbol that a name reads to the inputs. Returns false for other names,
+     * such as relations, because their values cannot be compared.
      */
     private boolean list(String name) {
         String symbol = Rule.symbolRead(name);
@@ -112,19 +113,19 @@ final class RuleKeeper {
         }
     }
 
-    /** Makes all items count as changed, by storing the id 0, which no item has. */
+    /** Makes all items count as changed. For this purpose it stores the id 0, which no item has. */
     void forget() {
         Arrays.fill(ids, 0);
     }
 
     /**
-     * Evaluates the rule for the items whose inputs have changed, from a row on. Ends early if the
-     * evaluations take too many steps, or if {@code ends} returns true.
+     * Evaluates the rule for the items whose inputs have changed, beginning at a row. Ends early if
+     * the evaluations take too many steps, or if {@code ends} returns true.
      *
      * @param most maximum number of steps; the evaluation that exceeds it is completed and is the
      *     last one
      * @param ends returns true to end early for another reason
-     * @return the row to continue with, or {@link #COMPLETE}
+     * @return the row at which the next call must continue, or {@link #COMPLETE}
      */
     int update(long frame, int fromRow, long most, BooleanSupplier ends) {
         steps = 0;
@@ -142,7 +143,8 @@ final class RuleKeeper {
     }
 
     /**
-     * Raises a fault event: rules take too many steps, this one the most.
+     * Raises a fault event. It reports that the rules take too many steps, and that this rule takes
+     * the most.
      *
      * @param why text after the rule's name in the message of the fault
      */
@@ -150,7 +152,10 @@ final class RuleKeeper {
         raise(frame, "TooManySteps", "rule " + rule.symbol() + " " + why);
     }
 
-    /** Returns the rule and the item for which it is being evaluated; any thread. */
+    /**
+     * Returns a description of the rule and of the item for which it is being evaluated. For any
+     * thread.
+     */
     @Override
     public String toString() {
         Item item = current;
@@ -175,10 +180,8 @@ final class RuleKeeper {
             }
         }
         for (int row = rows; row < table.rowCount(); row++) {
-            give(
-                    itemAt(row),
-                    null,
-                    frame); // scenery that may have had physics before: removes the symbol
+            // This is scenery. It may have had a physics aspect before, so its symbol is removed.
+            give(itemAt(row), null, frame);
         }
         return COMPLETE;
     }
@@ -197,8 +200,8 @@ final class RuleKeeper {
     }
 
     /**
-     * Returns whether the rule's inputs for an item differ from those stored for the row; stores
-     * the new ones.
+     * Returns whether the rule's inputs for an item differ from those stored for the row. Stores
+     * the new inputs.
      */
     private boolean hasChanged(int row, Item item) {
         boolean changed = ids[row] != item.id().value();

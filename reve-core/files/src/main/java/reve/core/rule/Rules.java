@@ -14,22 +14,24 @@ import java.util.Map;
 import java.util.function.BooleanSupplier;
 
 /**
- * Keeps the symbols of rules up to date. Rules are evaluated in their order, so that a rule may
- * read the results of earlier rules in the same frame, and only for items with changed inputs. If a
- * rule has no value for an item, the item does not have the symbol; this is reported once per rule.
- * For the world's thread only.
+ * Updater of the symbols of all rules. Rules are evaluated in their order, so that a rule may read
+ * the results of earlier rules in the same frame. A rule is evaluated only for items with changed
+ * inputs. If a rule has no value for an item, the item does not have the symbol. This is reported
+ * once per rule. For the world's thread only.
  *
- * <p>All rules together may take a limited number of evaluation steps per frame. If they need more,
- * the remaining items keep their symbols and are evaluated in the next frames, so that rules never
- * delay a frame for long. The limit of the first update, and of the first one after {@link
- * #forget}, is higher, so that a large world begins with all symbols. Steps are counted, never
- * time: the same items are evaluated in the same frames on every machine.
+ * <p>The number of evaluation steps of all rules in a frame is limited, so that rules never delay a
+ * frame for long. If the rules need more steps, the remaining items keep their symbols and are
+ * evaluated in the next frames. The limit of the first update is higher, so that a large world
+ * begins with all symbols. The same is true for the first update after {@link #forget}.
+ *
+ * <p>Steps are counted, never time. Every machine therefore evaluates the same items in the same
+ * frames.
  */
 public final class Rules {
-    /** Default maximum number of steps of all rules in one frame, about 20 ms. */
+    /** Default maximum number of steps of all rules in one frame. */
     public static final long DEFAULT_STEPS = 200_000;
 
-    /** Maximum number of steps of the first update, about 4 s. */
+    /** Maximum number of steps of all rules in the first update. */
     static final long FIRST_STEPS = 40_000_000;
 
     private final World world;
@@ -40,13 +42,16 @@ public final class Rules {
     private boolean first = true;
     private boolean reported;
 
-    /** Index of the rule with which the next update starts; the next field is the row. */
+    /**
+     * Index of the rule with which the next update starts. The next field is the row at which it
+     * starts.
+     */
     private int nextKeeper;
 
     private int nextRow;
 
     /**
-     * @param rules of the world, in order of evaluation
+     * @param rules rules of the world, in the order of evaluation
      * @param stepsPerFrame maximum number of evaluation steps in one frame
      */
     public Rules(World world, List<Rule> rules, long stepsPerFrame) {
@@ -61,10 +66,10 @@ public final class Rules {
     }
 
     /**
-     * Evaluates the rules in the phase DERIVE of every frame, after listeners that subscribed
-     * earlier.
+     * Subscribes to the phase DERIVE of every frame, to evaluate the rules. Listeners that
+     * subscribed earlier are called first.
      *
-     * @param stopped returns whether the world makes no more frames, so that the evaluation ends
+     * @param stopped returns true if the world will make no more frames; the evaluation then ends
      *     early
      */
     public void subscribeTo(FrameBus bus, BooleanSupplier stopped) {
@@ -72,8 +77,8 @@ public final class Rules {
     }
 
     /**
-     * Makes the next update evaluate all rules for all items, because the world was restored and
-     * the stored inputs belong to another state.
+     * Makes the next update evaluate all rules for all items. Called after the world was restored,
+     * because the stored inputs belong to another state.
      */
     public void forget() {
         first = true;
@@ -84,7 +89,7 @@ public final class Rules {
     }
 
     /**
-     * Replaces the rules. Items lose the symbols of rules that are not among the new ones; the next
+     * Replaces the rules. Items lose the symbols of rules that are not among the new ones. The next
      * update evaluates the new rules for all items. Called outside the phase DERIVE.
      */
     public void set(List<Rule> rules) {
@@ -101,7 +106,7 @@ public final class Rules {
         nextRow = 0;
     }
 
-    /** Evaluates rules now, as part of that frame. */
+    /** Evaluates rules now, as part of the given frame. */
     public void update(long frame) {
         update(frame, () -> false);
     }
@@ -130,7 +135,10 @@ public final class Rules {
         nextKeeper = 0;
     }
 
-    /** Reports once that symbols may be outdated from now on, and names the costliest rule. */
+    /**
+     * Reports that symbols may be outdated from now on, and names the costliest rule. The report is
+     * made only once.
+     */
     private void report(long frame, List<RuleKeeper> evaluated, long most, long steps) {
         if (reported) {
             return;

@@ -12,10 +12,10 @@ import java.util.Map;
 import java.util.Objects;
 
 /**
- * The names that expressions may use, with their types, and the compiler of these expressions:
- * {@code physics}, {@code physical}, {@code semantic} and {@code item} of an item of one kind; in
- * actions also {@code actor} and the action's parameters. Compiles each distinct text once. For one
- * thread.
+ * The names that expressions may use, with their types, and the compiler of these expressions. The
+ * names are {@code physics}, {@code physical}, {@code semantic} and {@code item} of an item of one
+ * kind. In actions, they also include {@code actor} and the parameters of the action. The scope
+ * compiles each distinct text once. For one thread.
  */
 public final class Scope {
     /** Name of the acting body, in the scope of actions. */
@@ -73,12 +73,15 @@ public final class Scope {
         return expression;
     }
 
-    /** Returns whether the text was compiled before, so that compiling it again costs nothing. */
+    /**
+     * Returns whether the text was compiled before. In this case, {@link #compile} returns the
+     * stored result.
+     */
     public boolean knows(String text) {
         return known.containsKey(text);
     }
 
-    /** Returns new bindings for these names, without values. */
+    /** Returns new bindings for these names. The names have no values yet. */
     public Bindings bindings() {
         return new Bindings(this);
     }
@@ -88,8 +91,8 @@ public final class Scope {
     }
 
     /**
-     * Returns the names in the aspects of other items (the actor and items given as arguments),
-     * which are bodies.
+     * Returns the names in the aspects of other items. These are bodies: the actor, and items given
+     * as arguments.
      */
     KindNames other() {
         return other;

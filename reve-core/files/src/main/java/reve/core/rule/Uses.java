@@ -10,13 +10,13 @@ import dev.cel.common.navigation.CelNavigableExpr;
 import java.util.Set;
 import java.util.TreeSet;
 
-/** Finds the names that an expression reads. */
+/** Search for the names that an expression reads. */
 final class Uses {
     private Uses() {}
 
     /**
-     * Returns the full names that an expression reads, in alphabetical order: {@code
-     * actor.physics.mass}, {@code semantic.lit}.
+     * Returns the full names that an expression reads, in alphabetical order, for example {@code
+     * actor.physics.mass} and {@code semantic.lit}.
      */
     static Set<String> of(CelAbstractSyntaxTree ast, Set<String> roots) {
         Set<String> uses = new TreeSet<>();
@@ -38,8 +38,8 @@ final class Uses {
     }
 
     /**
-     * Extends a name such as {@code semantic} by the selections around it, {@code .lit} or {@code
-     * ["lit"]}, to the full name.
+     * Extends a name such as {@code semantic} to the full name. Adds the selections around it, such
+     * as {@code .lit} or {@code ["lit"]}.
      */
     private static String inFull(CelNavigableExpr node, String name) {
         CelNavigableExpr parent = node.parent().orElse(null);

@@ -12,14 +12,20 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Actions that drive a joint by the motor that the law {@code rigid_contact} gives it. */
+/** Actions that drive a joint by its motor. The law {@code rigid_contact} computes this motor. */
 final class DriveActions {
-    /** Speed that a motor with a given torque or force never reaches [rad/s or m/s]. */
+    /**
+     * Speed of a motor with a given torque or force [rad/s or m/s]. It is so high that the motor
+     * never reaches it and exerts its full torque or force.
+     */
     private static final double ENDLESS = 1e5;
 
     private DriveActions() {}
 
-    /** Returns the actions of a joint by their names, one of each kind. */
+    /**
+     * Returns the actions of a joint by their names. A joint has at most one action of each kind,
+     * and a note reports further ones.
+     */
     static Map<String, Object> of(Joint joint, boolean slides, List<String> notes) {
         Map<String, Object> actions = new LinkedHashMap<>();
         Optional<Drive> servo = servo(joint);
@@ -46,12 +52,16 @@ final class DriveActions {
         return actions;
     }
 
-    /** Returns the servo of a joint. */
+    /**
+     * Returns the servo of a joint, which is its first drive of the kind {@link DriveKind#PLACE}.
+     */
     static Optional<Drive> servo(Joint joint) {
         return joint.drives().stream().filter(drive -> drive.kind() == DriveKind.PLACE).findFirst();
     }
 
-    /** Writes the servo of a joint, which holds the place 0 until the first act. */
+    /**
+     * Writes the servo of a joint. The servo holds the joint at the place 0 until the first act.
+     */
     static void putServo(Drive servo, boolean slides, Map<String, Object> physics) {
         String motor = slides ? "drive" : "motor";
         physics.put(
@@ -111,7 +121,7 @@ final class DriveActions {
         effects.add(set(speedProperty, speed));
         effects.add(set(loadProperty, most));
         if (servo.isPresent()) {
-            // An act of another kind switches the servo off.
+            // An act of another kind switches the servo off, by a stiffness of 0.
             String motor = slides ? "drive" : "motor";
             effects.add(set(motor + "Stiffness", Numeral.of(drive.stiffness())));
             if (servo.get().damping() > 0) {

@@ -6,7 +6,10 @@ import java.util.Map;
 import java.util.Set;
 import java.util.TreeMap;
 
-/** What a file contains and its reader leaves out, with the number of occurrences. */
+/**
+ * Elements and attributes that a file contains but its reader ignores, with the number of their
+ * occurrences.
+ */
 final class Ignored {
     private final Map<String, Integer> counts = new TreeMap<>();
 
@@ -14,7 +17,12 @@ final class Ignored {
         counts.merge(what, 1, Integer::sum);
     }
 
-    /** Adds the attributes of an element that are not read, except those that are 0. */
+    /**
+     * Counts the attributes of an element that the reader ignores. Omits attributes whose numbers
+     * are all 0.
+     *
+     * @param read names of the attributes that the reader reads
+     */
     void attributes(XmlElement element, Set<String> read) {
         element.attributes()
                 .forEach(
@@ -25,7 +33,7 @@ final class Ignored {
                         });
     }
 
-    /** Returns a line for each. */
+    /** Returns one line for each ignored element or attribute. */
     List<String> lines() {
         return counts.entrySet().stream()
                 .map(

@@ -21,14 +21,14 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * The mesh files that a robot names: finds and reads them, and keeps each one as an OBJ file in
- * metres whose bounding box has its centre at the origin.
+ * The mesh files that a robot names. This class finds and reads them. It converts each one into an
+ * OBJ file in metres whose bounding box has its centre at the origin.
  */
 final class MeshFiles {
     private static final String PACKAGE = "package://";
     private static final long MAX_BYTES = 64L << 20;
 
-    /** Number of folders above the robot's that are searched for a package. */
+    /** Number of folders above the robot's folder that are searched for a package. */
     private static final int LEVELS = 6;
 
     private final Path folder;
@@ -37,16 +37,16 @@ final class MeshFiles {
     private final Map<String, String> texts = new TreeMap<>();
 
     /**
-     * A mesh that was written.
+     * A mesh that was converted.
      *
      * @param file name in the folder of the world
-     * @param centre of its bounding box in the axes of the file that the robot names (3) [m]
-     * @param size of its bounding box (3) [m]
+     * @param centre centre of the bounding box in the axes of the original file (3) [m]
+     * @param size size of the bounding box (3) [m]
      */
     record Converted(String file, double[] centre, double[] size) {}
 
     /**
-     * @param folder the folder of the URDF file
+     * @param folder the folder of the robot's file
      * @param packages folders of packages by name
      */
     MeshFiles(Path folder, Map<String, Path> packages) {
@@ -60,9 +60,10 @@ final class MeshFiles {
     }
 
     /**
-     * Reads and converts a mesh.
+     * Reads and converts a mesh. Returns an earlier result if the same mesh was already converted.
      *
-     * @throws RobotFileException with the reason if it cannot be read
+     * @param place position of the reference to the mesh, for messages
+     * @throws RobotFileException with the reason if the mesh cannot be read
      */
     Converted convert(String place, RobotModel.Form.MeshFile mesh) throws RobotFileException {
         String key = mesh.name() + " " + Arrays.toString(mesh.scale());
@@ -84,9 +85,10 @@ final class MeshFiles {
 
     /**
      * Returns the volume and the inertia of a mesh at a density of 1 kg/m^3, in the axes of the
-     * file that the robot names.
+     * original file.
      *
-     * @throws RobotFileException with the reason if it cannot be read or encloses no volume
+     * @param place position of the reference to the mesh, for messages
+     * @throws RobotFileException with the reason if the mesh cannot be read or encloses no volume
      */
     MassProperties solid(String place, RobotModel.Form.MeshFile mesh) throws RobotFileException {
         try {
@@ -156,7 +158,7 @@ final class MeshFiles {
                                         : ""));
     }
 
-    /** A path inside a folder that files may be read from. */
+    /** A path inside a folder from which files may be read. */
     private record Place(Path root, String path) {}
 
     private List<Place> places(String name) {

@@ -12,7 +12,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
-/** Reader of the actuators of a file of MJCF, which become actions of joints. */
+/** Reader of the actuators of an MJCF file. They become actions of joints. */
 final class MjcfActuators {
     private static final Set<String> READ =
             Set.of(
@@ -39,7 +39,7 @@ final class MjcfActuators {
     private final MjcfCompiler compiler;
     private final Ignored ignored;
 
-    /** The force of an actuator is gain * control - stiffness * length - damping * speed. */
+    /** The force of an actuator: gain * control - stiffness * length - damping * speed. */
     private record Force(double gain, double stiffness, double damping) {}
 
     MjcfActuators(MjcfDefaults defaults, MjcfCompiler compiler, Ignored ignored) {
@@ -48,7 +48,7 @@ final class MjcfActuators {
         this.ignored = ignored;
     }
 
-    /** Adds the drives of the actuators to the joints. */
+    /** Adds a drive to a joint for each actuator. */
     void read(List<XmlElement> sections, Map<String, Joint> joints) throws RobotFileException {
         for (XmlElement section : sections) {
             for (XmlElement element : section.children()) {
@@ -142,7 +142,10 @@ final class MjcfActuators {
         }
     }
 
-    /** Returns whether the control is the length or the speed at which the force is 0. */
+    /**
+     * Returns whether the control of an actuator is the length or the speed at which the force is
+     * 0. Also returns true if the force depends on nothing but the control.
+     */
     private static boolean isServo(Force force) {
         return force.stiffness == force.gain
                 || force.stiffness == 0 && force.damping == force.gain

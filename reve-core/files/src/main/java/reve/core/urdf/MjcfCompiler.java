@@ -8,8 +8,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * How a file of MJCF states angles, limits, poses and paths: the attributes of its {@code
- * compiler}.
+ * The attributes of the element {@code compiler} of an MJCF file. They determine how the file
+ * states angles, limits, poses and paths.
  */
 final class MjcfCompiler {
     static final Set<String> READ =
@@ -31,14 +31,18 @@ final class MjcfCompiler {
     private final String meshFolder;
     private final boolean stripsPaths;
 
-    /** {@code auto}, {@code true} or {@code false}. */
+    /**
+     * Whether the inertia of a body is computed from its geoms: {@code auto}, {@code true} or
+     * {@code false}.
+     */
     final String inertiaFromGeoms;
 
-    /** Least and greatest group of the geoms that have a mass. */
+    /** Smallest and largest group of the geoms from which masses are computed. */
     final double[] inertiaGroups;
 
     /**
-     * @param elements the elements {@code compiler}, of which later ones count
+     * @param elements the elements {@code compiler}; attributes of later ones override those of
+     *     earlier ones
      */
     MjcfCompiler(List<XmlElement> elements) throws RobotFileException {
         this.angle = choice(elements, "angle", "degree", "radian").equals("degree") ? DEGREE : 1;
@@ -67,7 +71,7 @@ final class MjcfCompiler {
 
     private static final double DEGREE = Math.PI / 180;
 
-    /** Returns the last value of an attribute; the first choice is the default. */
+    /** Returns the last value of an attribute. The default is the first choice. */
     private static String choice(List<XmlElement> elements, String attribute, String... choices)
             throws RobotFileException {
         String chosen = choices[0];
@@ -87,7 +91,7 @@ final class MjcfCompiler {
         return chosen;
     }
 
-    /** Returns the factor from angles of the file to radians. */
+    /** Returns the factor that converts angles of the file to radians. */
     double angle() {
         return angle;
     }
@@ -98,9 +102,9 @@ final class MjcfCompiler {
     }
 
     /**
-     * Returns the range that an attribute states, unless it has no effect.
+     * Returns the range of an attribute; empty if the range has no effect.
      *
-     * @param limited attribute that states whether it has
+     * @param limited name of the attribute that states whether the range has an effect
      */
     Optional<double[]> range(XmlElement element, String attribute, String limited)
             throws RobotFileException {
@@ -125,7 +129,7 @@ final class MjcfCompiler {
         return Optional.of(range);
     }
 
-    /** Returns the pose that {@code pos} and an orientation state. */
+    /** Returns the pose of an element, from {@code pos} and its orientation. */
     Pose pose(XmlElement element) throws RobotFileException {
         return Pose.of(element.numbers("pos", 0, 0, 0), orientation(element));
     }
@@ -175,7 +179,12 @@ final class MjcfCompiler {
         return new double[] {quat[1], quat[2], quat[3], quat[0]};
     }
 
-    /** Returns rotations about axes that turn along (x, y, z) or stand still (X, Y, Z). */
+    /**
+     * Returns the rotation (quaternion xyzw) of three successive turns. The axis of a turn either
+     * turns along with the earlier turns (x, y, z) or is fixed (X, Y, Z).
+     *
+     * @param angles angles of the turns, in the unit of the file
+     */
     private double[] euler(double[] angles) {
         Pose turn = Pose.ORIGIN;
         for (int i = 0; i < angles.length; i++) {

@@ -7,11 +7,11 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 
-/** The default values of attributes that a file of MJCF states, by class and element. */
+/** The default values of attributes in an MJCF file, by class and element. */
 final class MjcfDefaults {
     private static final String MAIN = "main";
 
-    /** All actuators share one set of default values. */
+    /** Key of the default values of actuators, which all kinds of actuators share. */
     private static final String ACTUATOR = "actuator";
 
     static final Set<String> ACTUATORS =
@@ -104,7 +104,12 @@ final class MjcfDefaults {
         return element.with(merged);
     }
 
-    /** Returns the class that {@code childclass} states, which must exist. */
+    /**
+     * Returns the default class for the children of an element, from its attribute {@code
+     * childclass}. The class must exist.
+     *
+     * @param outer class if the element has no such attribute
+     */
     String childClass(XmlElement element, String outer) throws RobotFileException {
         String name = element.find("childclass").orElse(outer);
         if (!name.isEmpty() && !classes.containsKey(name)) {

@@ -16,10 +16,10 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
-/** Reader of the shapes (geoms) of a file of MJCF, with their masses. */
+/** Reader of the shapes (geoms) of an MJCF file, with their masses. */
 final class MjcfGeoms {
     private static final double DENSITY = 1000; // [kg/m^3]
-    private static final double ENDLESS = 200; // edge of a plane without an end [m]
+    private static final double ENDLESS = 200; // edge of a plane without limits [m]
     private static final int FIRST_HIDDEN_GROUP = 3;
     private static final Set<String> READ =
             Set.of(
@@ -53,8 +53,8 @@ final class MjcfGeoms {
     /**
      * A shape.
      *
-     * @param geometry nothing if worlds have no such shape
-     * @param solid mass and inertia, if it has a mass
+     * @param geometry the shape in a world; empty if worlds have no such shape
+     * @param solid mass and inertia; empty if the shape has no mass
      */
     record Geom(
             String name,
@@ -73,7 +73,7 @@ final class MjcfGeoms {
         this.ignored = ignored;
     }
 
-    /** Reads a mesh or a material. */
+    /** Reads the definition of a mesh or a material. */
     void asset(XmlElement asset) throws RobotFileException {
         switch (asset.name()) {
             case "mesh" -> mesh(asset);
@@ -103,8 +103,8 @@ final class MjcfGeoms {
     /**
      * Reads a geom.
      *
-     * @param geom with its default values
-     * @param outer pose of the frame that contains it, in the frame of the link
+     * @param geom the element, with its default values
+     * @param outer pose of the frame that contains the geom, in the frame of the link
      * @param isStatic whether the link is the world
      */
     Geom read(XmlElement geom, Pose outer, boolean isStatic) throws RobotFileException {
@@ -209,7 +209,7 @@ final class MjcfGeoms {
         }
     }
 
-    /** Returns half of the extents of a box or an ellipsoid. */
+    /** Returns the half extents of a box or an ellipsoid. */
     private static double[] extents(XmlElement geom, double half) throws RobotFileException {
         if (half > 0) {
             double radius = size(geom, 1)[0];
@@ -299,7 +299,10 @@ final class MjcfGeoms {
         };
     }
 
-    /** Returns the properties of a solid along Z from those of the same solid along Y. */
+    /**
+     * Converts the properties of a solid along the Y axis to those of the same solid along the Z
+     * axis.
+     */
     private static MassProperties alongZ(MassProperties y) {
         double[] m = y.moments();
         return new MassProperties(
@@ -317,7 +320,7 @@ final class MjcfGeoms {
         return new MassProperties(volume, volume, new double[3], moments, new double[3]);
     }
 
-    /** Adds up the masses and the inertia of the geoms of a link; nothing without a mass. */
+    /** Adds up the masses and the inertia of the geoms of a link; empty if no geom has a mass. */
     static Optional<Inertial> sum(List<Geom> geoms) {
         List<Inertial> solids = new ArrayList<>();
         for (Geom geom : geoms) {

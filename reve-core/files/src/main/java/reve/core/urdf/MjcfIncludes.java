@@ -13,8 +13,8 @@ import java.util.List;
 import java.util.Set;
 
 /**
- * The files that a file of MJCF includes. Their paths are relative to the folder of the first file,
- * and they stay in this folder.
+ * The files that an MJCF file includes. Their paths are relative to the folder of the first file
+ * and must not leave this folder.
  */
 final class MjcfIncludes {
     private static final int MAX_FILES = 100;
@@ -33,10 +33,10 @@ final class MjcfIncludes {
     }
 
     /**
-     * Returns the root element of a file with the children of each included file in the place of
+     * Returns the root element of a file. The children of each included file replace the element
      * {@code include}.
      *
-     * @param file absolute
+     * @param file absolute path of the file
      */
     static XmlElement expand(XmlElement root, Path file) throws IOException, RobotFileException {
         String name = root.file();

@@ -22,21 +22,24 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Reader of MJCF files (the format of MuJoCo,
- * https://mujoco.readthedocs.io/en/stable/XMLreference.html).
+ * Reader of MJCF files, the format of MuJoCo
+ * (https://mujoco.readthedocs.io/en/stable/XMLreference.html).
  */
 final class MjcfReader {
     private static final int MAX_BODIES = 1000;
     private static final int MAX_GEOMS = 10_000;
 
-    /** As in MuJoCo, where a body has at most six degrees of freedom. */
+    /** Maximum number of joints of a body. In MuJoCo, a body has at most six degrees of freedom. */
     private static final int MAX_JOINTS_OF_A_BODY = 6;
 
     private static final double[] GRAVITY = {0, 0, -9.81};
     private static final double STEP = 0.002; // [s]
     private static final String WORLD = "world";
 
-    /** Part of the mass and inertia of a body that each of its joints but the last carries. */
+    /**
+     * Fraction of the mass and inertia of a body with several joints that each intermediate body
+     * has. The joints form a chain with such a body between two successive joints.
+     */
     private static final double SHARE = 0.02;
 
     private static final Set<String> SECTIONS =
@@ -86,9 +89,9 @@ final class MjcfReader {
     }
 
     /**
-     * @param root element of the file, with the included files
+     * @param root root element of the file, which also contains the elements of included files
      * @param base {@code FIXED} fixes the bodies that have a free joint
-     * @param notes receives what the world has otherwise than the file, a line each
+     * @param notes receives one line for each difference between the world and the file
      * @throws RobotFileException if the file is no valid MJCF
      */
     static RobotModel read(
@@ -164,10 +167,13 @@ final class MjcfReader {
         return new Scene(gravity, step, scenery);
     }
 
-    /** A body with its default class and its pose in the frame of the body that contains it. */
+    /**
+     * A body, with its pose in the frame of the body that contains it, and the default class that
+     * it inherits.
+     */
     private record Nested(XmlElement element, Pose outer, String inherited) {}
 
-    /** The content of a body and of the frames in it. */
+    /** The content of a body, including that of the frames in the body. */
     private static final class Group {
         final String name;
         final List<Geom> geoms = new ArrayList<>();
@@ -219,7 +225,10 @@ final class MjcfReader {
         }
     }
 
-    /** Makes the geoms of the world that collide scenery, and the others shapes of its link. */
+    /**
+     * Turns the geoms of the world body that collide into scenery, and the other ones into shapes
+     * of its link.
+     */
     private void putWorld(Group world) {
         List<Geometry> looks = new ArrayList<>();
         for (Geom geom : world.geoms) {
@@ -445,10 +454,10 @@ final class MjcfReader {
     }
 
     /**
-     * Reads what acts along the axis of a joint.
+     * Reads the loads that act along the axis of a joint.
      *
-     * @param factor of angles, or 1
-     * @param ref angle or travel of the file at the start
+     * @param factor factor that converts angles of the file to radians; 1 for a slider
+     * @param ref angle or travel at the start, in the convention of the file
      */
     private Loads loads(XmlElement element, JointType type, double factor, double ref)
             throws RobotFileException {

@@ -10,7 +10,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 
-/** Numbers of a robot as they are written into a world file. */
+/** Numbers of a robot in the form in which a world file contains them. */
 final class Numerals {
     private static final double DIGITS = 1e12;
     private static final MathContext TWELVE_DIGITS = new MathContext(12);
@@ -18,7 +18,7 @@ final class Numerals {
 
     private Numerals() {}
 
-    /** Adds the location and the orientation to the physical properties of an item. */
+    /** Adds a location and an orientation to the physical aspect of an item. */
     static void putPose(Map<String, Object> item, Map<String, Object> physical, Pose pose) {
         physical.put("location", rounded(pose.location()));
         if (Math.abs(pose.qw()) < 1) {
@@ -35,7 +35,7 @@ final class Numerals {
         return numerals;
     }
 
-    /** Returns the values with 12 digits. */
+    /** Returns the values, rounded to 12 significant digits. */
     static List<Numeral> shortened(double[] values) {
         List<Numeral> numerals = new ArrayList<>();
         for (double value : values) {
@@ -44,7 +44,7 @@ final class Numerals {
         return numerals;
     }
 
-    /** Returns the values with 0 in the place of rounding errors. */
+    /** Returns the values, with 0 instead of rounding errors. */
     static double[] withoutNoise(double[] values) {
         double[] clean = values.clone();
         for (int i = 0; i < clean.length; i++) {
@@ -53,7 +53,10 @@ final class Numerals {
         return clean;
     }
 
-    /** Returns the values without rounding errors around simple numbers. */
+    /**
+     * Returns the values, rounded to 12 decimal places. This removes rounding errors of simple
+     * numbers such as 0.1.
+     */
     static List<Numeral> rounded(double[] values) {
         List<Numeral> numerals = new ArrayList<>();
         for (double value : values) {
@@ -62,7 +65,10 @@ final class Numerals {
         return numerals;
     }
 
-    /** Returns a value without rounding errors around a simple number. */
+    /**
+     * Returns a value, rounded to 12 decimal places. This removes rounding errors of simple numbers
+     * such as 0.1.
+     */
     static double round(double value) {
         double round = Math.rint(value * DIGITS) / DIGITS;
         return round == 0 ? 0 : round;

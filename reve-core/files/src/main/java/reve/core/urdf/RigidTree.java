@@ -17,8 +17,8 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * The rigid bodies of a robot: links that rigid joints connect are one body. A body without mass
- * becomes a part of the body above it.
+ * The rigid bodies of a robot. Links that are connected by rigid joints form one body. A body
+ * without mass becomes a part of the body above it.
  */
 final class RigidTree {
     private final RobotModel model;
@@ -31,7 +31,7 @@ final class RigidTree {
      * A rigid body.
      *
      * @param top the link of the body that is nearest to the root of the robot
-     * @param links all its links
+     * @param links all links of the body
      */
     record Body(Link top, List<Link> links) {
         boolean hasMass() {
@@ -41,13 +41,13 @@ final class RigidTree {
 
     /**
      * @param pose centre of mass and principal axes, in the axes of the world
-     * @param moments about these axes (3) [kg*m^2]
+     * @param moments principal moments about these axes (3) [kg*m^2]
      */
     record Solid(double mass, Pose pose, double[] moments) {}
 
     /**
      * @param root pose of the root link in the world
-     * @param notes receives what differs from the file, a line each
+     * @param notes receives one line for each difference from the file
      */
     RigidTree(RobotModel model, Pose root, List<String> notes) {
         this.model = model;
@@ -84,7 +84,7 @@ final class RigidTree {
         bodies.clear();
         Map<String, String> tops = new HashMap<>();
         Map<String, List<Link>> members = new LinkedHashMap<>();
-        for (String name : poses.keySet()) { // parents before their children
+        for (String name : poses.keySet()) { // parents precede their children
             String top = name;
             for (Joint joint : model.joints()) {
                 if (joint.child().equals(name) && rigid.contains(joint.name())) {
@@ -97,7 +97,7 @@ final class RigidTree {
         members.forEach((top, links) -> bodies.put(top, new Body(links.getFirst(), links)));
     }
 
-    /** Returns a movable joint whose child has no mass, or null. */
+    /** Returns a movable joint whose child has no mass; null if there is none. */
     private @Nullable Joint massless() {
         for (Joint joint : model.joints()) {
             if (!rigid.contains(joint.name()) && !bodies.get(joint.child()).hasMass()) {
@@ -130,7 +130,10 @@ final class RigidTree {
         return poses.get(link);
     }
 
-    /** Adds up the masses and the inertia of the links of a body with a mass. */
+    /**
+     * Adds up the masses and the inertia of the links of a body. At least one link must have a
+     * mass.
+     */
     Solid solid(Body body) {
         double mass = 0;
         double[] centre = new double[3];
@@ -163,7 +166,7 @@ final class RigidTree {
                     inertia.plus(new SymmetricMatrix(inertial.inertia()).turned(pose))
                             .plus(SymmetricMatrix.ofPoint(inertial.mass(), from));
         }
-        // The axes of a body are next to those of its top link.
+        // The axes of a body are as close as possible to those of its top link.
         Pose top = pose(body.top().name());
         Pose toTop =
                 Pose.ORIGIN.relativeTo(new Pose(0, 0, 0, top.qx(), top.qy(), top.qz(), top.qw()));
@@ -175,7 +178,10 @@ final class RigidTree {
                 mass, Pose.of(centre, axes.orientation()), possible(body, principal.moments()));
     }
 
-    /** Returns moments that a real body can have. */
+    /**
+     * Returns moments that a real body can have. If the given moments are impossible, replaces them
+     * by their mean and adds a note.
+     */
     private double[] possible(Body body, double[] moments) {
         double sum = moments[0] + moments[1] + moments[2];
         double largest = Math.max(moments[0], Math.max(moments[1], moments[2]));
@@ -184,7 +190,8 @@ final class RigidTree {
             return moments;
         }
         if (sum > 0 && least > 0 && 2 * largest <= sum * (1 + 1e-6)) {
-            // A flat body, whose moments were rounded in the file.
+            // The body is flat, and the file contains rounded moments. Reduce the largest moment so
+            // that it is possible.
             double[] flat = moments.clone();
             for (int axis = 0; axis < 3; axis++) {
                 flat[axis] = Math.min(flat[axis], (sum - largest) * (1 - 1e-9));

@@ -17,45 +17,47 @@ import java.util.TreeMap;
 /**
  * Import of a robot model: the files of a world that contains the robot.
  *
- * @param name of the robot
+ * @param name name of the robot
  * @param files texts by name: {@code world.yaml}, {@code robot.yaml} with the items of the robot,
  *     and the meshes
  * @param bodies number of rigid bodies
- * @param joints number of joints between them
- * @param notes what the world lacks or has otherwise than the file, a line each
+ * @param joints number of joints between the bodies
+ * @param notes one line for each difference between the world and the file, for example an ignored
+ *     element
  */
 public record RobotImport(
         String name, SortedMap<String, String> files, int bodies, int joints, List<String> notes) {
     private static final String ROBOT = "robot.yaml";
     private static final long MAX_BYTES = 16L << 20;
 
-    /** Distance of the lowest shape of a free robot from the ground [m]. */
+    /** Distance between the lowest shape of a free robot and the ground [m]. */
     private static final double GAP = 1e-3;
 
-    /** Frames per second of a world. */
+    /** Frames per second of the imported world. */
     private static final int RATE = 60;
 
-    /** Bounds of the physics steps of a frame. */
+    /** Minimum number of physics steps per frame. The next constant is the maximum. */
     private static final int LEAST_STEPS = 16;
 
     private static final int MOST_STEPS = 1000;
 
-    /** Whether the root of the robot moves. */
+    /** Whether the root link of the robot moves. */
     public enum Base {
-        /** It moves if it has a mass and is not named {@code world}. */
+        /** The root moves if it has a mass and is not named {@code world}. */
         AUTOMATIC,
-        /** It does not move. */
+        /** The root does not move. */
         FIXED,
-        /** It moves if it has a mass. */
+        /** The root moves if it has a mass. */
         FREE
     }
 
     /**
-     * How to import.
+     * Options of an import.
      *
-     * @param zUp true if +Z is up in the file; false if +Y is
-     * @param selfCollision whether parts of the robot collide with each other; in MJCF, {@code
-     *     contype} and {@code conaffinity} decide
+     * @param base whether the root link of the robot moves
+     * @param zUp true if +Z is up in the file; false if +Y is up
+     * @param selfCollision whether parts of the robot collide with each other; for MJCF files,
+     *     {@code contype} and {@code conaffinity} decide instead
      * @param hold whether the motors hold the joints with their largest torque from the start
      * @param packages folders of packages by name, for {@code package://NAME/…}
      */
@@ -73,9 +75,9 @@ public record RobotImport(
     }
 
     /**
-     * Reads a file of URDF or MJCF and the files that it names.
+     * Reads a URDF or MJCF file and the files that it names.
      *
-     * @throws RobotFileException if it is not valid
+     * @throws RobotFileException if the file is not valid
      */
     public static RobotImport read(Path file, Options options)
             throws IOException, RobotFileException {
@@ -146,7 +148,7 @@ public record RobotImport(
                         Double.toString(ground - 0.5));
     }
 
-    /** Returns a world with the gravity, the time step and the scenery of the file. */
+    /** Returns a world file with the gravity, the time step and the scenery of an MJCF file. */
     private static String world(String name, Path file, RobotModel.Scene scene, RobotWorld robot) {
         int steps = (int) Math.ceil(1 / (RATE * scene.step()) - 1e-9);
         steps = Math.clamp(steps, LEAST_STEPS, MOST_STEPS);

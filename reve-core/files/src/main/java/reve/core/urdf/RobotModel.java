@@ -8,13 +8,13 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * A robot as a file describes it: a tree of links (rigid bodies) and joints. Axes are those of the
- * file, usually with +Z up.
+ * A robot as a file describes it: a tree of links (rigid bodies) and joints. The axes are those of
+ * the file, usually with +Z up.
  *
- * @param links by name, in the order of the file
+ * @param links links by name, in the order of the file
  * @param root name of the link that is the child of no joint
- * @param scene what a file of MJCF states about the world around the robot
- * @param ignored what the file contains and this reader does not read, a line for each kind
+ * @param scene the world around the robot, which only an MJCF file describes
+ * @param ignored one line for each kind of element or attribute that the reader ignores
  */
 record RobotModel(
         String name,
@@ -32,20 +32,23 @@ record RobotModel(
      * @param scenery immovable shapes that collide
      */
     record Scene(double[] gravity, double step, List<Scenery> scenery) {
-        /** Returns the coefficient of friction of the scenery; without scenery 1, as in MJCF. */
+        /**
+         * Returns the coefficient of friction of the scenery. Without scenery it is 1, the default
+         * of MJCF.
+         */
         double friction() {
             return scenery.isEmpty() ? 1 : scenery.getFirst().surface().friction();
         }
     }
 
-    /** An immovable shape that collides, with its pose in the frame of the root link. */
+    /** An immovable shape that collides. Its pose is in the frame of the root link. */
     record Scenery(String name, Geometry geometry, Surface surface) {}
 
     /**
-     * How the shapes of a link collide: two shapes collide if the type of one has a bit of the
-     * affinity of the other.
+     * Properties that determine how shapes collide. Two shapes collide if the type of one shape and
+     * the affinity of the other have a common bit.
      *
-     * @param friction coefficient of sliding [1]
+     * @param friction coefficient of sliding friction [1]
      */
     record Surface(int type, int affinity, double friction) {
         boolean touches(Surface other) {
@@ -54,9 +57,9 @@ record RobotModel(
     }
 
     /**
-     * A rigid body and its shapes, which have poses in the frame of the link.
+     * A rigid body and its shapes. The poses of the shapes are in the frame of the link.
      *
-     * @param surface of the shapes that collide, if the file states one
+     * @param surface properties of the shapes that collide, if the file states them
      */
     record Link(
             String name,
@@ -67,46 +70,71 @@ record RobotModel(
             Optional<Surface> surface) {}
 
     /**
-     * @param pose centre of mass, and the axes of the inertia
+     * Mass and inertia of a link.
+     *
+     * @param pose centre of mass and axes of the inertia
      * @param mass [kg]
      * @param inertia xx yy zz yz zx xy about these axes [kg*m^2]
      */
     record Inertial(Pose pose, double mass, double[] inertia) {}
 
     /**
-     * @param colour as #rrggbb or #rrggbbaa
+     * A shape of a link.
+     *
+     * @param colour colour as #rrggbb or #rrggbbaa
      */
     record Geometry(String place, Pose pose, Form form, Optional<String> colour) {}
 
     /** A shape about the origin of its geometry. */
     sealed interface Form {
-        /** The lengths of the edges (3) [m]. */
+        /**
+         * A box.
+         *
+         * @param size lengths of the edges (3) [m]
+         */
         record Box(double[] size) implements Form {}
 
-        /** A ball. */
+        /**
+         * A ball.
+         *
+         * @param radius [m]
+         */
         record Sphere(double radius) implements Form {}
 
-        /** A cylinder along Z. */
+        /**
+         * A cylinder along Z.
+         *
+         * @param radius [m]
+         * @param length [m]
+         */
         record Cylinder(double radius, double length) implements Form {}
 
         /**
-         * A cylinder along Z with half balls at both ends.
+         * A cylinder along Z with a hemisphere at both ends.
          *
-         * @param length of the whole [m]
+         * @param radius [m]
+         * @param length total length [m]
          */
         record Capsule(double radius, double length) implements Form {}
 
-        /** A rectangle whose normal is +Z, with edges along X and Y [m]. */
+        /**
+         * A rectangle whose normal is +Z.
+         *
+         * @param x length of the edges along X [m]
+         * @param y length of the edges along Y [m]
+         */
         record Plane(double x, double y) implements Form {}
 
         /**
-         * @param name as the file names it
-         * @param scale of its three axes
+         * A mesh in a file.
+         *
+         * @param name name of the file, in the form that the robot's file contains
+         * @param scale factors of the three axes
          */
         record MeshFile(String name, double[] scale) implements Form {}
     }
 
-    /** What the child of a joint may do relative to the parent. */
+    /** The motion of a joint's child relative to the parent. */
     enum JointType {
         REVOLUTE,
         CONTINUOUS,
@@ -117,24 +145,26 @@ record RobotModel(
         BALL
     }
 
-    /** What an action sets. */
+    /** The quantity that an action of a joint sets. */
     enum DriveKind {
-        /** The speed of the joint, which a motor reaches. */
+        /** The speed of the joint. A motor accelerates the joint to this speed. */
         SPEED,
         /** The torque or force that acts on the joint. */
         LOAD,
-        /** The angle or travel, to which a servo moves. */
+        /** The angle or travel of the joint. A servo moves the joint to this place. */
         PLACE
     }
 
     /**
      * An action that drives a joint.
      *
-     * @param range least and greatest value of what the action sets, infinite without a bound
-     * @param most largest torque or force [N*m or N], 0 without a bound
-     * @param stiffness of a servo [N*m or N/m], otherwise 0
-     * @param damping of a servo [N*m*s or N*s/m], otherwise 0
-     * @param actuator name in the file, empty if the drive is the joint's own
+     * @param range minimum and maximum of the quantity that the action sets; infinite without a
+     *     limit
+     * @param most maximum torque or force [N*m or N]; 0 without a limit
+     * @param stiffness stiffness of a servo [N*m or N/m]; 0 for other kinds
+     * @param damping damping of a servo [N*m*s or N*s/m]; 0 for other kinds
+     * @param actuator name of the actuator in the file; empty if the action belongs to the joint
+     *     itself
      */
     record Drive(
             DriveKind kind,
@@ -143,7 +173,11 @@ record RobotModel(
             double stiffness,
             double damping,
             String actuator) {
-        /** Returns a drive with a speed of at most {@code speed}, or of any speed if that is 0. */
+        /**
+         * Returns a drive that sets a speed.
+         *
+         * @param speed maximum speed; 0 for any speed
+         */
         static Drive ofSpeed(double speed, double most) {
             double bound = speed > 0 ? speed : Double.POSITIVE_INFINITY;
             return new Drive(DriveKind.SPEED, new double[] {-bound, bound}, most, 0, 0, "");
@@ -151,12 +185,12 @@ record RobotModel(
     }
 
     /**
-     * What acts along the axis of a hinge or slider; a ball has only damping.
+     * The loads that act along the axis of a hinge or slider. A ball joint has only damping.
      *
      * @param damping torque or force per speed [N*m*s or N*s/m]
      * @param friction dry friction [N*m or N]
-     * @param stiffness of the spring [N*m or N/m]
-     * @param rest angle or travel at which the spring exerts nothing [1 or m]
+     * @param stiffness stiffness of the spring [N*m or N/m]
+     * @param rest angle or travel at which the spring exerts no torque or force [1 or m]
      * @param rotor inertia that the joint adds [kg*m^2 or kg]
      */
     record Loads(double damping, double friction, double stiffness, double rest, double rotor) {
@@ -164,13 +198,16 @@ record RobotModel(
     }
 
     /**
-     * @param pose of the joint, and of the child at the angle 0, in the frame of the parent
+     * A joint between two links.
+     *
+     * @param pose pose of the joint in the frame of the parent; also the pose of the child at the
+     *     angle 0
      * @param anchor point that parent and child share, in the frame of the joint (3) [m]
      * @param axis unit vector in the frame of the joint
-     * @param limits least and greatest angle or travel [1 or m], if there are any
-     * @param effort largest torque or force that can hold the joint [N*m or N], 0 if the file
+     * @param limits minimum and maximum of angle or travel [1 or m], if there are any
+     * @param effort maximum torque or force that can hold the joint [N*m or N]; 0 if the file
      *     states none
-     * @param loads what acts along the axis besides the drives
+     * @param loads loads that act along the axis in addition to the drives
      * @param drives the actions of the joint
      */
     record Joint(
@@ -186,7 +223,7 @@ record RobotModel(
             double effort,
             Loads loads,
             List<Drive> drives) {
-        /** Returns whether the child cannot move. */
+        /** Returns whether the child cannot move relative to the parent. */
         boolean isRigid() {
             return type == JointType.FIXED
                     || limits.isPresent() && limits.get()[0] == limits.get()[1];

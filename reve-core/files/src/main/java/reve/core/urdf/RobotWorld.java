@@ -22,15 +22,20 @@ import java.util.Set;
 import java.util.TreeSet;
 
 /**
- * Writer of a robot as items of a world file: a body for each rigid part, with its centre of mass
- * and its principal axes as the origin and axes of the item; its shapes as attached items; and the
- * joints, with an action that drives them.
+ * Writer of a robot as items of a world file. It writes these items:
+ *
+ * <ul>
+ *   <li>a body for each rigid part; its centre of mass and its principal axes are the origin and
+ *       axes of the item
+ *   <li>the shapes of the part, as items that are attached to the body
+ *   <li>the joints, with the actions that drive them
+ * </ul>
  */
 final class RobotWorld {
     private static final int LAYER = 1;
     private static final String HIDDEN = "#00000000";
 
-    /** Rotates +Z up, as in URDF, to +Y up, as in worlds. */
+    /** Rotation from +Z up, as in URDF, to +Y up, as in worlds. */
     private static final Pose Z_UP = new Pose(0, 0, 0, -Math.sqrt(0.5), 0, 0, Math.sqrt(0.5));
 
     private final RobotModel model;
@@ -78,7 +83,7 @@ final class RobotWorld {
                                         one.friction()));
     }
 
-    /** Returns the file with the items of the robot. */
+    /** Returns the text of the file with the items of the robot. */
     String write() {
         for (RigidTree.Body body : tree.bodies()) {
             body(body);
@@ -110,7 +115,10 @@ final class RobotWorld {
         return (int) tree.joints().stream().filter(joint -> type(joint).isPresent()).count();
     }
 
-    /** Returns the least Y of the bounding boxes of all shapes [m]; infinity without shapes. */
+    /**
+     * Returns the smallest Y coordinate of the bounding boxes of all shapes [m]; infinity if there
+     * are no shapes.
+     */
     double lowest() {
         return lowest;
     }
@@ -124,7 +132,7 @@ final class RobotWorld {
         };
     }
 
-    /** Returns a vector of the file in the axes of the world. */
+    /** Converts a vector from the axes of the file to the axes of the world. */
     double[] turned(double[] vector) {
         double[] turned =
                 new Pose(vector[0], vector[1], vector[2], 0, 0, 0, 1).within(up).location();
@@ -135,8 +143,8 @@ final class RobotWorld {
     }
 
     /**
-     * Returns the rules by which agents perceive the joints, as a part of a world file; empty
-     * without hinges and sliders.
+     * Returns the rules by which agents perceive the joints, as a part of a world file. The text is
+     * empty if there are no hinges and sliders.
      */
     String rules() {
         Map<String, Object> rules = new LinkedHashMap<>();
@@ -161,7 +169,10 @@ final class RobotWorld {
         return rule;
     }
 
-    /** Returns the items of the scenery as a part of a world file; empty without scenery. */
+    /**
+     * Returns the items of the scenery, as a part of a world file. The text is empty if there is no
+     * scenery.
+     */
     String scenery() {
         List<Map<String, Object>> scenery = new ArrayList<>();
         for (RobotModel.Scenery each : model.scene().orElseThrow().scenery()) {
@@ -211,7 +222,7 @@ final class RobotWorld {
         }
     }
 
-    /** Returns the properties by which the shapes of a body collide. */
+    /** Returns the physics properties that determine how the shapes of a body collide. */
     private Map<String, Object> touch(RigidTree.Body body) {
         Map<String, Object> touch = new LinkedHashMap<>();
         touch.put("partOfBody", Numeral.of(1));
@@ -224,7 +235,10 @@ final class RobotWorld {
         return touch;
     }
 
-    /** Returns whether a body is the world of a file of MJCF, without a shape and a joint. */
+    /**
+     * Returns whether a body needs no item. This is the world body of an MJCF file if it has no
+     * shape and no joint.
+     */
     private boolean isNeedless(RigidTree.Body body) {
         boolean isJoined =
                 tree.joints().stream()
@@ -416,7 +430,7 @@ final class RobotWorld {
         }
     }
 
-    /** Returns a valid name that no other item has. */
+    /** Returns a valid name that no other item has, similar to the wanted name. */
     private String unique(String wanted) {
         String name = wanted.replaceAll("[^\\p{L}\\p{N} ._/:-]", "_").strip();
         if (name.isEmpty()) {

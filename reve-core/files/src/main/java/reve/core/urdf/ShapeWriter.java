@@ -13,19 +13,19 @@ import java.util.Optional;
 
 /** Writer of the shapes of a robot as physical properties of items. */
 final class ShapeWriter {
-    /** Rotates the axis of cylinders from +Y, as in world files, to +Z, as in robot files. */
+    /** Rotation of the axis of cylinders from +Y, as in world files, to +Z, as in robot files. */
     private static final Pose ALONG_Z = new Pose(0, 0, 0, Math.sqrt(0.5), 0, 0, Math.sqrt(0.5));
 
     private final MeshFiles meshes;
     private final List<String> notes;
 
     /**
-     * A shape as a world file states it.
+     * A shape in the form of a world file.
      *
-     * @param physical properties of the item, without its pose
-     * @param pose of the item in the frame of the link
-     * @param half extents of its bounding box from its centre (3) [m]
-     * @param isBall whether it has the same extent in all directions
+     * @param physical physical properties of the item, without its pose
+     * @param pose pose of the item in the frame of the link
+     * @param half half extents of the bounding box (3) [m]
+     * @param isBall whether the shape has the same extent in all directions
      */
     record Written(Map<String, Object> physical, Pose pose, double[] half, boolean isBall) {}
 
@@ -34,7 +34,7 @@ final class ShapeWriter {
         this.notes = notes;
     }
 
-    /** Returns a shape, or nothing and a note if its mesh cannot be read. */
+    /** Returns a shape. If its mesh cannot be read, adds a note and returns empty. */
     Optional<Written> write(Geometry geometry, Optional<String> colour) {
         Map<String, Object> physical = new LinkedHashMap<>();
         Pose pose = geometry.pose();

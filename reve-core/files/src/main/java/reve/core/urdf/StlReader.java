@@ -13,8 +13,8 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Reader of STL files, binary or text. Equal corners of triangles become one vertex; triangles with
- * two equal corners are left out.
+ * Reader of STL files, binary or text. Equal corners of triangles become one vertex. Triangles with
+ * two equal corners are omitted.
  */
 final class StlReader {
     private static final int HEADER = 80;
@@ -28,7 +28,7 @@ final class StlReader {
     private StlReader() {}
 
     /**
-     * @throws IllegalArgumentException with the reason if the bytes are no STL
+     * @throws IllegalArgumentException with the reason if the bytes are no STL file
      */
     static Mesh read(byte[] bytes) {
         StlReader reader = new StlReader();
@@ -100,7 +100,7 @@ final class StlReader {
             }
             triangle[i] =
                     known.computeIfAbsent(
-                            // adding 0 makes -0 equal to 0
+                            // the addition of 0 makes -0 equal to 0
                             List.of(corner[0] + 0f, corner[1] + 0f, corner[2] + 0f),
                             _ -> {
                                 vertices.add(corner);

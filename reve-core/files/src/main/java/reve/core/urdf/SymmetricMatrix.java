@@ -4,21 +4,22 @@ package reve.core.urdf;
 import reve.core.world.Pose;
 
 /**
- * A symmetric matrix of three rows: inertia about three axes.
+ * A symmetric 3 x 3 matrix, which represents the inertia about three axes.
  *
  * @param values xx yy zz yz zx xy
  */
 record SymmetricMatrix(double[] values) {
     private static final int MAX_SWEEPS = 50;
 
-    /** Off-diagonal values below this share of the largest value count as 0. */
+    /** Off-diagonal values below this fraction of the largest value count as 0. */
     private static final double SMALL = 1e-12;
 
     /**
      * The principal values and axes of a matrix.
      *
-     * @param moments (3)
-     * @param axes rotation from the principal axes to those of the matrix, a unit quaternion xyzw
+     * @param moments principal values (3)
+     * @param axes rotation from the principal axes to the axes of the matrix, a unit quaternion
+     *     xyzw
      */
     record Principal(double[] moments, double[] axes) {}
 
@@ -30,7 +31,12 @@ record SymmetricMatrix(double[] values) {
         return new SymmetricMatrix(sum);
     }
 
-    /** Returns the inertia of a point at {@code at} [m] with this mass [kg] about the origin. */
+    /**
+     * Returns the inertia of a point mass about the origin.
+     *
+     * @param mass [kg]
+     * @param at position of the point (3) [m]
+     */
     static SymmetricMatrix ofPoint(double mass, double[] at) {
         double x = at[0];
         double y = at[1];
@@ -46,7 +52,10 @@ record SymmetricMatrix(double[] values) {
                 });
     }
 
-    /** Returns this matrix in the axes in which its own axes have the rotation of {@code turn}. */
+    /**
+     * Converts this matrix to other axes. The rotation of {@code turn} turns those axes into the
+     * present axes of the matrix.
+     */
     SymmetricMatrix turned(Pose turn) {
         double[][] r = rotation(turn.orientation());
         double[][] m = rows();
@@ -66,8 +75,8 @@ record SymmetricMatrix(double[] values) {
 
     /**
      * Returns the principal values, by Jacobi rotations (G. H. Golub, C. F. Van Loan, Matrix
-     * Computations, section 8.5). Each principal axis is next to the axis of the matrix with the
-     * same number, so a diagonal matrix is not rotated.
+     * Computations, section 8.5). Each principal axis is as close as possible to the axis of the
+     * matrix with the same number. A diagonal matrix is therefore not rotated.
      */
     Principal principal() {
         double[][] m = rows();
@@ -90,7 +99,7 @@ record SymmetricMatrix(double[] values) {
         return Math.max(Math.abs(m[0][1]), Math.max(Math.abs(m[0][2]), Math.abs(m[1][2])));
     }
 
-    /** Makes the value in row p and column q 0. */
+    /** Rotates the matrix so that the value in row p and column q becomes 0. */
     private static void rotate(double[][] m, double[][] v, int p, int q) {
         if (m[p][q] == 0) {
             return;
@@ -171,7 +180,10 @@ record SymmetricMatrix(double[] values) {
         };
     }
 
-    /** Returns the unit quaternion xyzw of a rotation matrix, computed from its largest part. */
+    /**
+     * Returns the unit quaternion xyzw of a rotation matrix. Computes its largest part first, for
+     * precision.
+     */
     static double[] quaternion(double[][] r) {
         double trace = r[0][0] + r[1][1] + r[2][2];
         double[] q;

@@ -9,8 +9,8 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Layers of the law {@code rigid_contact} for the types and affinities of MJCF: bodies with the
- * same type and affinity are in one layer. Layer 0 is that of the scenery.
+ * Layers of the law {@code rigid_contact} for the types and affinities of MJCF. Bodies with the
+ * same type and affinity are in one layer. The scenery is in layer 0.
  */
 final class TouchLayers {
     private static final int MOST = 32;
@@ -18,7 +18,7 @@ final class TouchLayers {
     private final boolean hasFriction;
 
     /**
-     * @param notes receives a line if the layers cannot express what the file states
+     * @param notes receives a line if the layers cannot express a combination in the file
      */
     TouchLayers(List<Surface> scenery, List<Surface> bodies, List<String> notes) {
         hasFriction = !bodies.isEmpty();
@@ -40,7 +40,7 @@ final class TouchLayers {
         }
     }
 
-    /** Sets the properties of a body with this surface. */
+    /** Sets the contact properties of a body with this surface. */
     void put(Surface surface, Map<String, Object> physics) {
         int layer = Math.max(layer(surface), 0);
         List<Numeral> passes = new ArrayList<>();
@@ -58,7 +58,7 @@ final class TouchLayers {
         physics.put("friction", Numeral.of(surface.friction()));
     }
 
-    /** Returns whether a body has a coefficient of friction. */
+    /** Returns whether the bodies have coefficients of friction. */
     boolean hasFriction() {
         return hasFriction;
     }

@@ -36,8 +36,8 @@ final class UrdfReader {
     }
 
     /**
-     * @param root element of the file
-     * @throws RobotFileException if the file is no URDF, or no tree of links
+     * @param root root element of the file
+     * @throws RobotFileException if the file is no URDF, or its links form no tree
      */
     static RobotModel read(XmlElement root) throws RobotFileException {
         if (!root.name().equals("robot")) {
@@ -278,7 +278,7 @@ final class UrdfReader {
         return new double[] {axis[0] / length, axis[1] / length, axis[2] / length};
     }
 
-    /** Returns the pose that the child {@code origin} states: x y z, and roll, pitch, yaw. */
+    /** Returns the pose in the child element {@code origin}: x y z, and roll, pitch, yaw. */
     private static Pose pose(XmlElement element) throws RobotFileException {
         Optional<XmlElement> origin = element.child("origin");
         if (origin.isEmpty()) {
@@ -289,7 +289,9 @@ final class UrdfReader {
         return Pose.of(location, ofAngles(rpy[0], rpy[1], rpy[2]));
     }
 
-    /** Returns the quaternion xyzw of rotations about the fixed axes X, then Y, then Z [rad]. */
+    /**
+     * Returns the quaternion xyzw of successive rotations about the fixed axes X, Y and Z [rad].
+     */
     static double[] ofAngles(double roll, double pitch, double yaw) {
         double cr = Math.cos(roll / 2);
         double sr = Math.sin(roll / 2);

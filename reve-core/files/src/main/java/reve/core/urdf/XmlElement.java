@@ -19,7 +19,7 @@ import javax.xml.stream.XMLStreamReader;
  * An element of an XML file.
  *
  * @param file name of the file, for messages
- * @param line at which its start tag ends, from 1
+ * @param line number of the line in which the start tag ends, from 1
  */
 record XmlElement(
         String file,
@@ -30,7 +30,7 @@ record XmlElement(
     private static final int MAX_DEPTH = 32;
     private static final int MAX_ELEMENTS = 200_000;
 
-    /** Reads the root element of a file. Declarations of document types are not read. */
+    /** Reads the root element of a file. Ignores document type declarations. */
     static XmlElement read(String file, byte[] bytes) throws RobotFileException {
         XMLInputFactory factory = XMLInputFactory.newDefaultFactory();
         factory.setProperty(XMLInputFactory.SUPPORT_DTD, false);
@@ -90,12 +90,12 @@ record XmlElement(
         throw new RobotFileException(file + ":1: the file has no element");
     }
 
-    /** Returns an exception that names this place. */
+    /** Returns an exception whose message names the position of this element. */
     RobotFileException problem(String message) {
         return new RobotFileException(place() + ": " + message);
     }
 
-    /** Returns this element with other attributes. */
+    /** Returns a copy of this element with other attributes. */
     XmlElement with(Map<String, String> other) {
         return new XmlElement(file, line, name, other, children);
     }
@@ -124,7 +124,10 @@ record XmlElement(
         return text.strip();
     }
 
-    /** Returns finite numbers that are separated by blanks, or the default. */
+    /**
+     * Returns the finite numbers of an attribute, which are separated by blanks. Returns the
+     * default if the attribute is missing.
+     */
     double[] numbers(String attribute, double... otherwise) throws RobotFileException {
         return find(attribute).isEmpty()
                 ? otherwise
@@ -132,10 +135,10 @@ record XmlElement(
     }
 
     /**
-     * Returns the finite numbers of an attribute that must be given.
+     * Returns the finite numbers of an attribute, which must be present.
      *
-     * @param least number of them
-     * @param most number of them
+     * @param least minimum number of them
+     * @param most maximum number of them
      */
     double[] list(String attribute, int least, int most) throws RobotFileException {
         String[] words = text(attribute).split("\\s+");
@@ -171,7 +174,7 @@ record XmlElement(
         return numbers(attribute, otherwise)[0];
     }
 
-    /** Returns a number that must be given. */
+    /** Returns the number of an attribute, which must be present. */
     double number(String attribute) throws RobotFileException {
         text(attribute);
         return number(attribute, 0);

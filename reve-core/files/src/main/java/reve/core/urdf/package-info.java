@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Import of robot models: the readers of URDF and MJCF files, and the writer of world files from
- * them. A world that was imported needs nothing of this package.
+ * Import of robot models. It contains readers of URDF and MJCF files, and a writer of world files
+ * from their content. An imported world needs nothing of this package.
  */
 @NullMarked
 package reve.core.urdf;

@@ -16,9 +16,9 @@ import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 
 /**
- * Updater of {@code boundsMin} and {@code boundsMax} of all bodies: the axis-aligned box in the
- * world around the item's rotated and translated box. Only this class writes these columns. World's
- * thread.
+ * Updater of the columns {@code boundsMin} and {@code boundsMax} of all bodies. They contain the
+ * axis-aligned box, in the world's reference frame, around the item's rotated and translated shape.
+ * Only this class writes these columns. For the world's thread only.
  *
  * <p>Copies a few hundred rows at a time between the columns and plain arrays, because compilers
  * optimize loops over arrays reliably.
@@ -35,7 +35,7 @@ public final class BoundingBoxes {
     private final double[] low = new double[3 * CHUNK_ROWS];
     private final double[] high = new double[3 * CHUNK_ROWS];
 
-    /** Computes all boxes; allocates nothing. */
+    /** Computes all boxes. Allocates no memory. */
     public void update(World world) {
         Table table = world.table(WorldPrototype.BODY);
         Column positions = table.column("position");
@@ -68,7 +68,7 @@ public final class BoundingBoxes {
         FrameControl.of(world).boundsDerived();
     }
 
-    /** Reads numbers of a column of the prototype's real type. */
+    /** Reads numbers of a column of the prototype's real type, and converts them to doubles. */
     private void read(Column column, int first, double[] into, int count) {
         if (column.type() == ScalarType.F64) {
             MemorySegment.copy(
@@ -82,7 +82,7 @@ public final class BoundingBoxes {
     }
 
     /**
-     * Turns an item's half extents into those of the axis-aligned box around it; moves the position
+     * Turns an item's half extents into those of the axis-aligned box around it. Moves the position
      * of a mesh to the centre of its box.
      */
     private void turn(int row, @Nullable Mesh mesh) {
@@ -116,8 +116,9 @@ public final class BoundingBoxes {
     }
 
     /**
-     * Computes the half extent along one world axis: (x, y, z) is this axis's row of the rotation
-     * matrix, (a, b, c) the half extents along the item's own axes.
+     * Computes the half extent along one world axis. The numbers x, y and z are the row of the
+     * rotation matrix for this axis. The numbers a, b and c are the half extents along the item's
+     * own axes.
      */
     private void turn(
             int at,

@@ -6,7 +6,8 @@ import reve.core.frame.FramePhase;
 import reve.core.world.FrameControl;
 
 /**
- * The first listener of the phase DERIVE, which updates all columns that are derived from others.
+ * The first listener of the phase DERIVE. It updates all columns that are derived from other
+ * columns.
  */
 public final class DerivedColumns {
 

@@ -19,15 +19,16 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * A file that one process appends to, locked until it is closed or the process ends. Devices are
- * not locked. Pipes are refused, because opening one waits for a reader. While it is open, this
- * process must not open the file a second time: closing any channel of the file releases the lock.
- * For one thread.
+ * A file to which one process appends. The file is locked until this object is closed or the
+ * process ends. Devices are not locked. Pipes are refused, because opening one waits for a reader.
+ *
+ * <p>This process must not open the file a second time meanwhile, because closing any channel of
+ * the file releases the lock. For one thread.
  */
 public final class OwnedFile implements Closeable {
     private static final int TRIES = 5;
 
-    /** Mask of the file type in a Unix file mode; the next constant is the type of a pipe. */
+    /** Mask of the file type in a Unix file mode. The next constant is the type of a pipe. */
     private static final int TYPE_BITS = 0170000;
 
     private static final int PIPE = 0010000;
@@ -45,8 +46,8 @@ public final class OwnedFile implements Closeable {
     /**
      * Opens a file, or creates it with these attributes.
      *
-     * @throws IOException if opening fails, the path is a pipe, or another process has locked the
-     *     file
+     * @throws IOException if the file cannot be opened, the path is a pipe, or another process has
+     *     locked the file
      */
     public static OwnedFile open(Path path, FileAttribute<?>... attributes) throws IOException {
         for (int i = 0; i < TRIES; i++) {
@@ -76,7 +77,7 @@ public final class OwnedFile implements Closeable {
             if (after.isPresent() && (before.isEmpty() || before.equals(after))) {
                 return new OwnedFile(path, channel, after);
             }
-            channel.close(); // another program moved the file between open and lock: try again
+            channel.close(); // another program moved the file between open and lock
         }
         throw new FileSystemException(
                 path.toString(), null, "something moves or removes it again and again");
@@ -112,7 +113,8 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Returns whether the path still leads to the file, so that it was neither moved nor removed.
+     * Returns whether the path still leads to the open file. It does not after another program has
+     * moved or removed the file.
      */
     public boolean isInPlace() {
         try {
@@ -123,8 +125,9 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Returns what another program did to the file, as the end of a sentence: "was moved or
-     * removed". Empty if the path leads to the complete file. For any thread.
+     * Returns the damage that another program did to the file, as the end of a sentence, for
+     * example "was moved or removed". Returns an empty text if the path leads to the complete file.
+     * For any thread.
      *
      * @param written number of bytes that the file must have; ignored for a device
      */
@@ -143,11 +146,11 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Renames a file to {@code FILE.1}, after renaming {@code FILE.1} to {@code FILE.2} and so on
+     * Renames a file to {@code FILE.1}. First renames {@code FILE.1} to {@code FILE.2} and so on,
      * up to the first free number. If no number is free, the oldest file is replaced.
      *
      * @param keep maximum number of older files, at least 1
-     * @param kind check that an older file has the expected content
+     * @param kind check of the content of each older file
      * @return the new path of the file
      * @throws IOException if nothing was renamed, for example because an older file has other
      *     content or is in use
@@ -167,18 +170,26 @@ public final class OwnedFile implements Closeable {
         return older(file, 1);
     }
 
-    /** Check of the content of files that are rotated. */
+    /**
+     * Check that a file has the content that the program expects, before the file is renamed or
+     * replaced.
+     */
     @FunctionalInterface
     public interface Kind {
         /**
-         * @throws IOException naming the file, if it has other content than expected
+         * @throws IOException naming the file, if it has other content
          */
         void require(Path file) throws IOException;
     }
 
     /**
-     * Refuses a file that could not be rotated, because an older file has other content or is in
-     * use, or the name of an older file would be too long.
+     * Checks that {@link #rotate} can rename a file later. Throws an exception in these cases:
+     *
+     * <ul>
+     *   <li>an older file has other content
+     *   <li>an older file is in use
+     *   <li>the name of an older file would be too long
+     * </ul>
      *
      * @param keep maximum number of older files
      */
@@ -202,8 +213,9 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Refuses an older file that must not be renamed or replaced. Checks the content before the
-     * lock, because closing the file after reading releases locks of this process.
+     * Throws an exception for an older file that must not be renamed or replaced. Checks the
+     * content before the lock, because closing the file after reading releases locks of this
+     * process.
      */
     private static void requireOlder(Path older, Kind kind) throws IOException {
         if (!Files.isRegularFile(older)) {
@@ -221,7 +233,7 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Refuses a file whose name plus an ending exceeds the length that the file system permits.
+     * Checks that the file system permits names of the length of the file's name and an ending.
      *
      * @param ending longest ending that the program appends to the name
      */
@@ -239,12 +251,14 @@ public final class OwnedFile implements Closeable {
         }
     }
 
-    /** Returns the path {@code FILE.number} of an older file; for number 0, the file itself. */
+    /**
+     * Returns the path {@code FILE.number} of an older file. The number 0 means the file itself.
+     */
     public static Path older(Path file, int number) {
         return number == 0 ? file : file.resolveSibling(file.getFileName() + "." + number);
     }
 
-    /** Releases the lock. Idempotent. */
+    /** Closes the file and releases the lock. Idempotent. */
     @Override
     public void close() throws IOException {
         channel.close();

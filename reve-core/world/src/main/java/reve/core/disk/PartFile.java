@@ -7,8 +7,8 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 
 /**
- * Creation of incomplete files. A program writes a file beside its place and moves it there when it
- * is complete, so that readers find either the old or the new file. For any thread.
+ * Creation of incomplete files. A program writes a file beside its final place and moves the
+ * complete file there. Readers therefore find either the old or the new file. For any thread.
  */
 public final class PartFile {
     private static final int MOST = 1000;
@@ -16,9 +16,9 @@ public final class PartFile {
     private PartFile() {}
 
     /**
-     * Creates an empty file beside {@code place}, with the ending {@code .part} or, if such a file,
-     * link or pipe exists, {@code .part2} and so on. An existing file stays unchanged, because
-     * another program may own it.
+     * Creates an empty file beside {@code place}, with the ending {@code .part}. If a file, link or
+     * pipe of this name exists, uses {@code .part2} and so on. An existing file stays unchanged,
+     * because another program may own it.
      *
      * @throws IOException if the file cannot be created
      */

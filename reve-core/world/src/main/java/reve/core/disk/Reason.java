@@ -7,13 +7,16 @@ import java.nio.file.FileSystemException;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 
-/** The reason of a failed file operation as text; many exceptions contain only the path. */
+/**
+ * The reason of a failed file operation as text. Many exceptions of the system contain only the
+ * path.
+ */
 public final class Reason {
     private Reason() {}
 
     /**
      * Returns an exception whose message names the file and the reason. Some exceptions of the
-     * system, for example for a full disk, name no file.
+     * system name no file, for example for a full disk.
      */
     public static FileSystemException naming(Path file, IOException failure) {
         var named = new FileSystemException(file.toString(), null, of(failure));
@@ -21,7 +24,7 @@ public final class Reason {
         return named;
     }
 
-    /** Returns the reason without the path; the caller names the file. */
+    /** Returns the reason without the path, because the caller names the file. */
     public static String of(Exception failure) {
         return switch (failure) {
             case NoSuchFileException gone ->

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Files that a process writes during its whole run. */
+/** Files that a process writes, and the reasons why file operations fail. */
 @NullMarked
 package reve.core.disk;
 

@@ -4,7 +4,7 @@ package reve.core.frame;
 import reve.core.world.World;
 
 /**
- * A request to change the world. Any thread may queue it; the world executes it once, in the phase
+ * A request to change the world. Any thread may queue it. The world executes it once, in the phase
  * ACT of a frame.
  */
 public interface Command {
@@ -19,24 +19,24 @@ public interface Command {
     long sequence();
 
     /**
-     * Returns true if the command need not wait for a frame: it may be executed between two frames,
-     * see {@link FrameLoop#executePrompt}.
+     * Returns true if the command may be executed between two frames, see {@link
+     * FrameLoop#executePrompt}. All other commands wait for a frame.
      */
     default boolean isPrompt() {
         return false;
     }
 
     /**
-     * Returns true if the command must wait for the next frame. Later commands of its origin then
-     * wait, too. Called in the phase ACT.
+     * Returns true if the command must wait for the next frame. Later commands of the same origin
+     * then wait, too. Called in the phase ACT.
      */
     default boolean mustWait(FrameEvent event) {
         return false;
     }
 
     /**
-     * Returns true if the execution may take milliseconds. A frame executes such commands only
-     * until they have used the time that it has for them; the rest waits for later frames.
+     * Returns true if the execution may take milliseconds. The costly commands of one frame share a
+     * time limit. Commands that exceed it wait for later frames.
      */
     default boolean isCostly() {
         return false;

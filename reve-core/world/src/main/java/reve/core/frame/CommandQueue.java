@@ -13,17 +13,21 @@ import java.util.function.LongSupplier;
 
 /**
  * The queue of commands from other threads. The phase INTAKE takes the queued commands into the
- * frame, and ACT executes them in order of origin and sequence, so the order of arrival within a
- * frame has no effect. Prompt commands may be executed before the frame. Costly commands are
- * executed until they have used their time, at least one in each frame. Bounded, and lock-free on
- * both sides.
+ * frame. The phase ACT executes them in order of origin and sequence, so the order of arrival
+ * within a frame has no effect.
+ *
+ * <p>Prompt commands may be executed before the frame. Costly commands share a time limit in each
+ * frame, but at least one of them is executed. The queue is bounded. It uses no locks.
  */
 public final class CommandQueue {
 
     private static final Comparator<Command> ORDER =
             Comparator.comparing(Command::origin).thenComparingLong(Command::sequence);
 
-    /** The time for the costly commands of one frame, without the last one of them [ns]. */
+    /**
+     * Time limit for the costly commands of one frame [ns]. It is checked before each command, so
+     * the last command may exceed it.
+     */
     private static final long COSTLY_NANOS = 25_000_000;
 
     private final int capacity;
@@ -32,7 +36,7 @@ public final class CommandQueue {
     private final AtomicInteger waiting = new AtomicInteger();
     private final List<Command> taken = new ArrayList<>();
 
-    /** Commands that must wait for the next frame; they count towards the capacity. */
+    /** Commands that must wait for the next frame. They count towards the capacity. */
     private final List<Command> postponed = new ArrayList<>();
 
     private final FaultLog faults = new FaultLog();
@@ -45,8 +49,8 @@ public final class CommandQueue {
     }
 
     /**
-     * @param nanoTime the clock that measures costly commands [ns]; it determines in which frame
-     *     they are executed, as their arrival does
+     * @param nanoTime clock that measures costly commands [ns]. Its times determine in which frame
+     *     a costly command is executed
      */
     CommandQueue(int capacity, LongSupplier nanoTime) {
         if (capacity < 1) {
@@ -63,7 +67,11 @@ public final class CommandQueue {
         bus.subscribe(FramePhase.ACT, "command queue", this::execute);
     }
 
-    /** Queues a command for the next frame. Returns false if the queue is full. For any thread. */
+    /**
+     * Queues a command for the next frame. For any thread.
+     *
+     * @return false if the queue is full
+     */
     public boolean offer(Command command) {
         if (waiting.incrementAndGet() > capacity) {
             waiting.decrementAndGet();
@@ -74,8 +82,8 @@ public final class CommandQueue {
     }
 
     /**
-     * Executes the queued prompt commands ({@link Command#isPrompt}) between two frames, costly
-     * ones until they have used their time.
+     * Executes the queued prompt commands ({@link Command#isPrompt}) between two frames. Costly
+     * commands that exceed the time limit stay in the queue.
      *
      * @return true if prompt commands remain
      */
@@ -99,7 +107,7 @@ public final class CommandQueue {
     }
 
     private void take(FrameEvent event) {
-        // Commands that arrive during this loop belong to the next frame; otherwise a fast sender
+        // Commands that arrive during this loop belong to the next frame. Otherwise a fast sender
         // could keep the loop running.
         for (int i = waiting.get(); i > 0; i--) {
             Command command = arrived.poll();
@@ -144,8 +152,8 @@ public final class CommandQueue {
     }
 
     /**
-     * Returns whether an earlier command of this origin waits. Compares only the last waiting
-     * command, because commands are executed in order of origin.
+     * Returns whether an earlier command of this origin was postponed. The last postponed command
+     * is sufficient for this check, because commands are executed in order of origin.
      */
     private boolean isOfWaiting(String origin) {
         return !postponed.isEmpty() && postponed.getLast().origin().equals(origin);

@@ -12,8 +12,8 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * Converter of exceptions from listeners and commands to log lines and "fault" events of the world,
- * one for each distinct message.
+ * Reporter of exceptions that listeners and commands throw. It writes each distinct message once to
+ * the log, and raises it once as an event "fault" of the world.
  */
 final class FaultLog {
 

@@ -6,7 +6,7 @@ import java.util.concurrent.atomic.AtomicReferenceArray;
 
 /**
  * The bus that notifies listeners of the phases of each frame, in order of subscription. Any thread
- * may subscribe and close; listeners are called on the world's thread.
+ * may add and end subscriptions. Listeners are called on the world's thread.
  */
 public final class FrameBus {
 
@@ -26,9 +26,9 @@ public final class FrameBus {
     }
 
     /**
-     * Adds a listener, from the next dispatch of its phase on.
+     * Adds a listener. The bus calls it from the next dispatch of its phase on.
      *
-     * @param name of the listener, for messages
+     * @param name name of the listener, for messages
      * @throws IllegalStateException if the phase is PHYSICS and already has a listener
      */
     public synchronized Subscription subscribe(
@@ -49,8 +49,8 @@ public final class FrameBus {
     }
 
     /**
-     * Calls the listeners of the event's phase. If one throws, the others are still called, and a
-     * "fault" event is raised, once for each distinct message.
+     * Calls the listeners of the event's phase. After an exception of one listener, the others are
+     * still called. Each distinct exception message raises one "fault" event.
      */
     void dispatch(FrameEvent event) {
         for (Subscriber subscriber : subscribers.get(event.phase().ordinal())) {

@@ -24,8 +24,8 @@ public interface FrameClock {
     long nanoTime();
 
     /**
-     * Waits for about that long [ns]. May return early; returns at once when the thread is
-     * unparked.
+     * Blocks the calling thread for about this duration [ns]. May return earlier, and returns at
+     * once when the thread is unparked.
      */
     void park(long nanoseconds);
 }

@@ -4,7 +4,8 @@ package reve.core.frame;
 import reve.core.world.World;
 
 /**
- * The data of a frame for listeners. One object serves all calls and is valid only during the call.
+ * The data of a frame for listeners. One object serves all calls of listeners and is valid only
+ * during each call.
  */
 public final class FrameEvent {
 
@@ -19,8 +20,8 @@ public final class FrameEvent {
     }
 
     /**
-     * Returns the number of the frame, from 1; 0 while the phases DERIVE and PUBLISH run for the
-     * initial world. A rewind sets the time back, but not this number.
+     * Returns the number of the frame, from 1. It is 0 while the phases DERIVE and PUBLISH run for
+     * the initial world. A rewind restores an earlier time, but this number still increases.
      */
     public long frame() {
         return frame;

@@ -18,28 +18,34 @@ import java.util.concurrent.locks.LockSupport;
 import java.util.function.BooleanSupplier;
 
 /**
- * The loop that makes the frames of a world on the thread that calls {@link #step} or {@link #run};
- * this thread owns the world.
+ * The loop that makes the frames of a world. It runs on the thread that calls {@link #step} or
+ * {@link #run}, and this thread owns the world.
  *
- * <p>Frame 0 is the initial world: only the phases DERIVE and PUBLISH run for it, so that readers
- * can see it before the first frame. A frame ends at a x steps x dt of simulated time, where a is
- * the world's age in frames.
+ * <p>Frame 0 is the initial world. Only the phases DERIVE and PUBLISH run for it, so that readers
+ * can see the world before the first frame. A frame ends at the simulated time {@code age * steps *
+ * dt}, where {@code age} is the world's age in frames.
  */
 public final class FrameLoop {
 
     /**
      * Maximum number of frames that a late loop makes without waiting, to catch up with its
-     * schedule. The loop gives up any further delay.
+     * schedule. The loop does not make up for a longer delay.
      */
     public static final int MAX_CATCH_UP_FRAMES = 4;
 
     private static final long UNLIMITED = Long.MAX_VALUE;
     private static final long AT_WORK = Long.MIN_VALUE;
 
-    /** Maximum sleep of a paused loop [ns]; resuming wakes it earlier. */
+    /**
+     * Maximum time for which a paused loop sleeps at a stretch [ns]. The end of the pause wakes it
+     * earlier.
+     */
     private static final long PAUSE_NANOSECONDS = 100_000_000;
 
-    /** Time for errands between two frames, without the last one of them [ns]. */
+    /**
+     * Time limit for errands between two frames [ns]. It is checked after each errand, so the last
+     * errand may exceed it.
+     */
     private static final long ERRANDS_NANOSECONDS = 10_000_000;
 
     private static final FramePhase[] PHASES = FramePhase.values();
@@ -58,13 +64,13 @@ public final class FrameLoop {
     /** Number of the last frame that {@link #run} may make; {@link #UNLIMITED} unless paused. */
     private final AtomicLong lastAllowed = new AtomicLong(UNLIMITED);
 
-    /** Number of the last frame that was begun. */
+    /** Number of the last frame that has begun. */
     private final AtomicLong begunFrame = new AtomicLong();
 
     private final AtomicReference<@Nullable FramePhase> phase = new AtomicReference<>();
 
     /**
-     * Time at which the wait of the loop's thread ends [ns]; {@link #AT_WORK} while it does not
+     * Time at which the loop's thread will end its wait [ns]; {@link #AT_WORK} while it does not
      * wait.
      */
     private final AtomicLong waitEnd = new AtomicLong(AT_WORK);
@@ -121,10 +127,11 @@ public final class FrameLoop {
     }
 
     /**
-     * Continues with the frame after the given one, because the state of the world was replaced.
-     * First runs the phases DERIVE and PUBLISH for the new state. World's thread, between frames.
+     * Continues with the frame after {@code frame}, because the caller has replaced the state of
+     * the world. Before that frame, the loop runs the phases DERIVE and PUBLISH for the new state.
+     * For the world's thread, between frames.
      *
-     * @param frame number of the last frame made, or a higher number
+     * @param frame number of the last completed frame, or a higher number
      * @throws IllegalStateException if a frame is in progress
      */
     public void continueAfter(long frame) {
@@ -140,7 +147,7 @@ public final class FrameLoop {
      * Checks that {@link #continueAfter} is possible, and changes nothing.
      *
      * @throws IllegalStateException if a frame is in progress
-     * @throws IllegalArgumentException if frames would go back
+     * @throws IllegalArgumentException if {@code frame} is less than the number of completed frames
      */
     public void requireContinuable(long frame) {
         if (making) {
@@ -175,9 +182,9 @@ public final class FrameLoop {
     }
 
     /**
-     * Runs an errand, a task between two frames, as soon as no frame is in progress: at once while
-     * the loop is paused or waits. If the errand replaces the world's state, the phases DERIVE and
-     * PUBLISH follow at once. For any thread.
+     * Runs an errand (a task between two frames) as soon as no frame is in progress. A loop that is
+     * paused or waits runs the errand at once. The phases DERIVE and PUBLISH follow at once if the
+     * errand replaces the world's state. For any thread.
      *
      * @param errand called on the world's thread; must not throw
      */
@@ -188,11 +195,11 @@ public final class FrameLoop {
 
     /**
      * Executes the prompt commands of a queue ({@link Command#isPrompt}) now, unless the loop is
-     * paused. Their changes belong to the next frame, as if that frame had executed them first.
-     * World's thread, between frames.
+     * paused. Their changes belong to the next frame, as if that frame had executed them first. For
+     * the world's thread, between frames.
      *
-     * @return true if commands remain because {@link Command#isCostly costly} ones have used their
-     *     time
+     * @return true if prompt commands remain, for example because {@link Command#isCostly costly}
+     *     ones exceeded their time limit
      */
     public boolean executePrompt(CommandQueue commands) {
         if (isPaused()) {
@@ -203,10 +210,10 @@ public final class FrameLoop {
     }
 
     /**
-     * Makes {@code count} frames, each when it is due, or fewer if {@link #stop()} is called or the
-     * thread is interrupted.
+     * Makes {@code count} frames, each when it is due. Makes fewer frames if {@link #stop()} is
+     * called or the thread is interrupted.
      *
-     * @param count 0 only publishes frame 0, if that has not happened yet
+     * @param count number of frames; 0 only publishes frame 0, unless it was published before
      */
     public void run(long count) {
         world.guard().claim();
@@ -244,14 +251,14 @@ public final class FrameLoop {
     }
 
     /**
-     * Prevents {@link #run} from beginning another frame until it is resumed. For any thread.
+     * Prevents {@link #run} from beginning another frame until {@link #resume()} is called. For any
+     * thread.
      *
-     * @return the frame after which it pauses: the last one begun
+     * @return number of the last frame before the pause, which may still be in progress
      */
     public synchronized long pause() {
-        lastAllowed.set(
-                0); // from here on, the loop begins no frame, or notices the pause when it checks
-        // again
+        // From here on, the loop begins no frame, or notices the pause at its second check.
+        lastAllowed.set(0);
         long last = begunFrame.get();
         lastAllowed.set(last);
         wake(); // ends a wait for the gate
@@ -259,8 +266,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Resumes {@link #run} after a pause. The duration of the pause does not count as delay. Any
-     * thread.
+     * Resumes {@link #run} after a pause. The duration of the pause does not count as delay. For
+     * any thread.
      */
     public synchronized void resume() {
         lastAllowed.set(UNLIMITED);
@@ -270,7 +277,7 @@ public final class FrameLoop {
     /**
      * Resumes {@link #run} for {@code count} more frames. For any thread.
      *
-     * @return the frame after which it pauses
+     * @return number of the frame after which the loop pauses again
      */
     public synchronized long resume(long count) {
         long paused = lastAllowed.get();
@@ -286,8 +293,9 @@ public final class FrameLoop {
     }
 
     /**
-     * Sets the speed of {@link #run}: simulated time per time of the clock, initially 1. Does not
-     * affect the content of frames, nor a loop with {@link Pacing#FAST}. For any thread.
+     * Sets the speed of {@link #run}: simulated time divided by time of the clock, initially 1. The
+     * speed affects neither the content of frames nor a loop with {@link Pacing#FAST}. For any
+     * thread.
      *
      * @param factor above 0
      */
@@ -306,7 +314,7 @@ public final class FrameLoop {
         return pacing;
     }
 
-    /** Returns the world of the frames; the thread that makes them owns it. */
+    /** Returns the world. Only the thread that makes the frames may use it. */
     public World world() {
         return world;
     }
@@ -316,19 +324,19 @@ public final class FrameLoop {
         return world.activity();
     }
 
-    /** Returns the thread that called {@link #run}, or null. For any thread. */
+    /** Returns the thread that is in {@link #run}, or null if there is none. For any thread. */
     public @Nullable Thread thread() {
         return runner;
     }
 
-    /** Returns the phase whose listeners are being called, or null. For any thread. */
+    /** Returns the phase whose listeners are being called; null at other times. For any thread. */
     public @Nullable FramePhase phase() {
         return phase.getAcquire();
     }
 
     /**
      * Returns true while the loop's thread waits for the end of a pause, for the gate or for the
-     * next frame's time. Returns false if a wait exceeds its planned end. For any thread.
+     * time of the next frame. Returns false if a wait takes longer than planned. For any thread.
      */
     public boolean isWaiting() {
         long end = waitEnd.getAcquire();
@@ -340,7 +348,9 @@ public final class FrameLoop {
         return frames.getAcquire();
     }
 
-    /** Returns the time inside all frames so far [ns], as in {@link #profile}. For any thread. */
+    /**
+     * Returns the sum of the durations of all frames [ns], as in {@link #profile}. For any thread.
+     */
     public long busyNanoseconds() {
         return busyNanoseconds.getAcquire();
     }
@@ -368,8 +378,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Runs errands until they have used their time, at least one. Runs only those queued at the
-     * start of the call, so that a fast sender cannot prevent frames.
+     * Runs queued errands until they exceed their time limit, at least one. Errands that are queued
+     * during this call wait for the next call, so that a fast sender cannot prevent frames.
      */
     private void runErrands() {
         if (errands.isEmpty()) {
@@ -385,7 +395,7 @@ public final class FrameLoop {
         }
     }
 
-    /** Waits unless an errand waits. */
+    /** Waits for this duration [ns], unless an errand is queued. */
     private void park(long nanoseconds) {
         if (errands.isEmpty()) {
             clock.park(nanoseconds);
@@ -417,9 +427,9 @@ public final class FrameLoop {
     }
 
     /**
-     * Waits while the loop is paused or the gate holds the next frame.
+     * Waits while the loop is paused or the gate is closed.
      *
-     * @return false if the loop was stopped or its thread interrupted
+     * @return false if the loop was stopped or its thread was interrupted
      */
     private boolean mayBegin() {
         boolean waited = false;
@@ -455,8 +465,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Returns how long the loop waits before it checks again whether a frame may begin [ns]; 0 or
-     * less if it may begin.
+     * Returns the time after which the loop checks again whether a frame may begin [ns]; 0 or less
+     * if the frame may begin.
      */
     private long nanosecondsHeld(long frame) {
         if (lastAllowed.get() < frame) {
@@ -467,8 +477,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Begins a frame unless paused. If another thread pauses the loop meanwhile, either this frame
-     * still runs before the pause, or it does not begin.
+     * Begins a frame and returns true, unless the loop is paused. If another thread pauses the loop
+     * meanwhile, this frame either runs before the pause or does not begin.
      */
     private boolean begin(long frame) {
         if (lastAllowed.get() < frame) {

@@ -7,7 +7,7 @@ public enum FramePhase {
     INTAKE(true),
     /** Executes the commands: joins, actions, law changes. */
     ACT(true),
-    /** Advances the world; its only listener is the physics adapter. */
+    /** Advances the world. The only listener of this phase is the physics adapter. */
     PHYSICS(false),
     /** Computes derived properties. */
     DERIVE(false),

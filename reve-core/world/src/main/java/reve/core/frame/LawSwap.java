@@ -5,19 +5,19 @@ import java.util.Arrays;
 import java.util.Locale;
 import java.util.Optional;
 
-/** How a new version of a loaded law takes over. */
+/** The way in which a new version of a loaded law replaces the old version. */
 public enum LawSwap {
-    /** After a trial in a copy of the world that runs beside it. */
+    /** The new version first runs in a copy of the world beside the world, as a trial. */
     SHADOW,
-    /** Between two frames, without a trial. */
+    /** The new version takes over between two frames, without a trial. */
     AT_ONCE;
 
-    /** Returns the way with this name. */
+    /** Finds the constant whose {@link #text} is given. */
     public static Optional<LawSwap> find(String text) {
         return Arrays.stream(values()).filter(one -> one.text().equals(text)).findFirst();
     }
 
-    /** Returns the name in options and messages, such as "at-once". */
+    /** Returns the name of this constant in options and messages, such as "at-once". */
     public String text() {
         return name().toLowerCase(Locale.ROOT).replace('_', '-');
     }

@@ -19,10 +19,10 @@ final class Pacer {
     private long originNanoseconds;
     private long framesSinceOrigin;
 
-    /** The requested speed: simulated time per time of the clock. */
+    /** The requested speed: simulated time divided by time of the clock. */
     private volatile double speed = 1;
 
-    /** The speed of the present schedule. */
+    /** The speed for which the present schedule was computed. */
     private double scheduledSpeed = 1;
 
     Pacer(Timing timing, Pacing pacing, FrameClock clock) {
@@ -31,7 +31,7 @@ final class Pacer {
         this.clock = clock;
     }
 
-    /** Starts the schedule; the first frame is due now. */
+    /** Starts the schedule. The first frame is due now. */
     void start() {
         originNanoseconds = clock.nanoTime();
         framesSinceOrigin = 0;
@@ -39,8 +39,8 @@ final class Pacer {
     }
 
     /**
-     * Changes the speed. The schedule restarts at the next call of {@link #nanosecondsToWait}. Any
-     * thread.
+     * Changes the speed. The schedule restarts at the next call of {@link #nanosecondsToWait}. For
+     * any thread.
      */
     void setSpeed(double factor) {
         if (!(factor > 0 && Double.isFinite(factor))) {
@@ -56,7 +56,8 @@ final class Pacer {
 
     /**
      * Advances the schedule by one frame. If the loop is late by more than {@link
-     * FrameLoop#MAX_CATCH_UP_FRAMES}, skips the further delay.
+     * FrameLoop#MAX_CATCH_UP_FRAMES} frames, moves the schedule so that it is late by this number
+     * only.
      */
     void frameDone() {
         framesSinceOrigin++;
@@ -100,8 +101,8 @@ final class Pacer {
     }
 
     /**
-     * Returns the time from the start of the schedule to the start of a frame [ns]; does not
-     * overflow for centuries.
+     * Returns the time from the start of the schedule to the start of a frame [ns]. The result does
+     * not overflow for centuries.
      */
     private long due(long frame) {
         int perSecond = timing.framesPerSecond();

@@ -8,18 +8,19 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The computing time that a library of laws may take in a frame, and what happens if it takes more.
+ * The computing time that the laws of a library may take in a frame, and the response if they take
+ * more.
  *
- * @param nanoseconds that its laws together may take in a frame [ns], above 0
- * @param frames number of frames in a row that must be too long before anything happens
- * @param every with {@link Response#SKIP_STEPS}, the laws are evaluated in every n-th step, at
+ * @param nanoseconds maximum time of all laws of the library together in one frame [ns], above 0
+ * @param frames number of successive frames that must exceed the time before the response
+ * @param every with {@link Response#SKIP_STEPS}: the laws are evaluated in every n-th step, at
  *     least 2
  */
 public record TimeBudget(long nanoseconds, int frames, Response response, int every) {
-    /** Number of frames in a row, unless the operator gives another one. */
+    /** Default of {@code frames}. */
     public static final int DEFAULT_FRAMES = 10;
 
-    /** The steps of {@link Response#SKIP_STEPS}, unless the operator gives another number. */
+    /** Default of {@code every}. */
     public static final int DEFAULT_EVERY = 2;
 
     /** Maximum of {@code frames}. */
@@ -28,26 +29,26 @@ public record TimeBudget(long nanoseconds, int frames, Response response, int ev
     /** Maximum of {@code every}. */
     public static final int MOST_EVERY = 1_000;
 
-    /** Maximum time [s]. */
+    /** Maximum time in one frame [s]. */
     public static final double MOST_SECONDS = 10;
 
     private static final double NANOSECONDS = 1e9;
 
-    /** What happens to a library that exceeds its budget. */
+    /** The response to a library that exceeds its budget. */
     public enum Response {
-        /** An event reports it. */
+        /** An event reports the library. */
         WARN,
         /** The library is unloaded. */
         UNLOAD,
-        /** Its force laws are evaluated in every n-th step only. */
+        /** The force laws of the library are evaluated only in every n-th step. */
         SKIP_STEPS;
 
-        /** Returns the response with this name. */
+        /** Finds the response whose {@link #text} is given. */
         public static Optional<Response> find(String text) {
             return Arrays.stream(values()).filter(one -> one.text().equals(text)).findFirst();
         }
 
-        /** Returns the name in world files and messages, such as "skip-steps". */
+        /** Returns the name of this response in world files and messages, such as "skip-steps". */
         public String text() {
             return name().toLowerCase(Locale.ROOT).replace('_', '-');
         }
@@ -63,7 +64,7 @@ public record TimeBudget(long nanoseconds, int frames, Response response, int ev
         requireRange("every", every, 2, MOST_EVERY);
     }
 
-    /** Returns the budget of a time [s]. */
+    /** Returns a budget whose time is given in seconds [s]. */
     public static TimeBudget of(double seconds, int frames, Response response, int every) {
         return new TimeBudget(
                 Math.max(1, Math.round(seconds * NANOSECONDS)), frames, response, every);
@@ -76,12 +77,12 @@ public record TimeBudget(long nanoseconds, int frames, Response response, int ev
         }
     }
 
-    /** Returns the time [ms]. */
+    /** Returns the maximum time in one frame [ms]. */
     public double milliseconds() {
         return nanoseconds / 1e6;
     }
 
-    /** Returns the fields for JSON, as the message {@code set-budget} has them. */
+    /** Returns the fields of the budget in the form of the message {@code set-budget}, for JSON. */
     public Map<String, Object> fields() {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("milliseconds", milliseconds());

@@ -23,7 +23,10 @@ public record Timing(int framesPerSecond, int stepsPerFrame) {
         return 1.0 / ((double) framesPerSecond * stepsPerFrame);
     }
 
-    /** Returns the simulated time at the end of a frame [s], computed as a product, never a sum. */
+    /**
+     * Returns the simulated time at the end of a frame [s]. It is a product, not a sum, so rounding
+     * errors do not add up.
+     */
     public double timeSeconds(long frame) {
         return frame * stepsPerFrame * dtSeconds();
     }

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The frame, one tick of a world: its phases, its listeners, its commands, and when it runs. */
+/**
+ * Frames (ticks of a world): their phases, listeners and commands, and the schedule by which they
+ * run.
+ */
 @NullMarked
 package reve.core.frame;
 

@@ -6,10 +6,11 @@ import java.util.List;
 import java.util.Locale;
 
 /**
- * The smallest convex polyhedron around points, whose faces may have any number of corners, and its
- * core: the same polyhedron with all faces moved inwards. Immutable; the arrays belong to the hull.
+ * The smallest convex polyhedron around points, whose faces may have any number of corners. The
+ * hull also has a core, which is the same polyhedron with all faces moved inwards. Immutable.
+ * Callers must not change the returned arrays.
  *
- * <p>Of points that have more than {@link #MAX_CORNERS} on their hull, the hull joins those that
+ * <p>If more than {@link #MAX_CORNERS} points would become corners, the hull uses only those that
  * are farthest outside.
  */
 public final class ConvexHull {
@@ -17,14 +18,17 @@ public final class ConvexHull {
     public static final int MAX_CORNERS = 128;
 
     /**
-     * Distance by which the faces of the core are moved inwards, as a fraction of the thickness.
+     * Distance by which the faces of the core are moved inwards, as a fraction of {@link
+     * #thickness()}.
      */
     public static final double ROUNDING = 0.05;
 
-    /** Least thickness, as a fraction of the largest extent along an axis. */
+    /** Minimum thickness of a hull, as a fraction of its largest extent along an axis. */
     public static final double LEAST_THICKNESS = 1e-3;
 
-    /** Distance of a corner from the plane of its face, as a fraction of the largest extent. */
+    /**
+     * Maximum distance of a corner from the plane of its face, as a fraction of the largest extent.
+     */
     private static final double FLAT = 1e-5;
 
     private final double[] corners;
@@ -61,8 +65,8 @@ public final class ConvexHull {
      * Computes the hull of points.
      *
      * @param points (count x 3) coordinates [m], finite
-     * @throws IllegalArgumentException if the points enclose no volume, or too thin a one; the
-     *     message completes the text "the mesh: "
+     * @throws IllegalArgumentException if the points enclose no volume, or the hull is too thin;
+     *     the message completes the text "the mesh: "
      */
     public static ConvexHull of(double[] points) {
         double[] low = new double[3];
@@ -87,7 +91,10 @@ public final class ConvexHull {
         return new Merging(points, triangles, FLAT * extent).hull(extent);
     }
 
-    /** Returns the points on a grid that divides the extent along each axis equally. */
+    /**
+     * Returns the points with integer coordinates. Along each axis, the grid divides the extent of
+     * the points into {@link ExactHull#LARGEST} equal intervals.
+     */
     static long[] grid(double[] points, double[] low, double[] high) {
         long[] grid = new long[points.length];
         for (int i = 0; i < points.length; i++) {
@@ -107,7 +114,7 @@ public final class ConvexHull {
         return corners;
     }
 
-    /** Returns for each face its corners, counter-clockwise as seen from outside. */
+    /** Returns the indices of the corners of each face, counter-clockwise as seen from outside. */
     public int[][] faces() {
         return faces;
     }
@@ -132,7 +139,7 @@ public final class ConvexHull {
         return thickness;
     }
 
-    /** Returns the outward unit normal of a face, a component at a time. */
+    /** Returns one component of the outward unit normal of a face. */
     double normal(int face, int axis) {
         return normals[3 * face + axis];
     }
@@ -178,7 +185,7 @@ public final class ConvexHull {
         return least;
     }
 
-    /** Returns the unit normal of a polygon (M. E. Newell). */
+    /** Returns the unit normal of a polygon, by Newell's method (M. E. Newell). */
     static double[] normalOf(double[] corners, int[] face) {
         double[] sum = new double[3];
         for (int i = 0; i < face.length; i++) {
@@ -202,7 +209,10 @@ public final class ConvexHull {
         return sum;
     }
 
-    /** Computes the centre, and returns the volume, from the tetrahedra at one corner. */
+    /**
+     * Computes the centre and returns the volume. Divides the hull into tetrahedra that meet at one
+     * corner.
+     */
     private double centroid() {
         double sum = 0;
         int[] triangles = triangles();

@@ -6,9 +6,9 @@ import java.util.Arrays;
 import java.util.List;
 
 /**
- * The polyhedron inside a hull whose faces are moved inwards. Its corners are the triangles of the
- * hull of the dual points: each face corresponds to its normal divided by its distance from the
- * centre.
+ * The polyhedron inside a hull whose faces are moved inwards. Each face corresponds to a dual
+ * point, which is the normal of the face divided by the distance of the face from the centre. Each
+ * triangle of the hull of these dual points corresponds to a corner of the polyhedron.
  */
 final class Core {
     private static final double LEAST_DETERMINANT = 1e-9;
@@ -58,7 +58,7 @@ final class Core {
         return corners;
     }
 
-    /** Returns triples of faces that meet at a corner of the core. */
+    /** Returns the triples of faces that may meet at a corner of the core. */
     private List<int[]> dual() {
         double[] points = new double[3 * count];
         double[] low = new double[3];
@@ -123,7 +123,10 @@ final class Core {
                                         < tolerance);
     }
 
-    /** Returns the corners of the hull, moved towards the centre far enough for each face. */
+    /**
+     * Returns the corners of the hull, scaled towards the centre so far that every face moves
+     * inwards by at least {@link #rounding}.
+     */
     private double[] shrunk() {
         double scale = 1 - rounding / Arrays.stream(distances).min().orElseThrow();
         double[] corners = hull.corners().clone();

@@ -10,13 +10,17 @@ import java.util.Map;
 import java.util.PriorityQueue;
 
 /**
- * The convex hull of points with integer coordinates, by the quickhull algorithm (C. B. Barber, D.
- * P. Dobkin, H. Huhdanpaa, The quickhull algorithm for convex hulls, ACM Trans. Math. Software 22,
- * 1996, 469). The integers are so small that all comparisons are exact: no point set is too
- * degenerate, and every machine finds the same hull.
+ * The convex hull of points with integer coordinates. Uses the quickhull algorithm (C. B. Barber,
+ * D. P. Dobkin, H. Huhdanpaa, The quickhull algorithm for convex hulls, ACM Trans. Math. Software
+ * 22, 1996, 469).
+ *
+ * <p>The integers are so small that all comparisons are exact. Degenerate point sets therefore need
+ * no tolerance, and every machine finds the same hull.
  */
 final class ExactHull {
-    /** Largest coordinate; the height of a point above a triangle then fits in a {@code long}. */
+    /**
+     * Maximum coordinate. With it, the height of a point above a triangle fits in a {@code long}.
+     */
     static final long LARGEST = 1 << 20;
 
     private static final int[] NO_POINTS = {};
@@ -41,7 +45,7 @@ final class ExactHull {
         boolean removed;
         boolean visible;
 
-        /** The points above this facet that no other facet has. */
+        /** The points above this facet that belong to no other facet's list. */
         int[] above = NO_POINTS;
 
         int aboveCount;
@@ -67,7 +71,10 @@ final class ExactHull {
             created.add(this);
         }
 
-        /** Returns the height of a point above the facet times the length of the normal; exact. */
+        /**
+         * Returns the height of a point above the facet, multiplied by the length of the normal.
+         * The result is exact.
+         */
         long height(int point) {
             int a = corners[0];
             return normal[0] * (at(point, 0) - at(a, 0))
@@ -75,7 +82,10 @@ final class ExactHull {
                     + normal[2] * (at(point, 2) - at(a, 2));
         }
 
-        /** Takes a point if it is above the facet. Returns whether it is. */
+        /**
+         * Adds a point to the points above this facet, if it is above it. Returns whether the point
+         * was added.
+         */
         boolean take(int point) {
             long height = height(point);
             if (height <= 0) {
@@ -86,8 +96,8 @@ final class ExactHull {
             }
             above[aboveCount++] = point;
             double far = height / length;
-            // Of equally high points, the one farthest from the first corner is no point in the
-            // middle of a face.
+            // Among equally high points, choose the one farthest from the first corner, because it
+            // cannot be in the middle of a face.
             double wide = squareOfDistance(point, corners[0]);
             if (far > distance || far == distance && wide > spread) {
                 distance = far;
@@ -113,7 +123,10 @@ final class ExactHull {
         return x * x + y * y + z * z;
     }
 
-    /** Returns four times the square of the area of a triangle; exactly 0 if it is degenerate. */
+    /**
+     * Returns four times the square of the area of a triangle. The result is exactly 0 if the
+     * triangle is degenerate.
+     */
     private double squareOfArea(int a, int b, int c) {
         double sum = 0;
         for (int axis = 0; axis < 3; axis++) {
@@ -128,11 +141,11 @@ final class ExactHull {
     }
 
     /**
-     * Returns the triangles of the hull, three indices of points each, counter-clockwise as seen
+     * Returns the triangles of the hull as three indices of points each, counter-clockwise as seen
      * from outside.
      *
      * @param points (count x 3) coordinates from 0 to {@link #LARGEST}
-     * @param most the largest number of points that are joined to the hull; those that are farthest
+     * @param most maximum number of points that are joined to the hull; those that are farthest
      *     outside come first
      * @throws IllegalArgumentException if all points coincide, or lie on a line or in a plane
      */
@@ -140,7 +153,7 @@ final class ExactHull {
         ExactHull hull = new ExactHull(points);
         hull.begin();
         for (int joined = 4; joined < most && hull.join(); joined++) {
-            // Each call joins one point.
+            // Each call of the condition joins one point.
         }
         return hull.created.stream()
                 .filter(facet -> !facet.removed)
@@ -230,7 +243,9 @@ final class ExactHull {
         }
     }
 
-    /** Joins the farthest point to the hull. Returns false if no point is outside. */
+    /**
+     * Joins the point that is farthest outside to the hull. Returns false if no point is outside.
+     */
     private boolean join() {
         Facet start = queue.poll();
         while (start != null && start.removed) {
@@ -280,7 +295,7 @@ final class ExactHull {
         return facet.corners[0] == from ? 0 : facet.corners[1] == from ? 1 : 2;
     }
 
-    /** Returns the facets that a point is above; they are connected. */
+    /** Returns the facets that are visible from a point outside. They are connected. */
     private static List<Facet> visible(Facet start, int point) {
         List<Facet> found = new ArrayList<>(List.of(start));
         start.visible = true;

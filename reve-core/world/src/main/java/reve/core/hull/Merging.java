@@ -9,9 +9,9 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Merges the triangles of a hull that lie in one plane into faces. */
+/** Merger of the triangles of a hull. Triangles that lie in one plane become one face. */
 final class Merging {
-    /** Cosine of the largest angle between a triangle and the face that it joins. */
+    /** Cosine of the largest angle between a triangle and the face to which it is added. */
     private static final double PARALLEL = 0.99;
 
     private final double[] points;
@@ -19,14 +19,14 @@ final class Merging {
     private final double flat;
     private final double[][] normals;
 
-    /** The triangle that has an edge, by {@link #edge}. */
+    /** The triangle at each directed edge. The key of an edge is {@link #edge}. */
     private final Map<Long, Integer> byEdge = new HashMap<>();
 
     /** The face of each triangle; -1 if it has none yet. */
     private final int[] faceOf;
 
     /**
-     * @param flat distance from its plane at which a corner still belongs to a face [m]
+     * @param flat maximum distance of a face's corners from the plane of the face [m]
      */
     Merging(double[] points, List<int[]> triangles, double flat) {
         this.points = points;
@@ -85,7 +85,10 @@ final class Merging {
         return points[3 * corners[corner] + axis] - points[3 * corners[0] + axis];
     }
 
-    /** Returns the connected triangles in the plane of one triangle, and marks them. */
+    /**
+     * Returns the connected triangles that lie in the plane of one triangle. Records {@code face}
+     * as their face.
+     */
     private List<Integer> region(int triangle, int face) {
         List<Integer> region = new ArrayList<>(List.of(triangle));
         faceOf[triangle] = face;
@@ -123,7 +126,7 @@ final class Merging {
         return true;
     }
 
-    /** Returns the corners around a region in order; empty if it has no single outline. */
+    /** Returns the corners around a region in order; empty if the region has no single outline. */
     private Optional<int[]> outline(List<Integer> region, int face) {
         Map<Integer, Integer> next = new HashMap<>();
         int first = -1;
@@ -156,8 +159,8 @@ final class Merging {
     }
 
     /**
-     * Returns the hull with only the corners at which three faces or more meet, in the order of the
-     * points. The other points lie on an edge or in a face.
+     * Returns the hull with only those corners at which three or more faces meet, in the order of
+     * the points. The other points lie on an edge or in a face.
      */
     private ConvexHull numbered(List<int[]> faces, double extent) {
         Map<Integer, Integer> uses = new HashMap<>();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Convex hulls of points. Knows nothing of worlds. */
+/** Convex hulls of points. This package does not depend on worlds. */
 @NullMarked
 package reve.core.hull;
 

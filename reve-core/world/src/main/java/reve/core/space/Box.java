@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.space;
 
-/** An axis-aligned box, including its faces [m]. A side may be infinite. */
+/** An axis-aligned box, including its faces [m]. Its sides may be infinite. */
 public record Box(double minX, double minY, double minZ, double maxX, double maxY, double maxZ) {
 
     /**

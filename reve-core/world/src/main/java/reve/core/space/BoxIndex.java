@@ -6,13 +6,13 @@ import java.lang.foreign.ValueLayout;
 import java.util.function.LongPredicate;
 
 /**
- * An index that finds the boxes that meet a region or are nearest to a point: a packed tree of
- * boxes (an R-tree whose nodes contain eight neighbours along a space-filling curve). All boxes are
- * loaded at once whenever they move. Results depend only on the boxes, not on earlier loads, and
- * have a fixed order. For one thread.
+ * An index that finds the boxes that meet a region or are nearest to a point. It is a packed tree
+ * of boxes (an R-tree whose nodes contain eight neighbours along a space-filling curve). Whenever
+ * boxes move, the caller loads all boxes again. Results depend only on the boxes, not on earlier
+ * loads, and have a fixed order. For one thread.
  *
- * <p>A new load with the same number of boxes reuses their order along the curve and computes only
- * the nodes. After the boxes have moved far, it sorts them again.
+ * <p>A load with the same number of boxes reuses their order along the curve and computes only the
+ * nodes. If the boxes have moved far since they were sorted, the load sorts them again.
  */
 public final class BoxIndex {
 
@@ -23,8 +23,8 @@ public final class BoxIndex {
     private static final int NOTHING = -1;
 
     /**
-     * Growth of a leaf node's edges (factor) from which it counts as worn; the boxes are sorted
-     * again if many are.
+     * Factor by which the edges of a leaf node must have grown for the node to count as worn. The
+     * boxes are sorted again if many nodes are worn.
      */
     private static final double WORN_OUT = 2;
 
@@ -38,24 +38,27 @@ public final class BoxIndex {
     private int[] order = {};
     private int ordered = NOTHING;
 
-    /** Sum of the edges of each leaf node when the boxes were last sorted. */
+    /**
+     * Sum of the three edges of each leaf node [m], at the time when the boxes were last sorted.
+     */
     private double[] extents = {};
 
     /**
-     * (nodes x 6) lower and upper corners: first the boxes in their order along the curve, then the
-     * nodes around eight boxes each, and so on.
+     * (nodes x 6) lower and upper corners of the nodes. The first nodes are the boxes in their
+     * order along the curve. Each node of the next level encloses eight nodes of the level below
+     * it.
      */
     private double[] sides = {};
 
     private long[] keys = {};
 
-    /** Index of the first node of each level, then the index after the last node. */
+    /** Index of the first node of each level. The last element is the index after the last node. */
     private final int[] firstOf = new int[MAX_LEVELS + 2];
 
     private int levels;
 
     /**
-     * Replaces the boxes; allocates only if there are more than ever before.
+     * Replaces the boxes. Allocates memory only if there are more boxes than in all earlier calls.
      *
      * @param ids (rows) keys of the boxes, distinct longs
      * @param lows (rows x 3) lower corners in doubles; a box with a NaN is ignored
@@ -135,9 +138,9 @@ public final class BoxIndex {
     }
 
     /**
-     * Returns whether the segment meets a node: its intervals between the three pairs of opposite
-     * faces overlap (slab method). Rounding is monotonic, so a segment that meets a box also meets
-     * the nodes around the box.
+     * Returns whether the segment meets a node, by the slab method. It does if the segment's
+     * intervals between the three pairs of opposite faces overlap. Rounding is monotonic, so a
+     * segment that meets a box also meets the nodes around the box.
      */
     private boolean isOnLine(int node, double[] from, double[] to, double ends) {
         int at = SIDES * node;
@@ -162,8 +165,8 @@ public final class BoxIndex {
     }
 
     /**
-     * Finds the keys of the boxes nearest to a point, ordered by the distance from the point to the
-     * box (0 inside it), then by key.
+     * Finds the keys of the boxes nearest to a point. They are ordered by the distance from the
+     * point to the box (0 inside it), then by key.
      *
      * @param most maximum number of results
      */
@@ -195,8 +198,8 @@ public final class BoxIndex {
     }
 
     /**
-     * Adds a box to the results, or pushes the children of a node; returns the new depth of the
-     * stack.
+     * Adds a box to the results, or pushes the children of a node on the stack. Returns the new
+     * depth of the stack.
      */
     private int enter(int node, int depth, Found found) {
         if (node < size()) {
@@ -216,15 +219,15 @@ public final class BoxIndex {
         return after;
     }
 
-    // For searches of this package: the nodes with an index below size() are the boxes, and the
-    // last node is the root.
+    // The following methods are for searches of this package. Nodes with an index below size() are
+    // the boxes, and the last node is the root.
 
     /** Returns the number of nodes, including boxes. */
     int nodes() {
         return size() == 0 ? 0 : firstOf[levels + 1];
     }
 
-    /** Returns the (nodes x 6) lower and upper corners; owned by this index. */
+    /** Returns the (nodes x 6) lower and upper corners. The array belongs to this index. */
     double[] sides() {
         return sides;
     }
@@ -268,7 +271,9 @@ public final class BoxIndex {
         return dx * dx + dy * dy + dz * dz;
     }
 
-    /** Copies the boxes, except those with a NaN, into arrays; returns their number. */
+    /**
+     * Copies the boxes, except those with a NaN, into arrays. Returns the number of copied boxes.
+     */
     private int read(
             MemorySegment ids, MemorySegment givenLows, MemorySegment givenHighs, int rows) {
         MemorySegment.copy(ids, ValueLayout.JAVA_LONG, 0, givenKeys, 0, rows);
@@ -299,7 +304,7 @@ public final class BoxIndex {
         ordered = count;
     }
 
-    /** Returns true if so many leaf nodes have grown that the boxes must be sorted again. */
+    /** Returns true if so many leaf nodes are worn that the boxes must be sorted again. */
     private boolean isWorn() {
         int grown = 0;
         for (int node = size(); node < firstOf[2]; node++) {
@@ -323,8 +328,7 @@ public final class BoxIndex {
     }
 
     /**
-     * Writes the boxes in their order along the curve, then computes the levels of nodes above
-     * them.
+     * Writes the boxes in their order along the curve, then computes the higher levels of nodes.
      */
     private void fill(int count) {
         for (int i = 0; i < count; i++) {

@@ -5,7 +5,10 @@ import java.util.Arrays;
 import java.util.Objects;
 import java.util.function.LongPredicate;
 
-/** The keys found by a query of a {@link BoxIndex}; reusable. For one thread. */
+/**
+ * The keys that a query of a {@link BoxIndex} has found. The object can be used for further
+ * queries. For one thread.
+ */
 public final class Found {
 
     private long[] keys = new long[16];
@@ -23,7 +26,7 @@ public final class Found {
         return keys[Objects.checkIndex(index, size)];
     }
 
-    /** Removes the keys for which a test is false; the others keep their order. */
+    /** Removes the keys for which a test is false. The other keys stay in their order. */
     public void keepIf(LongPredicate test) {
         int kept = 0;
         for (int i = 0; i < size; i++) {

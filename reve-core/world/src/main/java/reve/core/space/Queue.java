@@ -4,13 +4,13 @@ package reve.core.space;
 import java.util.Arrays;
 
 /**
- * A priority queue of nodes of a {@link BoxIndex} by distance from a point, nearest first: a binary
- * heap in arrays. At equal distance, inner nodes precede boxes, because a node may contain a box
- * with a lower key; boxes are ordered by key.
+ * A priority queue of nodes of a {@link BoxIndex} by distance from a point, nearest first. It is a
+ * binary heap in arrays. At equal distance, inner nodes precede boxes, because a node may contain a
+ * box with a lower key. Boxes at equal distance are ordered by key.
  */
 final class Queue {
 
-    /** The key of a node that is not a box; lower than all others. */
+    /** The key of a node that is not a box. It is lower than all other keys. */
     static final long NODE = Long.MIN_VALUE;
 
     private double[] distances = new double[64];

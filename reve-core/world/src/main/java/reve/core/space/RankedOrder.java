@@ -4,10 +4,12 @@ package reve.core.space;
 import java.util.Arrays;
 
 /**
- * Sorter of points along a Z-order curve (Morton curve), which keeps neighbours in space mostly
- * adjacent. The curve runs through the points' ranks on each axis instead of their coordinates, so
- * that one distant point does not press all others into one cell. Uses radix sorts, whose time is
- * proportional to the number of points. Allocates only for more points than ever before.
+ * Sorter of points along a Z-order curve (Morton curve). Points that are neighbours in space mostly
+ * become neighbours in this order. The curve uses the rank of each point on each axis instead of
+ * its coordinate. Therefore one distant point does not press all others into one cell of the curve.
+ *
+ * <p>The sorter uses radix sorts, whose time is proportional to the number of points. It allocates
+ * memory only for more points than in all earlier calls.
  */
 final class RankedOrder {
 
@@ -20,8 +22,8 @@ final class RankedOrder {
     private static final double BEYOND_FLOATS = 0x1p128;
 
     /**
-     * Number of low bits that are dropped from the pattern of a larger double, so that the rest
-     * fits the bit patterns of non-finite floats.
+     * Number of low bits that are dropped from a double beyond the range of floats. The remaining
+     * bits fit into the bit patterns of non-finite floats.
      */
     private static final int SPARE_BITS = 39;
 
@@ -35,7 +37,8 @@ final class RankedOrder {
      * Returns the indices of the points in their order along the Z-order curve.
      *
      * @param places (count x 3) coordinates, converted by {@link #sortable}
-     * @return indices; only the first {@code count} elements count, and only until the next call
+     * @return indices; only the first {@code count} elements are valid, and only until the next
+     *     call
      */
     int[] sort(int[] places, int count) {
         reserve(count);
@@ -55,8 +58,8 @@ final class RankedOrder {
     }
 
     /**
-     * Sets {@link #order} to the indices of the keys in ascending unsigned order; equal keys stay
-     * in order of index.
+     * Sets {@link #order} to the indices of the keys in ascending unsigned order of the keys. Equal
+     * keys are ordered by index.
      */
     private void sortByKeys(int[] by, int count) {
         for (int i = 0; i < count; i++) {
@@ -85,8 +88,8 @@ final class RankedOrder {
 
     /**
      * Converts a coordinate into bits whose unsigned order is the order of the coordinates, at the
-     * precision of floats. Numbers beyond the range of floats become patterns of non-finite floats,
-     * with a relative precision of a ten thousandth.
+     * precision of floats. Numbers beyond the range of floats become bit patterns of non-finite
+     * floats, and keep a relative precision of a ten thousandth.
      */
     static int sortable(double value) {
         int bits = Float.floatToRawIntBits((float) value);

@@ -6,14 +6,14 @@ import java.util.Arrays;
 import java.util.stream.LongStream;
 
 /**
- * Search for the boxes that are near, on, inside and touching a box: all four relations in one
- * descent through a {@link BoxIndex}, in plain arrays, without allocation. {@code Relations}
- * defines the relations. A subtree is skipped as soon as it cannot contain a wanted box. One
- * thread.
+ * Search for the boxes to which a box has the relations near, on, inside and touching. {@code
+ * Relations} defines these relations. One descent through a {@link BoxIndex} finds all four. The
+ * search skips a subtree as soon as the subtree cannot contain a result. It uses plain arrays and
+ * allocates no memory. For one thread.
  */
 public final class RelatedBoxes {
 
-    /** Index of the relation "inside"; the relations are in alphabetical order. */
+    /** Index of the relation "inside". The relations are in alphabetical order. */
     public static final int INSIDE = 0;
 
     /** Index of the relation "near". */
@@ -43,13 +43,13 @@ public final class RelatedBoxes {
     private double[] highs = {};
     private int count;
 
-    // These arrays are indexed by node of the tree.
+    // The following arrays contain one element per node of the tree.
     private long[] firstBox = {};
     private double[] diagonal = {};
     private double[] lowestTop = {};
 
-    // Stack of the nodes to visit: node, bit set of the relations that its boxes may have, and
-    // distance from the box.
+    // Stack of the nodes to visit. Each entry has three parts: the node, a bit set of the relations
+    // that its boxes may have, and the distance from the box.
     private final int[] stack = new int[DEEPEST];
     private final int[] mayHold = new int[DEEPEST];
     private final double[] gaps = new double[DEEPEST];
@@ -65,7 +65,8 @@ public final class RelatedBoxes {
     private int box;
     private double size;
 
-    // Results by relation: number, boxes (nearest first) and their distances.
+    // Results by relation: their number, the found boxes (nearest first) and the distances of these
+    // boxes.
     private final int[] found = new int[RELATIONS];
     private final int[][] boxes = new int[RELATIONS][MOST];
     private final double[][] distances = new double[RELATIONS][MOST];
@@ -76,7 +77,7 @@ public final class RelatedBoxes {
      *
      * @param newLows (count x 3) lower corners [m]
      * @param newHighs (count x 3) upper corners [m]
-     * @return false if they are the same as before
+     * @return false if they are equal to the present boxes
      */
     public boolean load(double[] newLows, double[] newHighs, int newCount) {
         int numbers = AXES * newCount;
@@ -167,8 +168,8 @@ public final class RelatedBoxes {
     }
 
     /**
-     * Returns the index of a found box; place 0 has the smallest gap, and equal gaps are ordered by
-     * index.
+     * Returns the index of a found box. Place 0 is the box with the smallest gap, and equal gaps
+     * are ordered by index.
      */
     public int found(int relation, int place) {
         return boxes[relation][place];
@@ -209,7 +210,10 @@ public final class RelatedBoxes {
         }
     }
 
-    /** Pushes the children of a node, the nearest one last, so that it is visited first. */
+    /**
+     * Pushes the children of a node on the stack. The nearest child is pushed last, so it is
+     * visited first.
+     */
     private void pushChildren(int node) {
         int bottom = depth;
         int first = index.firstChild(node);
@@ -245,8 +249,8 @@ public final class RelatedBoxes {
     }
 
     /**
-     * Returns the set of relations without those whose results are full and cannot improve, because
-     * each of the {@link #MOST} results precedes every box of the node.
+     * Returns the relations to which boxes of a node may still add results. Omits a relation if it
+     * has {@link #MOST} results that all precede every box of the node.
      */
     private int withoutFull(int relations, double gap, long first) {
         int left = relations;
@@ -264,7 +268,7 @@ public final class RelatedBoxes {
         return gap < otherGap || gap == otherGap && first < otherFirst;
     }
 
-    /** Adds a box to the results of each wanted relation that holds exactly. */
+    /** Adds a box to the results of each wanted relation that the exact test confirms. */
     private void test(int leaf, double gap, int wanted) {
         int other = (int) firstBox[leaf];
         if (other == box) {
@@ -299,9 +303,9 @@ public final class RelatedBoxes {
         others[at] = other;
     }
 
-    // The tests below serve nodes and boxes. A node's bounds contain those of its boxes, and
-    // rounding is monotonic, so a condition that holds for a box also holds for the nodes around
-    // the box.
+    // The tests below serve nodes and boxes. A node's bounds contain the bounds of its boxes, and
+    // rounding is monotonic. Therefore a condition that is true for a box is also true for the
+    // nodes around the box.
 
     private boolean meets(int node, double[] fromLow, double[] toHigh) {
         double[] sides = index.sides();

@@ -6,7 +6,8 @@ import java.math.MathContext;
 import java.math.RoundingMode;
 
 /**
- * Formatter of numbers for people: four significant digits, without an exponent if that is short.
+ * Formatter of numbers for people. A number has four significant digits, and an exponent only if it
+ * is very large or very small.
  */
 public final class Rounded {
     private static final MathContext FOUR = new MathContext(4, RoundingMode.HALF_UP);
@@ -16,8 +17,8 @@ public final class Rounded {
     private Rounded() {}
 
     /**
-     * Returns a number with at most four significant digits; whole numbers keep all of their
-     * digits.
+     * Returns a number with at most four significant digits. A whole number keeps all of its digits
+     * unless it is very large.
      */
     public static String of(double number) {
         if (!Double.isFinite(number)) {

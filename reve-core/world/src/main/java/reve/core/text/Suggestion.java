@@ -8,10 +8,15 @@ import java.util.Locale;
 
 /** Search for the known name that a misspelt name probably means. */
 public final class Suggestion {
-    /** Maximum number of names that are compared, so that a wrong file is refused quickly. */
+    /**
+     * Maximum number of names that are compared. The limit bounds the time to refuse a faulty file.
+     */
     private static final int MAX_CANDIDATES = 1_000;
 
-    /** Maximum length of a misspelt text [characters]; names of items are not longer. */
+    /**
+     * Maximum length of a misspelt text for which a name is searched [characters]. Names of items
+     * are not longer.
+     */
     private static final int MAX_LENGTH = 128;
 
     /** Maximum edit distance between the text and a suggested name. */
@@ -20,8 +25,8 @@ public final class Suggestion {
     private Suggestion() {}
 
     /**
-     * Returns an end for a message, {@code "; did you mean `x`?"}, or an empty text if no known
-     * name is similar.
+     * Returns the last part of a message, {@code "; did you mean `x`?"}. Returns an empty text if
+     * no known name is similar.
      */
     public static String of(String wrong, Collection<String> known) {
         if (wrong.length() > MAX_LENGTH) {
@@ -50,9 +55,11 @@ public final class Suggestion {
 
     /**
      * Returns the minimum number of insertions, deletions, replacements and swaps of neighbours
-     * between two texts, or any number above {@code limit} if it exceeds the limit. Dynamic
-     * programming with only the last three rows of the table, and only their cells near the
-     * diagonal.
+     * that turn one text into the other. If this number exceeds {@code limit}, returns any number
+     * above the limit.
+     *
+     * <p>Uses dynamic programming, but stores only the last three rows of the table and computes
+     * only the cells near the diagonal.
      */
     private static int distance(String a, String b, int limit) {
         int far = limit + 1;

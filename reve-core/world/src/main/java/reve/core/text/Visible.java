@@ -4,10 +4,17 @@ package reve.core.text;
 import java.util.Locale;
 
 /**
- * Escaping of untrusted text for terminals, logs and messages. Control characters could forge lines
- * or command the terminal, bidirectional controls reorder a line, and other characters are
- * invisible. Letters, marks, digits and signs of all scripts stay unchanged, with the joiners that
- * scripts need.
+ * Escaping of untrusted text for terminals, logs and messages. It escapes three kinds of
+ * characters:
+ *
+ * <ul>
+ *   <li>control characters, which could forge lines or send commands to the terminal
+ *   <li>bidirectional controls, which change the order of a line
+ *   <li>other invisible characters
+ * </ul>
+ *
+ * <p>Letters, marks, digits and signs of all scripts stay unchanged, with the joiners that scripts
+ * need.
  */
 public final class Visible {
 
@@ -18,13 +25,15 @@ public final class Visible {
 
     private Visible() {}
 
-    /** Returns the text as one line; unsafe characters become a backslash and {@code u{HEX}}. */
+    /**
+     * Returns the text as one line. A backslash and {@code u{HEX}} replace each unsafe character.
+     */
     public static String line(String text) {
         return isSafe(text, ' ') ? text : escaped(text);
     }
 
     /**
-     * Returns at most the first 64 characters of the text as one line, then "…" if it is longer.
+     * Returns at most the first 64 characters of the text as one line. Ends a longer text with "…".
      */
     public static String shortened(String text) {
         int length = text.codePointCount(0, text.length());
@@ -49,8 +58,9 @@ public final class Visible {
     }
 
     /**
-     * Returns the JSON document with JSON escapes for unsafe characters beyond ASCII, which occur
-     * in strings only. Unsafe ASCII characters are escaped already, because JSON requires it.
+     * Returns the JSON document with JSON escapes for unsafe characters beyond ASCII. Such
+     * characters occur only in strings. Unsafe ASCII characters need no check, because JSON
+     * requires their escapes.
      */
     public static String json(String document) {
         if (isSafe(document, '\n')) {

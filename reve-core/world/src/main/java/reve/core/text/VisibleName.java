@@ -8,9 +8,9 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The rule for names that people compare by eye: every character is visible, and characters are
- * displayed in the order in which they are stored. Names of any script can follow it. Joiners and
- * variation selectors are permitted where a script or an emoji needs them.
+ * The rule for names that people compare by eye. Every character of such a name is visible, and
+ * characters are displayed in the order in which they are stored. The rule permits names in any
+ * script. Joiners and variation selectors are permitted where a script or an emoji needs them.
  */
 public final class VisibleName {
     private static final int NON_JOINER = 0x200C;
@@ -39,7 +39,9 @@ public final class VisibleName {
 
     private VisibleName() {}
 
-    /** Returns why a text violates the rule, for a message; empty if it follows the rule. */
+    /**
+     * Returns the reason why a text violates the rule, for a message; empty if it follows the rule.
+     */
     public static Optional<String> fault(String text) {
         int last = text.length() - 1;
         if (last >= 0 && (isGap(text.codePointAt(0)) || isGap(text.charAt(last)))) {
@@ -60,8 +62,8 @@ public final class VisibleName {
     }
 
     /**
-     * Returns whether a character is a control, format or line separator, or has no width, by UTS
-     * 39.
+     * Returns whether a character is a control, format or line separator character or has no width,
+     * as defined in Unicode Technical Standard 39.
      */
     private static boolean isHidden(int character) {
         if (character < 0x7F) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Untrusted text, made safe to display. */
+/** Makes untrusted text safe to display. */
 @NullMarked
 package reve.core.text;
 

@@ -5,11 +5,11 @@ import java.util.Arrays;
 
 /**
  * A physical unit: {@code scale * m^a * kg^b * s^c * A^d * K^e * mol^f * cd^g}. Angles are numbers
- * (rad = 1). Units with an offset (degrees Celsius) are not supported: one multiplication converts
- * a number to SI.
+ * (rad = 1). Units with an offset (degrees Celsius) are not supported, because a number is
+ * converted to SI by one multiplication.
  *
- * <p>Immutable, any thread. Two units are equal if dimension and scale are equal; the symbol only
- * records how the unit was written.
+ * <p>Two units are equal if dimension and scale are equal. The symbol only records how the unit was
+ * written. Units are immutable. For any thread.
  */
 public final class Unit {
     /** The unit of pure numbers and of angles in radians. */
@@ -27,8 +27,8 @@ public final class Unit {
 
     /**
      * Parses a unit such as {@code kg}, {@code m/s}, {@code kg*m^2/s^2}, {@code km/h}, {@code N·s},
-     * {@code m^3/(kg*s^2)}, {@code deg} or {@code 1}; {@code *} and {@code /} are evaluated from
-     * left to right.
+     * {@code m^3/(kg*s^2)}, {@code deg} or {@code 1}. The operators {@code *} and {@code /} are
+     * evaluated from left to right.
      *
      * @throws IllegalArgumentException naming the text and the error
      */
@@ -56,7 +56,7 @@ public final class Unit {
         return symbol;
     }
 
-    /** Returns whether numbers in this unit can be converted to the other. */
+    /** Returns whether numbers in this unit can be converted to the other unit. */
     public boolean sameDimension(Unit other) {
         return Arrays.equals(exponents, other.exponents);
     }
@@ -67,7 +67,7 @@ public final class Unit {
     }
 
     /**
-     * Converts a number in this unit to another unit; returns exactly the same number if the scales
+     * Converts a number in this unit to another unit. Returns exactly the same number if the scales
      * are equal.
      *
      * @throws IllegalArgumentException if the dimensions differ

@@ -25,7 +25,7 @@ final class UnitParser {
     /** Whether the text read so far ends with a power that was written with {@code ^}. */
     private boolean endsWithExponent;
 
-    /** A unit under construction; its scale is a fraction, so that ratios stay exact. */
+    /** A unit under construction. Its scale is a fraction, so that ratios stay exact. */
     private static final class Quantity {
         private final int[] exponents = new int[BASES];
         private double numerator = 1;
@@ -65,7 +65,7 @@ final class UnitParser {
                                     + " is no exponent; write m^2 for square metres"
                             : found() + ", expected *, /, ^ or the end" + EXAMPLE);
         }
-        // a text without any letter, such as "1000": probably a typing error, not a scale
+        // A text without any letter, such as "1000", is probably a typing error and not a scale.
         if (text.chars().allMatch(c -> c < 'A' && c != '%')) {
             throw refuse("it is a number; a plain number has the unit 1");
         }
@@ -177,7 +177,10 @@ final class UnitParser {
         return inner;
     }
 
-    /** Reads a number above 0, for example 9.80665 or 1e3, as a unit with only a scale. */
+    /**
+     * Reads a number above 0, for example 9.80665 or 1e3. The result is a unit without dimension
+     * and with this number as its scale.
+     */
     private Quantity number() {
         int begin = at;
         digits();

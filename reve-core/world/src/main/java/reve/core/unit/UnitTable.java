@@ -16,8 +16,8 @@ import java.util.Map;
 import java.util.Objects;
 
 /**
- * The symbols of units and prefixes, read from the tables from which the physics engine is also
- * built.
+ * The symbols of units and prefixes. They are read from the same tables from which the physics
+ * engine is built.
  */
 final class UnitTable {
 
@@ -42,12 +42,12 @@ final class UnitTable {
 
     private record Named(int[] exponents, Scale scale, boolean takesPrefix) {}
 
-    /** The unit that a symbol such as {@code km} means. */
+    /** The meaning of a symbol such as {@code km}. */
     record Symbol(int[] exponents, Scale scale) {}
 
     private UnitTable() {}
 
-    /** Returns null for a symbol that is not in the tables. */
+    /** Returns the meaning of a symbol; null if the symbol is not in the tables. */
     static @Nullable Symbol find(String symbol) {
         Named unit = UNITS.get(symbol);
         if (unit != null) {

@@ -8,8 +8,8 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The actions that agents can perform on an item, and its capabilities as a body. World's thread
- * only.
+ * The actions that agents can perform on an item, and the capabilities that the item has as the
+ * body of an agent. For the world's thread only.
  */
 public final class AccessAspect {
 

@@ -6,9 +6,9 @@ import org.jspecify.annotations.Nullable;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * The rule, condition or Java action that a world's thread is evaluating now, and a count of
- * evaluation steps. The world's thread updates it; any thread may read it, for example to report a
- * world that makes no frames.
+ * The evaluation with which a world's thread is busy (a rule, a condition or a Java action), and a
+ * count of evaluation steps. The world's thread updates these data. Any thread may read them, for
+ * example to report a world that makes no frames.
  */
 public final class Activity {
     private final AtomicReference<@Nullable Object> current = new AtomicReference<>();
@@ -19,7 +19,8 @@ public final class Activity {
     /**
      * Begins an activity, which replaces the current one. For the world's thread only.
      *
-     * @param what the activity; its {@code toString} describes it for people, on any thread
+     * @param what the activity. Any thread may call its {@code toString}, which describes it for
+     *     people
      */
     public void begin(Object what) {
         current.setRelease(what);
@@ -40,7 +41,7 @@ public final class Activity {
         end();
     }
 
-    /** Adds steps of work that is not an activity. For the world's thread only. */
+    /** Adds evaluation steps that belong to no activity. For the world's thread only. */
     void spend(long count) {
         steps += count;
     }
@@ -50,7 +51,7 @@ public final class Activity {
         return steps;
     }
 
-    /** Returns the current activity, or null. For any thread. */
+    /** Returns the current activity; null if there is none. For any thread. */
     public @Nullable Object current() {
         return current.getAcquire();
     }

@@ -9,8 +9,8 @@ import java.util.Map;
 import java.util.stream.Collectors;
 
 /**
- * The arguments of one call, checked against the action's parameters: none is missing, unknown, of
- * the wrong type or length, or not finite. Immutable, any thread.
+ * The arguments of one call, checked against the action's parameters. None is missing, unknown or
+ * not finite, and all have the declared type and length. Immutable. For any thread.
  */
 public final class Arguments {
     /** Maximum length of a text argument [characters]. */
@@ -23,12 +23,12 @@ public final class Arguments {
     }
 
     /**
-     * Checks the arguments of a caller: for each parameter a {@link Number}, a {@link List} of
-     * numbers, a {@link String} or a {@link Boolean}.
+     * Checks the arguments of a caller. Each must be a {@link Number}, a {@link List} of numbers, a
+     * {@link String} or a {@link Boolean}, depending on its parameter.
      *
      * @throws ActionRefused with code {@code missing-argument}, {@code unknown-argument}, {@code
-     *     wrong-type}, {@code wrong-components}, {@code not-finite} or {@code out-of-range}; the
-     *     message names action and parameter, and what the parameter accepts
+     *     wrong-type}, {@code wrong-components}, {@code not-finite} or {@code out-of-range}. The
+     *     message names the action, the parameter and the values that the parameter accepts
      */
     public static Arguments check(Action action, Map<String, ?> given) throws ActionRefused {
         var values = new LinkedHashMap<String, Object>();
@@ -71,7 +71,7 @@ public final class Arguments {
         return get(name, double[].class).clone();
     }
 
-    /** Returns a text or the name of an item; an item of this name need not exist. */
+    /** Returns a text or the name of an item. No item of this name needs to exist. */
     public String text(String name) {
         return get(name, String.class);
     }

@@ -8,11 +8,11 @@ import java.util.Optional;
 import java.util.TreeSet;
 
 /**
- * Items whose changed numbers may make physics laws fail, and the arrest of such an item: its
- * numbers become 0, so that laws do not move it. For the world's thread only.
+ * The arrest of items whose changed numbers may make physics laws fail. An arrest sets the numbers
+ * of an item to 0, so that laws do not move the item. For the world's thread only.
  */
 public final class Arrests {
-    /** The properties of an item that laws read, by kind; an arrest sets them to 0. */
+    /** The properties of an item that laws read, by kind. An arrest sets them to 0. */
     private static final Map<String, List<String>> NUMBERS =
             Map.of(
                     WorldPrototype.BODY,
@@ -30,8 +30,8 @@ public final class Arrests {
                             List.of("hardness", "surfaceDamping", "frictionCoefficient"));
 
     /**
-     * Magnitude above which a number is extreme, in SI units; no body of a working world has such
-     * numbers.
+     * Magnitude above which a number is extreme, in the SI unit of its property. No body of a
+     * working world has such numbers.
      */
     private static final double EXTREME = 1e15;
 
@@ -40,7 +40,7 @@ public final class Arrests {
     private final Items items;
     private final WorldGuard guard;
 
-    /** Items whose physics or place was changed by actions or edits. */
+    /** Items whose physics properties or place were changed by actions or edits. */
     private final TreeSet<ItemId> changed = new TreeSet<>();
 
     Arrests(Items items, WorldGuard guard) {
@@ -48,16 +48,22 @@ public final class Arrests {
         this.guard = guard;
     }
 
-    /** Records that an action or an edit changes the physics or the place of an item. */
+    /** Records that an action or an edit changes the physics properties or the place of an item. */
     public void suspect(ItemId item) {
         guard.requireEditable();
         changed.add(item);
     }
 
     /**
-     * Returns the items that may have caused a failure, in the order of their ids: items with
-     * physics, not arrested, whose physics or place actions or edits changed since the world was
-     * built or resumed.
+     * Returns the items that may have caused a failure, in the order of their ids. These items meet
+     * all three conditions:
+     *
+     * <ul>
+     *   <li>they have a physics aspect
+     *   <li>they are not arrested
+     *   <li>actions or edits have changed their physics properties or place since the world was
+     *       built or resumed
+     * </ul>
      *
      * @param failed the item at which a law failed. If it has extreme numbers, it is added at the
      *     end, because changed items may have pushed it
@@ -80,9 +86,9 @@ public final class Arrests {
     }
 
     /**
-     * Returns the largest of the absolute values of all numbers of the item that laws read, where
-     * the inverse of the mass counts as one of them, and coordinates only if they are extreme. 0 if
-     * the item is arrested and was not moved far away since then.
+     * Returns the largest absolute value of the item's numbers that laws read. The inverse of the
+     * mass counts as such a number. Coordinates count only if they are extreme. Returns 0 if the
+     * item is arrested and was not moved far away since then.
      */
     public double excess(Item item) {
         double most = 0;
@@ -109,9 +115,9 @@ public final class Arrests {
     }
 
     /**
-     * Arrests an item with physics: it is at rest, immovable, and exerts no force. Extreme
-     * coordinates become 0, because distances to them would not be finite. Like changes by laws,
-     * this is not recorded as a change.
+     * Arrests an item with a physics aspect. The item is then at rest, immovable, and exerts no
+     * force. Extreme coordinates become 0, because distances to them would not be finite. The
+     * arrest is not recorded as a change, like changes by laws.
      *
      * @return undoes the arrest; may be called in the same frame only
      */

@@ -8,9 +8,9 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * Charges agents for the rules that must be evaluated because of their acts: stores which agent
- * last changed each item, and adds up the evaluation steps of the item's rules for this agent. For
- * the world's thread only.
+ * Account of the evaluation steps that agents cause, because rules must be evaluated after their
+ * acts. It stores which agent last changed each item, and charges this agent for the evaluation of
+ * the item's rules. For the world's thread only.
  */
 public final class Charges {
     /** The agent that last changed each item before the current pass of the rules began. */
@@ -52,7 +52,7 @@ public final class Charges {
             case WorldChange.Detached detached -> changed(detached.item());
             case WorldChange.Edited edited -> changed(edited.item());
             case WorldChange.Pushed pushed -> changed(pushed.force().item());
-            case WorldChange.ColumnEdited column -> {} // is a change of a column, without an item
+            case WorldChange.ColumnEdited column -> {} // changes a whole column and names no item
         }
     }
 
@@ -68,9 +68,9 @@ public final class Charges {
     }
 
     /**
-     * Begins a pass of the rules over all items, which may take several frames. Changes since the
-     * last call are charged in this pass; changes during this pass are charged in this pass and the
-     * next one.
+     * Begins a pass of the rules over all items, which may take several frames. This pass charges
+     * the changes since the last call of this method. Changes during this pass are charged in this
+     * pass and in the next one.
      */
     public void beginPass() {
         Map<ItemId, String> reused = changedBefore;
@@ -80,8 +80,8 @@ public final class Charges {
     }
 
     /**
-     * Charges evaluation steps to the agent that last changed the item; does nothing if no agent
-     * did.
+     * Charges evaluation steps to the agent that last changed the item. Does nothing if no agent
+     * changed the item.
      */
     public void charge(ItemId item, long more) {
         String agent = changedSince.get(item);
@@ -94,8 +94,8 @@ public final class Charges {
     }
 
     /**
-     * Returns the steps charged since the last call of this method, by agent, in the order of
-     * names.
+     * Returns the steps of each agent since the last call of this method, in the order of the
+     * agents' names.
      */
     public Map<String, Long> take() {
         if (steps.isEmpty()) {

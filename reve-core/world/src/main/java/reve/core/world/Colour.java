@@ -7,8 +7,8 @@ import java.util.regex.Pattern;
 /**
  * An sRGB colour with an alpha channel that is not premultiplied.
  *
- * @param rgba red in the low byte, then green, blue, alpha, so that the bytes in memory are r g b a
- *     on a little-endian machine
+ * @param rgba red in the low byte, then green, blue and alpha. The order of the bytes in memory is
+ *     therefore r g b a on a little-endian machine
  */
 public record Colour(int rgba) {
 

@@ -4,8 +4,8 @@ package reve.core.world;
 import java.lang.foreign.MemorySegment;
 
 /**
- * A column of a live world: one property of all items of a kind. Does not check values; the aspects
- * check them. World's thread only.
+ * A column of a live world, which contains one property of all items of a kind. The column does not
+ * check values, because the aspects of items check them. For the world's thread only.
  */
 public final class Column extends ColumnView {
 
@@ -17,15 +17,15 @@ public final class Column extends ColumnView {
     private long version;
 
     /**
-     * {@link FrameRecord#period} in which a direct edit was last recorded, so that each frame
-     * records one.
+     * Value of {@link FrameRecord#period} at the last record of a direct edit. Each frame records
+     * at most one direct edit of the column.
      */
     private long editNotedIn;
 
     /**
      * @param rows row count, shared with the table
      * @param guard called before each change
-     * @param record receives direct edits
+     * @param record receives direct edits, which no aspect of an item makes
      * @param memory zeroed memory for the rows
      */
     Column(
@@ -56,15 +56,18 @@ public final class Column extends ColumnView {
         return used;
     }
 
-    /** Sets one number; reals are rounded to the column's type, integers keep their low 32 bits. */
+    /**
+     * Sets one number. A real number is rounded to the column's type. An integer is reduced to its
+     * low 32 bits.
+     */
     public void setDouble(int row, int component, double value) {
         write(row, component, value);
         noteEdit();
     }
 
     /**
-     * Sets one number like {@link #setDouble}, without recording the change: the calling aspect
-     * records it.
+     * Sets one number like {@link #setDouble}, without recording the change, because the calling
+     * aspect records it.
      */
     void write(int row, int component, double value) {
         guard.requireEditable();
@@ -86,7 +89,7 @@ public final class Column extends ColumnView {
     }
 
     /**
-     * Sets one number like {@link #write}, in the phase DERIVE; increments the version only if
+     * Sets one number like {@link #write}, in the phase DERIVE. Increments the version only if
      * {@code raiseVersion} is true.
      */
     void derive(int row, int component, double value, boolean raiseVersion) {
@@ -95,7 +98,7 @@ public final class Column extends ColumnView {
         version = raiseVersion ? version : before;
     }
 
-    /** Sets one I32 or U32. */
+    /** Sets one number of type I32 or U32. */
     public void setInt(int row, int component, int value) {
         if (type() != ScalarType.I32 && type() != ScalarType.U32) {
             throw wrongType("an integer");
@@ -105,8 +108,8 @@ public final class Column extends ColumnView {
     }
 
     /**
-     * Sets one integer like {@link #setInt}, without recording the change: the calling aspect
-     * records it.
+     * Sets one integer like {@link #setInt}, without recording the change, because the calling
+     * aspect records it.
      */
     void write(int row, int component, int value) {
         guard.requireEditable();
@@ -115,8 +118,9 @@ public final class Column extends ColumnView {
     }
 
     /**
-     * Returns a version that increases with every edit of the values. A caller compares it to
-     * decide whether to recompute data. Laws and the phase DERIVE do not increase it.
+     * Returns a version that increases with every edit of the values. A caller compares versions to
+     * decide whether to recompute data. Changes by laws and by the phase DERIVE do not increase the
+     * version.
      */
     public long version() {
         return version;
@@ -128,21 +132,21 @@ public final class Column extends ColumnView {
         noteEdit();
     }
 
-    /** Zeroes the memory behind the last row, in case a law wrote there. */
+    /** Zeroes the memory behind the last row, because a law may have written there. */
     public void clearUnused() {
         memory.asSlice(segment().byteSize()).fill((byte) 0);
     }
 
     /**
-     * Replaces all rows by those of a {@link WorldImage}. Not recorded as an edit: the world
-     * records the restoration.
+     * Replaces all rows by those of a {@link WorldImage}. This is not recorded as an edit, because
+     * the world records the restoration.
      */
     void restore(MemorySegment rows) {
         MemorySegment.copy(rows, 0, memory, 0, rows.byteSize());
         version++;
     }
 
-    /** Records that the column was edited directly, once per frame. */
+    /** Records that the column was edited directly, at most once per frame. */
     private void noteEdit() {
         if (editNotedIn != record.period()) {
             editNotedIn = record.period();
@@ -151,8 +155,8 @@ public final class Column extends ColumnView {
     }
 
     /**
-     * Sets one REF: a reference, or the id of a row's item. {@link References} sets and counts
-     * references.
+     * Sets one number of type REF: a reference, or the id of the item in this row. Only {@link
+     * References} sets references, because it also counts them.
      */
     void setReference(int row, int component, long value) {
         guard.requireEditable();

@@ -4,14 +4,14 @@ package reve.core.world;
 import java.lang.foreign.MemorySegment;
 
 /**
- * Allocator of the memory for a world's columns. The world allocates when rows are added. The arena
- * must outlive the world; only the world's thread uses both.
+ * Allocator of the memory for a world's columns. The world allocates memory when items are added.
+ * The arena must outlive the world. Only the world's thread uses either.
  */
 public interface ColumnArena extends AutoCloseable {
 
     /**
-     * Allocates zeroed memory that begins at a page (a multiple of 4096 bytes) and does not move
-     * until it is released.
+     * Allocates zeroed memory that begins at a page (a multiple of 4096 bytes). The memory does not
+     * move until it is released.
      *
      * @param name purpose of the memory, for example {@code body.mass}
      * @param bytes size, at least 1
@@ -21,12 +21,12 @@ public interface ColumnArena extends AutoCloseable {
 
     /**
      * Frees memory from {@link #reserve}. After a column has moved to larger memory, the world
-     * frees the old memory at the end of the next PHYSICS phase, when the engine has bound the new
-     * one.
+     * frees the old memory at the end of the next PHYSICS phase. By then the engine uses the new
+     * memory.
      */
     void release(MemorySegment memory);
 
-    /** Frees all memory; the columns of the world are invalid afterwards. */
+    /** Frees all memory. The columns of the world are invalid afterwards. */
     @Override
     void close();
 }

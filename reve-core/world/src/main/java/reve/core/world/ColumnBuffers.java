@@ -8,21 +8,21 @@ import java.util.List;
 
 /**
  * The memory for copies of one column in the slots of a {@link SnapshotRing}. Slots whose bytes are
- * equal share one buffer. World's thread only.
+ * equal share one buffer. For the world's thread only.
  */
 final class ColumnBuffers {
 
     private static final long ALIGNMENT_BYTES = 64;
 
     /**
-     * Divisor: a buffer for a column that has grown gets an eighth more bytes than needed, so that
-     * it need not grow in each frame.
+     * Divisor that determines the reserve of a new buffer. A buffer for a column that has grown
+     * gets an eighth more bytes than needed, so that not every frame allocates a new buffer.
      */
     private static final int SLACK = 8;
 
     /**
-     * A copy, and the number of slots that hold it; not counted if it is constant, because it is
-     * never reused.
+     * A copy of a column, and the number of slots that hold the copy. The number has no effect for
+     * a constant buffer, because such a buffer is never reused.
      */
     static final class Buffer {
         private final MemorySegment memory;
@@ -39,21 +39,21 @@ final class ColumnBuffers {
         }
     }
 
-    /** The buffer of a slot that was not written yet. */
+    /** The buffer of a slot to which nothing was written yet. */
     static final Buffer NONE = new Buffer(MemorySegment.NULL, true);
 
     private final List<Buffer> idle = new ArrayList<>();
     private long largest;
 
-    /** Adds a slot that holds the buffer. */
+    /** Counts one more slot that holds the buffer, and returns the buffer. */
     Buffer share(Buffer buffer) {
         buffer.slots++;
         return buffer;
     }
 
     /**
-     * Returns an unused buffer, held by one slot, or allocates one. Discards unused buffers that
-     * are too small.
+     * Returns an unused buffer or a new one, and counts one slot that holds it. Discards unused
+     * buffers that are too small.
      */
     Buffer take(long bytes) {
         while (!idle.isEmpty()) {
@@ -72,12 +72,15 @@ final class ColumnBuffers {
         return new Buffer(allocate(bytes), true);
     }
 
-    /** Allocates zeroed memory, which is garbage collected with the last snapshot that reads it. */
+    /**
+     * Allocates zeroed memory. The garbage collector frees it after the last snapshot that reads
+     * it.
+     */
     private static MemorySegment allocate(long bytes) {
         return Arena.ofAuto().allocate(bytes, ALIGNMENT_BYTES);
     }
 
-    /** Removes a slot that held the buffer; without slots, the buffer can be reused. */
+    /** Counts one slot less that holds the buffer. A buffer that no slot holds can be reused. */
     void release(Buffer buffer) {
         if (!buffer.constant && --buffer.slots == 0) {
             idle.add(buffer);

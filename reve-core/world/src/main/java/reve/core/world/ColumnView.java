@@ -11,8 +11,9 @@ import java.util.Objects;
 
 /**
  * One property of all items of a kind as a packed array of shape (rows x components), in native
- * byte order: live ({@link Column}) or of a snapshot ({@link ColumnSnapshot}). Row and component
- * are checked on every access; loops over many rows use {@link #segment()}.
+ * byte order. The array belongs to a live world ({@link Column}) or to a snapshot ({@link
+ * ColumnSnapshot}). Every access checks row and component. Loops over many rows use {@link
+ * #segment()}, which avoids these checks.
  */
 public abstract sealed class ColumnView permits Column, ColumnSnapshot {
 
@@ -66,7 +67,7 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
         return segment().asByteBuffer().order(ByteOrder.nativeOrder());
     }
 
-    /** Returns one number of any type except REF; U32 yields 0 to 2^32 - 1. */
+    /** Returns one number of any type except REF. The result for a U32 is 0 to 2^32 - 1. */
     public final double getDouble(int row, int component) {
         long offset = offset(row, component);
         return switch (type()) {
@@ -78,7 +79,7 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
         };
     }
 
-    /** Returns one I32, or one U32 as its 32 bits. */
+    /** Returns one number of type I32, or the 32 bits of a U32. */
     public final int getInt(int row, int component) {
         long offset = offset(row, component);
         return switch (type()) {
@@ -87,7 +88,7 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
         };
     }
 
-    /** Returns one REF: the value of an {@link ItemId}, 0 for none. */
+    /** Returns one number of type REF: the value of an {@link ItemId}, 0 for none. */
     public final long getReference(int row, int component) {
         if (type() != ScalarType.REF) {
             throw wrongType("a reference");
@@ -95,7 +96,7 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
         return memory().get(LONG, offset(row, component));
     }
 
-    /** Returns memory with at least {@link #rowCount()} rows. */
+    /** Returns the memory, which may contain more than {@link #rowCount()} rows. */
     abstract MemorySegment memory();
 
     final long offset(int row, int component) {

@@ -10,8 +10,8 @@ import java.util.Objects;
 import java.util.Set;
 
 /**
- * Check of item definitions against a world before any of the items is added, so that a refusal
- * changes nothing.
+ * Check of item definitions against a world. It runs before any of the items is added, so that a
+ * refusal changes nothing.
  */
 final class DefinitionCheck {
 
@@ -44,7 +44,7 @@ final class DefinitionCheck {
         definitions.forEach(this::checkParent);
     }
 
-    /** Checks symbols; symbols that items share are checked once. */
+    /** Checks the symbols of a definition. Symbols that several items share are checked once. */
     private void checkSymbols(ItemDefinition definition) {
         if (definition.symbols() != checkedSymbols) {
             definition
@@ -176,8 +176,8 @@ final class DefinitionCheck {
     }
 
     /**
-     * Refuses a cycle of parents. Items that are in the world already cannot be attached to new
-     * ones.
+     * Refuses a cycle of parents. Only new items can form a cycle, because items that are already
+     * in the world cannot be attached to new items.
      */
     private void checkNoCircle(ItemDefinition definition) {
         Set<String> path = new LinkedHashSet<>();

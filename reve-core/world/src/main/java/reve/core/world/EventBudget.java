@@ -8,8 +8,8 @@ import java.util.Map;
 
 /**
  * Limit on the size of events that actions of agents raise in one second of world time. A second
- * begins every {@code framesPerSecond} frames; unused bytes are not carried over. For the world's
- * thread only.
+ * begins every {@code framesPerSecond} frames. Unused bytes are not carried over to the next
+ * second. For the world's thread only.
  */
 public final class EventBudget {
     private final int agentBytes;
@@ -54,7 +54,10 @@ public final class EventBudget {
         require(bytes, spentByAll, worldBytes, "actions of all agents", frame);
     }
 
-    /** Subtracts events that {@link #require} has accepted. */
+    /**
+     * Subtracts the size of events from the budget. {@link #require} must have accepted these
+     * events before.
+     */
     public void take(@Nullable String agent, long frame, long bytes) {
         if (agent == null || bytes == 0) {
             return;

@@ -9,14 +9,14 @@ import java.util.Map;
 import java.util.PriorityQueue;
 
 /**
- * Limit on the number of forces of agents' actions that act at the same time, because each of them
- * costs time in each frame. For the world's thread only.
+ * Limit on the number of forces that act at the same time because of agents' actions. The limit
+ * exists because each force costs time in each frame. For the world's thread only.
  */
 public final class ForceBudget {
-    /** Maximum number of forces of one agent's actions at the same time. */
+    /** Maximum number of simultaneous forces of one agent's actions. */
     public static final int OF_AGENT = 1000;
 
-    /** Maximum number of forces of all agents' actions at the same time. */
+    /** Maximum number of simultaneous forces of all agents' actions. */
     public static final int OF_ALL = 10_000;
 
     private final int ofAgent;
@@ -59,7 +59,9 @@ public final class ForceBudget {
         require(count, acting.size(), ofAll, "actions of all agents");
     }
 
-    /** Counts a force that {@link #require} has accepted, until its frames are over. */
+    /**
+     * Counts a force that {@link #require} has accepted, until it ends after this number of frames.
+     */
     public void take(@Nullable String agent, long now, long frames) {
         if (agent == null) {
             return;

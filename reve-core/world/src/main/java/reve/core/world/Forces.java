@@ -6,8 +6,8 @@ import java.util.List;
 
 /**
  * Forces that actions exert on bodies for a number of frames. During the phase PHYSICS they are
- * added to the column {@code appliedForce}, in which laws read them; at other times it contains
- * only the world designer's values. For the world's thread only.
+ * added to the column {@code appliedForce}, from which laws read them. At other times this column
+ * contains only the values that the designer of the world set. For the world's thread only.
  */
 public final class Forces {
 
@@ -49,8 +49,7 @@ public final class Forces {
     }
 
     /**
-     * Adds a force, which acts from the next PHYSICS phase on. The force ends early if the item is
-     * removed.
+     * Adds a force. It acts from the next PHYSICS phase on, and ends early if the item is removed.
      */
     public void add(Force force) {
         guard.requireEditable();
@@ -91,8 +90,8 @@ public final class Forces {
     }
 
     /**
-     * Restores the column {@code appliedForce} to the bit, and removes forces whose frames are
-     * over. Called after the phase PHYSICS.
+     * Restores the column {@code appliedForce} to the bit, and removes forces that have ended.
+     * Called after the phase PHYSICS.
      */
     void withdraw() {
         if (active.isEmpty()) {
@@ -112,7 +111,10 @@ public final class Forces {
         restore(remaining.reversed());
     }
 
-    /** Returns the row of the item; -1 if it was removed or is scenery, which has no physics. */
+    /**
+     * Returns the row of the item. Returns -1 if the item was removed or is scenery, which has no
+     * physics.
+     */
     private int row(Force force) {
         return bodies.hasPhysics(force.item()) ? bodies.rowOf(force.item()) : -1;
     }

@@ -2,8 +2,8 @@
 package reve.core.world;
 
 /**
- * The operations on a world for the frame loop, the first listener of the phase DERIVE, and tests
- * that make frames themselves. World's thread only.
+ * The operations on a world that only few callers need. These callers are the frame loop, the first
+ * listener of the phase DERIVE, and tests that make frames themselves. For the world's thread only.
  */
 public final class FrameControl {
 
@@ -31,7 +31,9 @@ public final class FrameControl {
         data.age++;
     }
 
-    /** Refuses to add or remove items until {@link #unlock()}; messages name the phase. */
+    /**
+     * Refuses to add or remove items until {@link #unlock()}. Messages of refusals name the phase.
+     */
     public void lock(String phase) {
         data.guard.lockStructure(phase);
     }
@@ -47,8 +49,8 @@ public final class FrameControl {
     }
 
     /**
-     * Ends the phase PHYSICS: removes the forces of actions again, to the bit, and frees replaced
-     * column memory, because the engine has bound the new memory by then.
+     * Ends the phase PHYSICS. Removes the forces of actions from {@code appliedForce} again, to the
+     * bit. Frees replaced column memory, because the engine uses the new memory by then.
      */
     public void endPhysics() {
         data.guard.checkOwner();
@@ -57,8 +59,8 @@ public final class FrameControl {
     }
 
     /**
-     * Computes the places of attached items from those of their parents; called in the phase DERIVE
-     * before other listeners.
+     * Computes the places of attached items from those of their parents. Called in the phase
+     * DERIVE, before other listeners.
      */
     public void placeAttached() {
         data.guard.checkOwner();
@@ -74,7 +76,7 @@ public final class FrameControl {
         data.boundsChanged();
     }
 
-    /** Begins the phase PUBLISH: events and changes from now on belong to the next frame. */
+    /** Begins the phase PUBLISH. Events and changes from now on belong to the next frame. */
     public void publish() {
         data.guard.checkOwner();
         data.record.fix();

@@ -8,8 +8,8 @@ import java.util.Collections;
 import java.util.List;
 
 /**
- * A list of events or changes of one frame. The phase PUBLISH fixes it, so that all readers see the
- * same entries; the end of the frame clears it. World's thread only.
+ * A list of events or changes of one frame. The phase PUBLISH makes the list final, so that all
+ * readers see the same entries. The end of the frame clears the list. For the world's thread only.
  */
 final class FrameLog<T> {
 
@@ -20,7 +20,7 @@ final class FrameLog<T> {
     private long publishedLost;
 
     /**
-     * @param limit maximum number of entries per frame; further ones are only counted
+     * @param limit maximum number of entries per frame. Further entries are counted, but not stored
      */
     FrameLog(int limit) {
         this.limit = limit;
@@ -40,8 +40,8 @@ final class FrameLog<T> {
     }
 
     /**
-     * Returns the entries of this frame in the order of addition: the fixed list, or a copy before
-     * {@link #fix()}.
+     * Returns the entries of this frame in the order of addition. Before {@link #fix()} this is a
+     * copy, later it is the final list.
      */
     List<T> entries() {
         return published != null ? published : List.copyOf(noted);
@@ -53,8 +53,8 @@ final class FrameLog<T> {
     }
 
     /**
-     * Makes the entries of this frame final; further ones belong to the next frame. Allocates
-     * memory only if there are entries.
+     * Makes the entries of this frame final. Entries that are added later belong to the next frame.
+     * Allocates memory only if there are entries.
      */
     void fix() {
         publishedLost = lost;
@@ -67,7 +67,7 @@ final class FrameLog<T> {
         }
     }
 
-    /** Discards the entries of this frame, fixed or not. */
+    /** Discards the entries of this frame, whether {@link #fix()} was called or not. */
     void end() {
         if (published == null) {
             noted.clear();

@@ -6,7 +6,7 @@ import java.util.List;
 /** The events and changes of the frame that is being made. For the world's thread only. */
 final class FrameRecord {
 
-    /** Maximum number of stored changes per frame; further ones are only counted. */
+    /** Maximum number of stored changes per frame. Further changes are counted, but not stored. */
     private static final int MAX_CHANGES = 1 << 20;
 
     private final FrameLog<WorldEvent> events = new FrameLog<>(Integer.MAX_VALUE);
@@ -28,19 +28,19 @@ final class FrameRecord {
     }
 
     /**
-     * Returns a number, at least 1, that increases each time when further entries begin to belong
-     * to the next frame.
+     * Returns a number, at least 1, that identifies the frame to which new entries belong. It
+     * increases as soon as entries belong to the next frame.
      */
     long period() {
         return period;
     }
 
-    /** Returns the events in the order raised; a copy. */
+    /** Returns a copy of the events, in the order in which they were raised. */
     List<WorldEvent> events() {
         return events.entries();
     }
 
-    /** Returns the changes in the order made; a copy. */
+    /** Returns a copy of the changes, in the order in which they were made. */
     List<WorldChange> changes() {
         return changes.entries();
     }
@@ -50,14 +50,14 @@ final class FrameRecord {
         return changes.lost();
     }
 
-    /** Begins the phase PUBLISH: further events and changes belong to the next frame. */
+    /** Begins the phase PUBLISH. Events and changes from now on belong to the next frame. */
     void fix() {
         events.fix();
         changes.fix();
         period++;
     }
 
-    /** Discards the entries of this frame, fixed or not. */
+    /** Discards the entries of this frame, whether {@link #fix()} was called or not. */
     void end() {
         if (!changes.isFixed()) {
             period++;

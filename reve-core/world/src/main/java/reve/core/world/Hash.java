@@ -7,8 +7,8 @@ final class Hash {
     private Hash() {}
 
     /**
-     * Mixes the bits of a hash code, so that similar codes differ in their low bits: the last steps
-     * of MurmurHash3 (A. Appleby, 2011).
+     * Mixes the bits of a hash code, so that similar codes differ in their low bits. Uses the last
+     * steps of MurmurHash3 (A. Appleby, 2011).
      */
     static int spread(int code) {
         int hash = (code ^ code >>> 16) * 0x85EBCA6B;

@@ -15,9 +15,10 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 
 /**
- * Attachments of bodies to parents. The pose (location and orientation) of an attached item
- * relative to its parent is part of its symbolic data; its rows of {@code position} and {@code
- * orientation}, in the world's reference frame, are computed from this pose. World's thread only.
+ * Attachments of bodies to parents. The symbolic data of an attached item contain its pose
+ * (location and orientation) relative to the parent. Its rows of {@code position} and {@code
+ * orientation} are in the world's reference frame and are computed from this pose. For the world's
+ * thread only.
  */
 final class Hierarchy {
 
@@ -34,13 +35,19 @@ final class Hierarchy {
 
     private final double[] pose = new double[Pose.NUMBERS];
 
-    /** Attached items, parents before children; valid only while {@link #current} is true. */
+    /**
+     * Attached items, with parents before their children. The list is valid only while {@link
+     * #current} is true.
+     */
     private final List<ItemId> order = new ArrayList<>();
 
-    /** Poses of the attached items relative to their parents, in the same order. */
+    /** Poses of the attached items relative to their parents, in the order of {@link #order}. */
     private double[] relative = {};
 
-    /** (items x 2) the row of each attached item and of its parent, in the same order. */
+    /**
+     * (items x 2) the row of each attached item and the row of its parent, in the order of {@link
+     * #order}.
+     */
     private int[] rows = {};
 
     private boolean current = true;
@@ -59,7 +66,7 @@ final class Hierarchy {
         single = positions.type() == ScalarType.F32;
     }
 
-    /** Returns the items that are attached to an item, in the order of their ids; a copy. */
+    /** Returns a copy of the ids of the items that are attached to an item, in ascending order. */
     List<ItemId> children(ItemId item) {
         TreeSet<ItemId> attached = children.get(item);
         return attached == null ? List.of() : List.copyOf(attached);
@@ -175,7 +182,10 @@ final class Hierarchy {
         write(bodies.rowOf(item), worldPose(item));
     }
 
-    /** Computes the rows of new attached items from their parents; the list may have any order. */
+    /**
+     * Computes the rows of new attached items from the rows of their parents. The list may have any
+     * order.
+     */
     void placeNew(List<ItemId> items) {
         Set<ItemId> waiting = new HashSet<>();
         for (ItemId item : items) {
@@ -204,8 +214,8 @@ final class Hierarchy {
     }
 
     /**
-     * Computes the rows of all attached items from their parents; allocates memory only after
-     * attachments have changed.
+     * Computes the rows of all attached items from the rows of their parents. Allocates memory only
+     * after attachments have changed.
      */
     void place() {
         if (!current) {

@@ -4,8 +4,8 @@ package reve.core.world;
 import java.util.Arrays;
 
 /**
- * A hash table from item ids to numbers, with linear probing and without an object per entry.
- * World's thread only.
+ * A hash table from item ids to numbers, with linear probing and without an object per entry. For
+ * the world's thread only.
  */
 final class IdMap {
 
@@ -43,7 +43,8 @@ final class IdMap {
         }
         keys[gap] = 0;
         size--;
-        // Later entries may be there only because the gap was occupied: they move up.
+        // A later entry may be in its slot only because the gap was occupied. Such an entry moves
+        // up.
         for (int i = after(gap); keys[i] != 0; i = after(i)) {
             long moved = keys[i];
             keys[i] = 0;

@@ -5,8 +5,9 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * An item of a world, such as a body or a spring. The object stores no numbers: its aspects read
- * and write its row in the columns. World's thread only; a removed item refuses every use.
+ * An item of a world, such as a body or a spring. This object stores no numbers, because its
+ * aspects read and write the item's row in the columns. For the world's thread only. A removed item
+ * refuses every use.
  */
 public final class Item {
 
@@ -14,7 +15,7 @@ public final class Item {
     private final Table table;
     private ItemSymbols symbols;
 
-    /** Cached row of the item; valid for one layout version, which the next field stores. */
+    /** Cached row of the item. It is valid for one layout version, which the next field stores. */
     private int row;
 
     private long layoutVersion = -1;
@@ -25,7 +26,7 @@ public final class Item {
         this.symbols = symbols;
     }
 
-    /** Returns the id, which never changes and which saved images of the world contain. */
+    /** Returns the id. It never changes, and saved images of the world contain it. */
     public ItemId id() {
         return symbols.id();
     }
@@ -36,7 +37,7 @@ public final class Item {
     }
 
     /**
-     * Returns the kind, for example {@code body}; the table of this kind contains the item's row.
+     * Returns the kind, for example {@code body}. The table of this kind contains the item's row.
      */
     public String kind() {
         return symbols.kind();
@@ -63,21 +64,25 @@ public final class Item {
     }
 
     /**
-     * Returns the sensors for an agent with this item as its body; if empty, the agent perceives
-     * everything.
+     * Returns the sensors for an agent with this item as its body. If there are none, the agent
+     * perceives everything.
      */
     public List<Sensor> sensors() {
         return symbols.sensors();
     }
 
-    /** Returns the physics aspect, which laws use; empty for scenery, which laws do not move. */
+    /**
+     * Returns the physics aspect, which contains the numbers that laws use. It is empty for
+     * scenery, which laws do not move.
+     */
     public PhysicsAspect physics() {
         return new PhysicsAspect(this);
     }
 
     /**
-     * Returns a definition of the item in its current state, for a file. An item created from it in
-     * another world of the same prototype is equal to the bit. Omits physics properties that are 0.
+     * Returns a definition of the item in its current state, for a file. If another world of the
+     * same prototype creates an item from it, this item is equal to the bit. The definition omits
+     * physics properties that are 0.
      */
     public ItemDefinition definition() {
         checkedRow();
@@ -123,7 +128,7 @@ public final class Item {
         return Optional.ofNullable(symbols.attachment()).map(Attachment::parent);
     }
 
-    /** Returns the attached items, in the order of their ids; a copy. */
+    /** Returns a copy of the ids of the attached items, in ascending order. */
     public List<ItemId> children() {
         checkedRow();
         return world.hierarchy.children(id());
@@ -154,7 +159,7 @@ public final class Item {
         symbols = restored;
     }
 
-    /** Returns the current row, after checking thread and existence. */
+    /** Returns the current row, after a check of the thread and of the item's existence. */
     int checkedRow() {
         world.guard.checkOwner();
         if (layoutVersion != world.layout.version()) {

@@ -11,8 +11,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The initial state of an item. This class makes the checks that need no world; {@link World#add}
- * makes the others. Immutable; worlds may share it.
+ * The initial state of an item. This class makes the checks that need no world, and {@link
+ * World#add} makes the others. Immutable. Worlds may share a definition.
  */
 public final class ItemDefinition {
 
@@ -64,7 +64,10 @@ public final class ItemDefinition {
         return new Builder(Names.requireItemName("item name", name));
     }
 
-    /** Begins a definition of an item from a store file; its name is not checked again. */
+    /**
+     * Begins a definition without the check by {@link reve.core.text.VisibleName}, for names that
+     * were checked before, such as those in a store file.
+     */
     public static Builder kept(String name) {
         return new Builder(name);
     }
@@ -75,8 +78,8 @@ public final class ItemDefinition {
     }
 
     /**
-     * Returns a copy with these symbols instead; their values are text, truth, finite numbers or
-     * lists.
+     * Returns a copy with these symbols instead. Their values are texts, truth values, finite
+     * numbers or lists.
      */
     public ItemDefinition withSymbols(Map<String, Object> otherSymbols) {
         Builder copy = copy(name);
@@ -126,7 +129,8 @@ public final class ItemDefinition {
     }
 
     /**
-     * Returns the material of the whole shape; if empty, a mesh keeps the materials of its file.
+     * Returns the material of the whole shape. If it is empty, a mesh keeps the materials of its
+     * file.
      */
     public Optional<Material> material() {
         return material;
@@ -173,7 +177,7 @@ public final class ItemDefinition {
         return sensors;
     }
 
-    /** Returns whether laws act on the item; otherwise it is scenery. */
+    /** Returns whether laws act on the item. An item on which they do not act is scenery. */
     public boolean hasPhysics() {
         return !numbers.isEmpty() || !references.isEmpty();
     }
@@ -197,18 +201,19 @@ public final class ItemDefinition {
     }
 
     /**
-     * Returns the values of the {@link #physicsProperties()}, in their order; must not be changed.
+     * Returns the values of the {@link #physicsProperties()}, in their order. The caller must not
+     * change them.
      */
     List<double[]> physicsValues() {
         return numbers.values();
     }
 
-    /** Returns the array of {@link #location()}, which must not be changed. */
+    /** Returns the array of {@link #location()}. The caller must not change it. */
     double[] sharedLocation() {
         return location;
     }
 
-    /** Returns the array of {@link #orientation()}, which must not be changed. */
+    /** Returns the array of {@link #orientation()}. The caller must not change it. */
     double[] sharedOrientation() {
         return orientation;
     }
@@ -223,7 +228,7 @@ public final class ItemDefinition {
     }
 
     /**
-     * Builder of a definition; each method refuses invalid values with a message that names the
+     * Builder of a definition. Each method refuses invalid values with a message that names the
      * item.
      */
     public static final class Builder {
@@ -240,7 +245,10 @@ public final class ItemDefinition {
         PMap<String, Object> symbols = TreePMap.empty();
         List<Action> actions = List.of();
 
-        /** Replaces the list of actions when another action is added. */
+        /**
+         * The actions by name. This map replaces {@link #actions} as soon as {@link #action} is
+         * called; null before.
+         */
         private @Nullable Map<String, Action> actionsByName;
 
         List<String> capabilities = List.of();
@@ -257,7 +265,7 @@ public final class ItemDefinition {
             return name;
         }
 
-        /** Sets the kind; the default is {@code body}. */
+        /** Sets the kind. The default is {@code body}. */
         public Builder kind(String newKind) {
             kind = newKind;
             return this;
@@ -277,7 +285,7 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Sets the colour; accepts the forms of {@link Colour#parse}. */
+        /** Sets the colour. The text has one of the forms of {@link Colour#parse}. */
         public Builder colour(String text) {
             placed = true;
             colour = Colour.parse(text);
@@ -303,8 +311,8 @@ public final class ItemDefinition {
         }
 
         /**
-         * Attaches the item to another item, given by name: location and orientation are then
-         * relative to it. See {@link World#attach}.
+         * Attaches the item to another item, given by name. Location and orientation are then
+         * relative to that item. See {@link World#attach}.
          */
         public Builder parent(String itemName) {
             parent = itemName;
@@ -373,8 +381,8 @@ public final class ItemDefinition {
         }
 
         /**
-         * Adds a sensor for an agent with the item as its body; without sensors it perceives
-         * everything.
+         * Adds a sensor for an agent with the item as its body. If a body has no sensors, its agent
+         * perceives everything.
          */
         public Builder sensor(Sensor sensor) {
             if (sensors.stream().anyMatch(other -> other.name().equals(sensor.name()))) {
@@ -393,8 +401,8 @@ public final class ItemDefinition {
         }
 
         /**
-         * Sets several numeric physics properties by name, in their order; faster than single
-         * calls.
+         * Sets several numeric physics properties by name, in the order of the map. This is faster
+         * than single calls.
          */
         public Builder physics(Map<String, double[]> properties) {
             properties.forEach((property, values) -> Values.requireFinite(name, property, values));
@@ -403,7 +411,8 @@ public final class ItemDefinition {
         }
 
         /**
-         * Sets a physics property that refers to items by name: {@code end1}, {@code vertices}, ...
+         * Sets a physics property that refers to items by name, such as {@code end1} or {@code
+         * vertices}.
          */
         public Builder reference(String property, String... itemNames) {
             references = references.with(property, List.of(itemNames));

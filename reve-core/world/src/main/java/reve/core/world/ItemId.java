@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/** Identity of an item during the life of its world: positive, ascending, never reused. */
+/**
+ * Identity of an item during the life of its world: a positive number that is never reused. Later
+ * items have higher numbers.
+ */
 public record ItemId(long value) implements Comparable<ItemId> {
 
     /** Checks that the number is positive. */

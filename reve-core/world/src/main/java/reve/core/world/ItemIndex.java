@@ -7,8 +7,8 @@ import java.util.Arrays;
 import java.util.function.Function;
 
 /**
- * A hash table from unique keys to items, with linear probing. Its memory is one or two references
- * per item, because each item contains its key. World's thread only.
+ * A hash table from unique keys to items, with linear probing. It needs the memory of one or two
+ * references per item, because each item contains its key. For the world's thread only.
  */
 final class ItemIndex<K> {
 
@@ -36,7 +36,7 @@ final class ItemIndex<K> {
         size++;
     }
 
-    /** Allocates space for that number of further items. */
+    /** Allocates space for {@code more} further items. */
     void makeRoom(int more) {
         int wanted = slots.length;
         while (5L * (size + more) > 4L * wanted) {
@@ -58,7 +58,8 @@ final class ItemIndex<K> {
         int gap = slotOf(keyOf.apply(item));
         slots[gap] = null;
         size--;
-        // Later entries that are there only because the gap was occupied move up.
+        // A later entry may be in its slot only because the gap was occupied. Such an entry moves
+        // up.
         Item next;
         for (int i = after(gap); (next = slots[i]) != null; i = after(i)) {
             slots[i] = null;

@@ -4,7 +4,7 @@ package reve.core.world;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Limit on the number of items created by actions that exist at the same time.
+ * Limit on the number of existing items that actions have created.
  *
  * @param agent name of the agent whose action creates items; null if no agent acts
  * @param items maximum number of existing items that this agent created
@@ -12,7 +12,7 @@ import org.jspecify.annotations.Nullable;
  */
 public record ItemQuota(@Nullable String agent, int items, int worldItems) {
 
-    /** No limit. */
+    /** A quota without limits. */
     public static final ItemQuota NONE = new ItemQuota(null, Integer.MAX_VALUE, Integer.MAX_VALUE);
 
     /**

@@ -11,7 +11,7 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The symbolic data of an item. Immutable, so that snapshots share it; a change creates a new
+ * The symbolic data of an item. Immutable, so snapshots can share an object. A change creates a new
  * object.
  *
  * @param given the designer's symbols by name, in alphabetical order: String, Double, Boolean or a
@@ -59,7 +59,7 @@ public record ItemSymbols(
         return likeness.shape();
     }
 
-    /** Returns the material of the whole shape; if empty, a mesh has its own materials. */
+    /** Returns the material of the whole shape. If it is empty, a mesh has its own materials. */
     public Optional<Material> material() {
         return likeness.material();
     }
@@ -75,14 +75,14 @@ public record ItemSymbols(
     }
 
     /**
-     * Returns the sensors for an agent with this item as its body; if empty, the agent perceives
-     * everything.
+     * Returns the sensors for an agent with this item as its body. If there are none, the agent
+     * perceives everything.
      */
     public List<Sensor> sensors() {
         return likeness.sensors();
     }
 
-    /** Returns a designer's symbol, or a standard one: see {@link #symbols()}. */
+    /** Returns a symbol of the designer, or a standard symbol, see {@link #symbols()}. */
     public Optional<Object> get(String symbol) {
         return switch (symbol) {
             case StandardSymbols.NAME -> Optional.of(name);
@@ -95,10 +95,14 @@ public record ItemSymbols(
     }
 
     /**
-     * Returns all symbols as a new map: first the standard ones {@code name}, {@code class} (by
-     * default the kind) and, if the item has a shape, {@code dimensions} (a list of three extents
-     * [m] along its own axes), then the designer's and then those of rules, both in alphabetical
-     * order.
+     * Returns all symbols as a new map, in this order:
+     *
+     * <ul>
+     *   <li>the standard symbols {@code name}, {@code class} (by default the kind) and, if the item
+     *       has a shape, {@code dimensions} (a list of three extents [m] along its own axes)
+     *   <li>the designer's symbols, in alphabetical order
+     *   <li>the symbols of rules, in alphabetical order
+     * </ul>
      */
     public Map<String, Object> symbols() {
         var all = new LinkedHashMap<String, Object>();
@@ -120,7 +124,7 @@ public record ItemSymbols(
         return with(given.minus(symbol));
     }
 
-    /** Returns a copy with these symbols instead of those set by rules; does not check them. */
+    /** Returns a copy with these symbols instead of those that rules set; does not check them. */
     public ItemSymbols withDerived(Map<String, Object> symbols) {
         return withDerived(given(symbols));
     }

@@ -10,7 +10,7 @@ import java.util.List;
 import java.util.Objects;
 import java.util.function.Function;
 
-/** The items of a world by id and by name. World's thread only. */
+/** The items of a world by id and by name. For the world's thread only. */
 final class Items {
 
     private final ItemIndex<ItemId> byId = new ItemIndex<>(Item::id);
@@ -24,7 +24,7 @@ final class Items {
         return byName.find(name);
     }
 
-    /** Returns the items with these ids, in the same order; all must be in the world. */
+    /** Returns the items with these ids, in the same order. All of them must be in the world. */
     List<Item> of(Collection<ItemId> ids) {
         List<Item> items = new ArrayList<>(ids.size());
         for (ItemId id : ids) {
@@ -47,7 +47,7 @@ final class Items {
         byName.remove(item);
     }
 
-    /** Replaces the symbolic data of an item, which contains a new name. */
+    /** Replaces the symbolic data of an item by data with another name. */
     void rename(Item item, ItemSymbols changed) {
         byName.remove(item);
         item.change(changed);
@@ -55,8 +55,8 @@ final class Items {
     }
 
     /**
-     * Replaces all items by those of an image. Objects of items with the same id and kind stay
-     * valid; the others become removed items.
+     * Replaces all items by those of an image. An {@link Item} object stays valid if the image
+     * contains an item of its id and kind. Other objects count as removed items.
      *
      * @param create creates an item of the image that is not in the world
      */

@@ -6,8 +6,8 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The layout of all tables: a version that increases when rows or the memory of columns have moved,
- * and the former memory, which is freed later. For the world's thread only.
+ * The layout of all tables: a version, and the former memory of columns. The version increases when
+ * rows or column memory have moved. The former memory is freed later. For the world's thread only.
  */
 final class Layout {
 
@@ -42,7 +42,7 @@ final class Layout {
         return version;
     }
 
-    /** Frees the former memory of columns, which no user may access any more. */
+    /** Frees the former memory of columns. No code may access this memory any more. */
     void releaseReplaced() {
         for (int i = 0; i < replaced.size(); i++) {
             arena.release(replaced.get(i));

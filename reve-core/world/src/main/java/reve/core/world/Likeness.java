@@ -9,7 +9,7 @@ import java.util.Optional;
  * data and share one object. Immutable.
  *
  * @param material material of the whole shape; if empty, a mesh keeps the materials of its file
- * @param actions actions that can be performed on the item
+ * @param actions actions that agents can perform on the item
  * @param capabilities capabilities of the item as the body of an agent
  * @param sensors sensors for an agent with this item as its body; if empty, the agent perceives
  *     everything

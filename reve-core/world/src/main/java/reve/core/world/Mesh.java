@@ -13,8 +13,8 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * Triangles in metres around a body's origin, counter-clockwise as seen from outside. Immutable;
- * items with equal shapes share one.
+ * Triangles in metres around a body's origin, counter-clockwise as seen from outside. Immutable.
+ * Items with equal shapes share one mesh.
  */
 public final class Mesh implements Shape {
 
@@ -31,7 +31,7 @@ public final class Mesh implements Shape {
     private final float[] low = filled(Float.POSITIVE_INFINITY);
     private final float[] high = filled(Float.NEGATIVE_INFINITY);
 
-    /** Null until it is first needed. */
+    /** Convex hull of the vertices; null until it is first needed. */
     private volatile @Nullable Optional<ConvexHull> hull;
 
     /**
@@ -93,7 +93,7 @@ public final class Mesh implements Shape {
     }
 
     /**
-     * Begins a mesh with further attributes; the arrays have the form of {@link #Mesh(float[],
+     * Begins a mesh with further attributes. The arrays have the form of {@link #Mesh(float[],
      * int[])}.
      */
     public static Builder builder(float[] vertices, int[] triangles) {
@@ -112,15 +112,15 @@ public final class Mesh implements Shape {
 
     /**
      * Returns (count x 3) normals of the vertices, read only. A triangle whose corners have the
-     * normal 0 0 0 is drawn flat; without normals, all are.
+     * normal 0 0 0 is drawn flat. All triangles are drawn flat if the mesh has no normals.
      */
     public Optional<FloatBuffer> normals() {
         return readOnly(normals);
     }
 
     /**
-     * Returns (count x 2) texture coordinates of the vertices; 0 0 is the upper left corner of the
-     * image, 1 1 the lower right.
+     * Returns (count x 2) texture coordinates of the vertices. The upper left corner of the image
+     * has the coordinates 0 0, and the lower right corner has 1 1.
      */
     public Optional<FloatBuffer> textureCoordinates() {
         return readOnly(textureCoordinates);
@@ -135,8 +135,8 @@ public final class Mesh implements Shape {
     }
 
     /**
-     * Returns the ranges of triangles by material, in order and without gaps; if empty, all
-     * triangles have the item's material.
+     * Returns the ranges of triangles by material, in order and without gaps. If there are none,
+     * all triangles have the item's material.
      */
     public List<Part> parts() {
         return parts;
@@ -160,8 +160,8 @@ public final class Mesh implements Shape {
     }
 
     /**
-     * Returns the convex hull of the vertices, computed once; empty if {@link ConvexHull#of}
-     * refuses them.
+     * Returns the convex hull of the vertices, which is computed once. Returns empty if {@link
+     * ConvexHull#of} refuses the vertices.
      */
     public Optional<ConvexHull> hull() {
         Optional<ConvexHull> known = hull;
@@ -179,7 +179,8 @@ public final class Mesh implements Shape {
     /**
      * Returns the convex hull of the vertices.
      *
-     * @throws IllegalArgumentException naming the reason why {@link ConvexHull#of} refuses them
+     * @throws IllegalArgumentException naming the reason why {@link ConvexHull#of} refuses the
+     *     vertices
      */
     public ConvexHull requireHull() {
         double[] points = new double[vertices.length];
@@ -272,7 +273,9 @@ public final class Mesh implements Shape {
         return Optional.ofNullable(values).map(all -> FloatBuffer.wrap(all).asReadOnlyBuffer());
     }
 
-    /** Builder of further attributes of a mesh; {@link #build} checks and copies. */
+    /**
+     * Builder of further attributes of a mesh. The method {@link #build} checks and copies them.
+     */
     public static final class Builder {
         private final float[] vertices;
         private final int[] triangles;

@@ -6,7 +6,7 @@ import java.lang.foreign.MemorySegment;
 import java.util.HashMap;
 import java.util.Map;
 
-/** Allocator of column memory outside the Java heap that no other process can map. */
+/** Allocator of column memory outside the Java heap. No other process can map this memory. */
 public final class OffHeapArena implements ColumnArena {
 
     private static final long PAGE_BYTES = 4096;

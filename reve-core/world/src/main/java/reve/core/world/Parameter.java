@@ -53,7 +53,7 @@ public record Parameter(
     }
 
     /**
-     * Returns a copy that accepts only numbers in a range [unit]; each component must be in the
+     * Returns a copy that accepts only numbers in a range [unit]. Each component must be in the
      * range.
      */
     public Parameter within(double newMinimum, double newMaximum) {

@@ -9,8 +9,8 @@ import java.util.Optional;
 
 /**
  * The physical aspect of a body: its place, shape and appearance, as a view of its row. Items of
- * other kinds have an empty aspect, in which every method but {@link #isEmpty} throws. World's
- * thread only.
+ * other kinds have an empty aspect, in which every method except {@link #isEmpty} throws an
+ * exception. For the world's thread only.
  */
 public final class PhysicalAspect {
 
@@ -60,8 +60,8 @@ public final class PhysicalAspect {
     }
 
     /**
-     * Sets the rotation; the quaternion must not be 0 and is normalised. For an attached item, this
-     * changes its pose relative to the parent.
+     * Sets the rotation. The quaternion must not be 0, and is normalised. For an attached item,
+     * this changes its pose relative to the parent.
      */
     public void setOrientation(double x, double y, double z, double w) {
         double[] from = orientation();
@@ -90,7 +90,7 @@ public final class PhysicalAspect {
         note("shape", from, shape);
     }
 
-    /** Returns the material of the whole shape; if empty, a mesh has its own materials. */
+    /** Returns the material of the whole shape. If it is empty, a mesh has its own materials. */
     public Optional<Material> material() {
         requirePlace();
         return item.symbols().material();
@@ -119,24 +119,24 @@ public final class PhysicalAspect {
     }
 
     /**
-     * Returns the lower corner (3) [m] of the box around the item as computed in the last DERIVE
-     * phase; NaN before the first one.
+     * Returns the lower corner (3) [m] of the item's bounding box, which the last DERIVE phase
+     * computed; NaN before the first one.
      */
     public double[] boundsMin() {
         return read("boundsMin");
     }
 
     /**
-     * Returns the upper corner (3) [m] of the box around the item as computed in the last DERIVE
-     * phase; NaN before the first one.
+     * Returns the upper corner (3) [m] of the item's bounding box, which the last DERIVE phase
+     * computed; NaN before the first one.
      */
     public double[] boundsMax() {
         return read("boundsMax");
     }
 
     /**
-     * Writes the values of a definition, which was checked before; the box is computed in the phase
-     * DERIVE.
+     * Writes the values of a definition that was checked before. The phase DERIVE computes the
+     * bounding box.
      */
     void place(ItemDefinition definition) {
         Table table = item.table();

@@ -11,8 +11,8 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * The physics properties of an item, which laws use: a view of its row. An item whose physics
- * aspect is empty is scenery, which laws cannot move. World's thread only.
+ * The physics properties of an item, as a view of its row. Laws use these properties. An item with
+ * an empty physics aspect is scenery, which laws cannot move. For the world's thread only.
  */
 public final class PhysicsAspect {
 
@@ -28,8 +28,8 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Returns the names of all physics properties of the item's kind in a fixed order; none if the
-     * aspect is empty.
+     * Returns the names of all physics properties of the item's kind in a fixed order. Returns none
+     * if the aspect is empty.
      */
     public Set<String> properties() {
         var names = new LinkedHashSet<String>();
@@ -64,7 +64,10 @@ public final class PhysicsAspect {
         return column.getDouble(item.checkedRow(), 0);
     }
 
-    /** Returns all components of a numeric property, in its unit; throws like {@link #scalar}. */
+    /**
+     * Returns all components of a numeric property, in its unit. Throws the same exceptions as
+     * {@link #scalar}.
+     */
     public double[] vector(String property) {
         Column column = existing(property);
         int row = item.checkedRow();
@@ -76,9 +79,9 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Sets a numeric property. If the aspect was empty, this turns scenery into an item with
-     * physics and moves its row, which is refused in the phases PHYSICS, DERIVE and PUBLISH of a
-     * frame.
+     * Sets a numeric property. If the aspect was empty, the item changes from scenery into an item
+     * with a physics aspect, and its row moves. The phases PHYSICS, DERIVE and PUBLISH of a frame
+     * refuse such a move.
      *
      * @throws IllegalArgumentException naming item, property and value if the property is unknown,
      *     components are missing, or a number is not finite or does not fit its type
@@ -101,8 +104,8 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Clears the aspect: the item becomes scenery, which laws do not move. This moves the item's
-     * row, which is refused in the phases PHYSICS, DERIVE and PUBLISH of a frame.
+     * Clears the aspect. The item becomes scenery, which laws do not move, and its row moves. The
+     * phases PHYSICS, DERIVE and PUBLISH of a frame refuse such a move.
      *
      * @throws IllegalArgumentException naming the items that refer to this item, or if this is the
      *     item {@code world}
@@ -123,7 +126,8 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Sets a numeric property of a physical item, without checks and without recording the change.
+     * Sets a numeric property of an item with a physics aspect, without checks and without
+     * recording the change.
      */
     void write(String property, double... values) {
         Column column = column(property);
@@ -134,7 +138,8 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Returns the item to which a property with one reference refers; throws like {@link #scalar}.
+     * Returns the item to which a property with one reference refers. Throws the same exceptions as
+     * {@link #scalar}.
      */
     public ItemId reference(String property) {
         List<ItemId> all = references(property);
@@ -151,8 +156,8 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Returns the items to which a reference property refers, in order; throws like {@link
-     * #scalar}.
+     * Returns the items to which a reference property refers, in order. Throws the same exceptions
+     * as {@link #scalar}.
      */
     public List<ItemId> references(String property) {
         Column column = existing(property);
@@ -165,8 +170,8 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Sets the targets of a reference property; refused in the phases PHYSICS, DERIVE and PUBLISH
-     * of a frame.
+     * Sets the items to which a reference property refers. The phases PHYSICS, DERIVE and PUBLISH
+     * of a frame refuse this change.
      *
      * @throws IllegalArgumentException naming item and property if a target does not exist, is of
      *     the wrong kind or has no physics aspect

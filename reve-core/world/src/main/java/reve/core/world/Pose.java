@@ -13,8 +13,8 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     public static final Pose ORIGIN = new Pose(0, 0, 0, 0, 0, 0, 1);
 
     /**
-     * @throws IllegalArgumentException if a number is not finite or the quaternion is not of length
-     *     1 (to 1e-6)
+     * @throws IllegalArgumentException if a number is not finite, or the length of the quaternion
+     *     differs from 1 by more than 1e-6
      */
     public Pose {
         double length = Math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw);
@@ -52,7 +52,7 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     }
 
     /**
-     * Returns a pose like {@link #of}, but from a quaternion of length 1, which it stores
+     * Returns a pose like {@link #of}. The quaternion must have the length 1 and is stored
      * unchanged.
      */
     static Pose exactly(double[] location, double[] orientation) {
@@ -86,7 +86,7 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
         return of(out);
     }
 
-    /** Returns this pose relative to {@code outer}; the inverse of {@link #within}. */
+    /** Returns this pose relative to {@code outer}. This is the inverse of {@link #within}. */
     public Pose relativeTo(Pose outer) {
         double[] inverse = {0, 0, 0, -outer.qx, -outer.qy, -outer.qz, outer.qw};
         double[] moved = {x - outer.x, y - outer.y, z - outer.z, qx, qy, qz, qw};
@@ -105,9 +105,9 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     }
 
     /**
-     * Converts a pose relative to {@code outer} into the reference frame of {@code outer}; {@code
-     * out} may be either array. The inner location v rotated by q = (u, w) is v + 2w(u x v) + 2u x
-     * (u x v).
+     * Converts a pose relative to {@code outer} into the reference frame of {@code outer}. The
+     * array {@code out} may be one of the other two arrays. A vector v rotated by a quaternion with
+     * the vector part u and the real part w is v + 2w(u x v) + 2u x (u x v).
      */
     static void compose(
             double[] outer, int at, double[] inner, int innerAt, double[] out, int outAt) {
@@ -136,8 +136,8 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     }
 
     /**
-     * Normalises a quaternion, because rounding errors of many multiplications change its length; 0
-     * stays 0.
+     * Normalises a quaternion, because the rounding errors of many multiplications change its
+     * length. A quaternion 0 stays 0.
      */
     private static void normalise(double[] values, int at) {
         double length =

@@ -5,7 +5,7 @@ import java.util.Optional;
 
 /**
  * Limits on the numbers of properties. World files, actions and edits must not set values that no
- * body can have; actions and edits also must not set magnitudes with which laws cannot compute.
+ * body can have. Actions and edits also must not set magnitudes with which laws cannot compute.
  */
 public final class Possible {
     /** Relative tolerance for rounding errors in moments of inertia. */
@@ -14,8 +14,8 @@ public final class Possible {
     private Possible() {}
 
     /**
-     * Returns why an action or an edit must not set these numbers, for a message; empty if they are
-     * allowed.
+     * Returns the reason why an action or an edit must not set these numbers, for a message; empty
+     * if they are allowed.
      */
     public static Optional<String> refusal(PropertyDescriptor property, double... values) {
         for (double value : values) {
@@ -31,9 +31,9 @@ public final class Possible {
     }
 
     /**
-     * Returns why a body cannot have these principal moments of inertia [kg*m^2]; empty if it can.
-     * No moment of a solid exceeds the sum of the two others. A moment of 0 locks the rotation
-     * about its axis.
+     * Returns the reason why a body cannot have these principal moments of inertia [kg*m^2]; empty
+     * if it can. No moment of a solid exceeds the sum of the two others. A moment of 0 means that
+     * the body does not rotate about this axis, so the check ignores it.
      */
     public static Optional<String> impossibleInertia(double... moments) {
         for (int axis = 0; axis < 3; axis++) {

@@ -7,10 +7,10 @@ import java.util.Objects;
 import java.util.Optional;
 
 /**
- * The declaration of a property: one typed column for all items of a kind.
+ * The declaration of a property, that is, of one typed column for all items of a kind.
  *
  * @param name unique within a {@link WorldPrototype}
- * @param kind the kind of the items that have the property: {@code body}, {@code spring}, ...
+ * @param kind the kind of the items that have the property, for example {@code body}
  * @param components numbers per item, 1 to 16
  * @param refersTo the kind of items to which a {@link ScalarType#REF} property refers; empty for
  *     numbers
@@ -26,7 +26,7 @@ public record PropertyDescriptor(
         double minimum,
         String doc) {
 
-    /** Maximum number of components: a 4 by 4 matrix. */
+    /** Maximum number of components, which is the size of a 4 by 4 matrix. */
     public static final int MAX_COMPONENTS = 16;
 
     /** Checks names, components and bounds. */

@@ -9,7 +9,7 @@ import java.util.Set;
 import java.util.function.BiConsumer;
 
 /**
- * Setter of the reference columns (such as {@code end1} of a spring), and counter of the references
+ * Setter of the reference columns, such as {@code end1} of a spring. It also counts the references
  * to each item.
  */
 final class References {
@@ -17,7 +17,7 @@ final class References {
     private final List<Table> tables;
     private final Hierarchy hierarchy;
 
-    /** Number of references to each item; contains no 0. */
+    /** Number of references to each item; contains no entry for 0 references. */
     private final IdMap referrers = new IdMap();
 
     References(List<Table> tables, Hierarchy hierarchy) {
@@ -97,8 +97,8 @@ final class References {
     }
 
     /**
-     * Returns the items that refer to an item or are attached to it, in an order that is the same
-     * in equal worlds.
+     * Returns the items that refer to an item or are attached to it. Equal worlds give the same
+     * order.
      */
     Set<ItemId> referrers(ItemId item) {
         Set<ItemId> referring = new LinkedHashSet<>();
@@ -107,23 +107,23 @@ final class References {
     }
 
     /**
-     * Returns an item, then all items that refer to it or are attached to it, directly or not; in
-     * an order that is the same in equal worlds.
+     * Returns an item, followed by all items that refer to it or are attached to it, directly or
+     * through other items. Equal worlds give the same order.
      */
     List<ItemId> withReferrers(ItemId item) {
         return closure(item, this::addReferrers);
     }
 
     /**
-     * Returns the items that refer to an item, directly or not, in an order that is the same in
-     * equal worlds.
+     * Returns the items that refer to an item, directly or through other items. Equal worlds give
+     * the same order.
      */
     List<ItemId> referring(ItemId item) {
         List<ItemId> all = closure(item, this::addReferring);
         return all.subList(1, all.size());
     }
 
-    /** Adds the items that refer to any of the targets, or are attached to one. */
+    /** Adds the items that refer to one of the targets or are attached to one. */
     private void addReferrers(Collection<ItemId> targets, Set<ItemId> into) {
         for (ItemId target : targets) {
             into.addAll(hierarchy.children(target));
@@ -165,7 +165,7 @@ final class References {
 
     private void count(long target, int change) {
         if (target == 0) {
-            return; // has no references yet
+            return; // the item has no references yet
         }
         int now = referrers.get(target, 0) + change;
         if (now == 0) {

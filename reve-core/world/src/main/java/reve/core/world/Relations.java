@@ -14,11 +14,11 @@ import java.util.TreeSet;
 import java.util.function.Function;
 
 /**
- * Spatial relations between bodies that have a shape, based on the boxes around them as computed in
- * the last DERIVE phase. They are computed only when they are read. Same thread as the world or
+ * Spatial relations between bodies that have a shape. They are computed when they are read, from
+ * the bounding boxes of the last DERIVE phase. For the thread that owns the world or uses the
  * snapshot.
  *
- * <p>Distances are relative to a <i>size</i>, the smaller of the two boxes' diagonals; the
+ * <p>The definitions use the <i>size</i>, which is the smaller one of the two boxes' diagonals. The
  * tolerance is a hundredth of this size.
  *
  * <ul>
@@ -55,8 +55,8 @@ public final class Relations {
     }
 
     /**
-     * Two boxes, the first of the item in question, the second of another body; reused for each
-     * row.
+     * The box of the item for which relations are computed, and the box of another body. The second
+     * box is replaced for each other body, so that one object serves all of them.
      */
     private static final class Pair {
         private final ColumnView mins;
@@ -128,7 +128,9 @@ public final class Relations {
             };
         }
 
-        /** Returns a box that intersects all boxes with which the relation may hold. */
+        /**
+         * Returns a box that intersects the boxes of all bodies to which the relation may apply.
+         */
         Box reach(String relation) {
             double by = diagonal * (relation.equals("near") ? 1 : TOLERANCE);
             return new Box(
@@ -152,8 +154,8 @@ public final class Relations {
             Comparator.comparingDouble(Other::gap).thenComparing(Other::id);
 
     /**
-     * Returns the names of the items to which an item has a relation, ordered by gap, then by id,
-     * at most {@link #MAX_ITEMS}.
+     * Returns the names of the items to which an item has a relation, ordered by gap, then by id.
+     * Returns at most {@link #MAX_ITEMS} names.
      *
      * @param relation one of {@link #NAMES}
      * @throws IllegalArgumentException for any other relation
@@ -183,7 +185,7 @@ public final class Relations {
                     double gap = pair.gap();
                     others.add(new Other(id, gap));
                     if (gap == 0 && ++meeting == MAX_ITEMS) {
-                        break; // all further items have higher ids and no smaller gap
+                        break; // all later items have higher ids and no smaller gap
                     }
                 }
             }
@@ -194,7 +196,7 @@ public final class Relations {
 
     /**
      * Returns the number of bodies compared for all answers so far, as a measure of their cost. The
-     * same number on every machine.
+     * number is the same on every machine.
      */
     public long compared() {
         return compared;

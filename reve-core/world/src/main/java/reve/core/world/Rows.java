@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/** The number of rows of a table, and the row of each item. Only the table changes them. */
+/** The number of rows of a table, and the row of each item. Only the table changes these data. */
 final class Rows {
 
     private static final int NONE = -1;
@@ -14,7 +14,7 @@ final class Rows {
         return count;
     }
 
-    /** Returns the number of rows with physics, which come first. */
+    /** Returns the number of rows with a physics aspect. These rows are the first ones. */
     int physicsCount() {
         return physicsCount;
     }

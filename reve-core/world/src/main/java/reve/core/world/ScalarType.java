@@ -17,12 +17,15 @@ public enum ScalarType {
     REF(Long.BYTES);
 
     /**
-     * Largest magnitude of 64-bit numbers that files, actions and edits may set, in the unit of the
+     * Maximum magnitude of 64-bit numbers that files, actions and edits may set, in the unit of the
      * property.
      */
     public static final double MAX_F64 = 1e100;
 
-    /** Smallest magnitude of 64-bit numbers other than 0. */
+    /**
+     * Minimum magnitude of 64-bit numbers other than 0 that files, actions and edits may set, in
+     * the unit of the property.
+     */
     public static final double MIN_F64 = 1e-100;
 
     private static final double MAX_F32 = 1e30;
@@ -40,10 +43,12 @@ public enum ScalarType {
     }
 
     /**
-     * Returns why an action or an edit must not store the number in a column of this type; empty if
-     * it is allowed. The limits are narrower than the type, so that sums of forces, cubes of
-     * distances and quotients of masses stay finite: 0, or magnitudes of 1e-100 to 1e100, in single
+     * Returns the reason why an action or an edit must not store the number in a column of this
+     * type; empty if it is allowed. Allowed are 0 and magnitudes of 1e-100 to 1e100, in single
      * precision 1e-35 to 1e30.
+     *
+     * <p>The limits are narrower than the range of the type. Sums of forces, cubes of distances and
+     * quotients of masses therefore stay finite.
      */
     public Optional<String> refusal(double value) {
         if (!holds(value)) {
@@ -65,8 +70,8 @@ public enum ScalarType {
     }
 
     /**
-     * Returns whether a column of this type can hold the number; a floating point number may be
-     * rounded but not overflow.
+     * Returns whether a column of this type can hold the number. A floating point number may be
+     * rounded, but must not overflow.
      */
     public boolean holds(double value) {
         return switch (this) {

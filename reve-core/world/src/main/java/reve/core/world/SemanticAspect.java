@@ -10,8 +10,8 @@ import java.util.Objects;
 import java.util.Optional;
 
 /**
- * The semantic aspect of an item: its symbols, named values that agents perceive (texts, truth
- * values, numbers or lists). World's thread only.
+ * The semantic aspect of an item: its symbols. A symbol is a named value that agents perceive (a
+ * text, a truth value, a number or a list). For the world's thread only.
  */
 public final class SemanticAspect {
 
@@ -22,9 +22,14 @@ public final class SemanticAspect {
     }
 
     /**
-     * Returns a symbol of the designer or of a rule, or a standard one: {@code name}, {@code
-     * class}, {@code dimensions}, and for bodies {@code location} (three numbers [m]) and {@link
-     * Relations}: {@code near}, {@code on}, {@code inside}, {@code touching} (lists of names).
+     * Returns a symbol of the designer or of a rule, or one of these standard symbols:
+     *
+     * <ul>
+     *   <li>{@code name}, {@code class} and {@code dimensions}
+     *   <li>for bodies {@code location} (three numbers [m])
+     *   <li>for bodies the {@link Relations} {@code near}, {@code on}, {@code inside} and {@code
+     *       touching} (lists of names)
+     * </ul>
      */
     public Optional<Object> get(String symbol) {
         item.checkedRow();
@@ -39,8 +44,8 @@ public final class SemanticAspect {
     }
 
     /**
-     * Returns the spatial relations between bodies of the item's world, as of the last DERIVE
-     * phase.
+     * Returns the spatial relations between bodies of the item's world, from the bounding boxes of
+     * the last DERIVE phase.
      */
     public Relations relations() {
         item.world().guard.checkOwner();
@@ -48,10 +53,11 @@ public final class SemanticAspect {
     }
 
     /**
-     * Checks a symbol that is to be set later.
+     * Checks a symbol that the caller intends to set later.
      *
      * @param item name of the item, for messages
-     * @return the value as {@link #set} stores it: text, truth, a Double or a list of these
+     * @return the value in the form in which {@link #set} stores it: a text, a truth value, a
+     *     Double or a list of these
      * @throws IllegalArgumentException like {@link #set}
      */
     public static Object requireSettable(
@@ -66,8 +72,8 @@ public final class SemanticAspect {
     /**
      * Sets a symbol.
      *
-     * @param value String, Boolean, a finite number or a List of these; if the prototype declares a
-     *     type for the symbol, of that type
+     * @param value String, Boolean, a finite number or a List of these. If the prototype declares a
+     *     type for the symbol, the value must have this type
      * @throws IllegalArgumentException naming item and symbol for any other value, and for symbols
      *     that the world computes itself
      */
@@ -77,7 +83,10 @@ public final class SemanticAspect {
         change(symbol, checked, item.symbols().with(symbol, checked));
     }
 
-    /** Removes a symbol that was set (not by a rule), if present. */
+    /**
+     * Removes a symbol that the designer, an action or an edit has set, if present. Symbols of
+     * rules stay.
+     */
     public void remove(String symbol) {
         item.checkedRow();
         if (item.symbols().given().containsKey(symbol)) {
@@ -87,8 +96,8 @@ public final class SemanticAspect {
 
     /**
      * Sets the symbol of a rule, in the phase DERIVE. A symbol of the same name from the designer
-     * or an action takes precedence. Not recorded as a change, because rules compute the symbol
-     * again from the rest of the world.
+     * or an action takes precedence. This is not recorded as a change, because rules can compute
+     * the symbol again from the rest of the world.
      *
      * @param value as in {@link #set}, or null to remove the symbol
      * @throws IllegalArgumentException like {@link #set}
@@ -111,8 +120,8 @@ public final class SemanticAspect {
     }
 
     /**
-     * Returns all stored symbols, standard ones first: see {@link ItemSymbols#symbols()}. Omits
-     * location and relations, which are computed when they are read.
+     * Returns all stored symbols, beginning with the standard symbols, see {@link
+     * ItemSymbols#symbols()}. Omits location and relations, which are computed when they are read.
      */
     public Map<String, Object> symbols() {
         item.checkedRow();

@@ -8,10 +8,10 @@ import java.util.SortedSet;
 import java.util.TreeSet;
 
 /**
- * A sensor, through which an agent perceives with its body. A body with sensors perceives only what
- * one of them senses.
+ * A sensor, through which an agent perceives with its body. A body with sensors perceives only the
+ * items that at least one of its sensors senses.
  *
- * <p>A camera senses no items: its agent receives pictures on request.
+ * <p>A camera senses no items. Its agent receives pictures on request.
  *
  * @param name name, unique among the sensors of a body
  * @param touch true if it senses items whose boxes are within the range of the body's box;
@@ -20,11 +20,11 @@ import java.util.TreeSet;
  * @param fieldOfView full angle of the cone that it sees [rad], 2π for all directions; for a camera
  *     the vertical angle of its picture, {@link #NARROWEST_CAMERA} to {@link #WIDEST_CAMERA}
  * @param lineOfSight true if the bounding boxes of items hide the items behind them
- * @param every interval between perceptions [frames]; in between the agent keeps the last
+ * @param every interval between perceptions [frames]; between them, the agent keeps the last
  *     perception
  * @param symbols names of the perceived symbols; empty for all
  * @param aspects the perceived aspects of an item, in addition to its name
- * @param camera settings of the pictures, if it is a camera
+ * @param camera settings of the pictures; empty if the sensor is not a camera
  */
 public record Sensor(
         String name,
@@ -39,7 +39,7 @@ public record Sensor(
 
     public static final double ALL_ROUND = 2 * Math.PI;
 
-    /** Default range of a touch sensor: the gap at which boxes count as touching [m]. */
+    /** Default range of a touch sensor [m]. Boxes with at most this gap count as touching. */
     public static final double TOUCH_RANGE = 0.01;
 
     /** Minimum vertical angle of a picture [rad]. */
@@ -87,7 +87,7 @@ public record Sensor(
     public enum Layer {
         /** Red, green and blue. */
         COLOUR,
-        /** Distance along the view axis. */
+        /** Distance along the view axis [m]. */
         DEPTH,
         /** Index of the visible item. */
         ITEMS
@@ -141,7 +141,10 @@ public record Sensor(
                 Optional.empty());
     }
 
-    /** Returns a sensor that senses all items that the body touches. */
+    /**
+     * Returns a sensor that senses all items whose boxes touch the body's box, within {@link
+     * #TOUCH_RANGE}.
+     */
     public static Sensor touch(String name) {
         return new Sensor(
                 name,
@@ -221,7 +224,10 @@ public record Sensor(
         return camera.isPresent();
     }
 
-    /** Returns whether the sensor senses all items, also those without a place, such as springs. */
+    /**
+     * Returns whether the sensor senses all items, including those without a place, such as
+     * springs.
+     */
     public boolean isUnlimited() {
         return !isCamera()
                 && !touch

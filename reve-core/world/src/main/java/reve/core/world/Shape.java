@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/** The shape of a body around its origin, in metres along its own axes. Immutable. */
+/** The shape of a body around its origin, with lengths along its own axes [m]. Immutable. */
 public sealed interface Shape
         permits Shape.None,
                 Shape.Sphere,
@@ -32,7 +32,7 @@ public sealed interface Shape
     /** Code of {@link Cylinder}. */
     int CYLINDER = 6;
 
-    /** Returns the value in the column {@code shape}; the codes never change their meaning. */
+    /** Returns the value for the column {@code shape}. The codes never change their meaning. */
     int code();
 
     /** Returns the extent along an axis of the shape (0, 1, 2) [m]. */
@@ -53,7 +53,7 @@ public sealed interface Shape
         return new Box(x, y, z);
     }
 
-    /** Returns a rectangle in x and z with these edges [m]. */
+    /** Returns a rectangle in the plane of the x and z axes with these edges [m]. */
     static Shape plane(double x, double z) {
         return new Plane(x, z);
     }
@@ -68,12 +68,12 @@ public sealed interface Shape
         return new Cylinder(radius, height);
     }
 
-    /** See {@link Mesh#Mesh}. */
+    /** Returns a mesh, see {@link Mesh#Mesh}. */
     static Shape mesh(float[] vertices, int[] triangles) {
         return new Mesh(vertices, triangles);
     }
 
-    /** A body without a shape; it is not drawn. */
+    /** A body without a shape. It is not drawn. */
     enum None implements Shape {
         /** The only instance. */
         INSTANCE;
@@ -131,7 +131,7 @@ public sealed interface Shape
         }
     }
 
-    /** A flat rectangle centred on the origin; its normal is its own +Y axis. */
+    /** A flat rectangle centred on the origin. Its normal is its own +Y axis. */
     record Plane(double x, double z) implements Shape {
         /** Checks the edges. */
         public Plane {
@@ -151,10 +151,10 @@ public sealed interface Shape
     }
 
     /**
-     * A cylinder with half balls at both ends, along its own Y axis and centred on the origin.
+     * A cylinder with a hemisphere at both ends, along its own Y axis and centred on the origin.
      *
      * @param radius [m]
-     * @param height of the whole, at least twice the radius [m]
+     * @param height total height, at least twice the radius [m]
      */
     record Capsule(double radius, double height) implements Shape {
         /** Checks the lengths. */

@@ -9,9 +9,9 @@ import java.util.Arrays;
 import java.util.List;
 
 /**
- * A copy of one table's rows in one slot of a {@link SnapshotRing}; the world's thread writes it,
- * any thread reads it. A column equal to that of the previous frame shares the memory of that
- * frame's slot, and all columns of zeros share one memory.
+ * A copy of one table's rows in one slot of a {@link SnapshotRing}. The world's thread writes the
+ * copy, and any thread reads it. A column that is equal to that of the previous frame shares the
+ * memory of the previous frame's slot. All columns of zeros share one memory.
  */
 final class SlotTable {
 
@@ -35,7 +35,7 @@ final class SlotTable {
         Arrays.fill(buffers, ColumnBuffers.NONE);
     }
 
-    /** Copies the used rows; allocates memory only if a column has grown. */
+    /** Copies the used rows. Allocates memory only if a column has grown. */
     void copyFrom(Table table, @Nullable SlotTable before) {
         List<Column> sources = table.allColumns();
         rowCount = table.rowCount();
@@ -58,8 +58,9 @@ final class SlotTable {
     }
 
     /**
-     * Returns a view of the copy. If the copy is overwritten while it is read, reading is safe, but
-     * the values are invalid; the reader notices this by the slot's stamp.
+     * Returns a view of the copy. If the world's thread overwrites the copy while it is read,
+     * reading is safe, but the values are invalid. The reader notices this by the stamp of the
+     * slot.
      */
     TableSnapshot view() {
         return new TableSnapshot(kind, rowCount, physicsRowCount, properties, buffers.clone());

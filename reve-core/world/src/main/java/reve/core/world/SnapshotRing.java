@@ -9,9 +9,12 @@ import java.util.Optional;
 
 /**
  * A fixed number of slots with the last published frames of a world, for any number of readers.
- * Neither side ever waits: a frame is written to the oldest slot without readers or, if all have
- * readers, to the oldest slot, whose readers lose their snapshot. A slot allocates memory when it
- * is first needed, and slots share columns that did not change from frame to frame.
+ * Neither the world nor a reader ever waits. A frame is written to the oldest slot without readers.
+ * If all slots have readers, it is written to the oldest slot, and the readers of this slot lose
+ * their snapshot.
+ *
+ * <p>A slot allocates memory when it is first needed. Slots share columns that did not change from
+ * frame to frame.
  */
 public final class SnapshotRing {
 
@@ -26,7 +29,8 @@ public final class SnapshotRing {
     private volatile @Nullable SnapshotSlot latest;
 
     /**
-     * @param slots maximum number of slots, at least 2: one to read, one to write
+     * @param slots maximum number of slots, at least 2, so that one can be read while another is
+     *     written
      */
     public SnapshotRing(World world, int slots) {
         if (slots < 2) {
@@ -45,11 +49,11 @@ public final class SnapshotRing {
     }
 
     /**
-     * Copies the present world as one frame. World's thread, in the phase PUBLISH. Allocates memory
-     * only if the world has grown or has events.
+     * Copies the present world as one frame. Allocates memory only if the world has grown or has
+     * events. For the world's thread, in the phase PUBLISH.
      *
      * @param frame number of the frame
-     * @param timeSeconds simulated time at its end [s]
+     * @param timeSeconds simulated time at the end of the frame [s]
      */
     public void publish(long frame, double timeSeconds) {
         SnapshotSlot slot = oldestFreeSlot();
@@ -63,8 +67,9 @@ public final class SnapshotRing {
     }
 
     /**
-     * Returns the last published frame, empty before the first. Any thread; never waits. The reader
-     * must close it soon, and check {@link WorldSnapshot#lost()} after reading.
+     * Returns the last published frame; empty before the first one. Never waits. The reader must
+     * close the snapshot soon, and check {@link WorldSnapshot#lost()} after reading. For any
+     * thread.
      */
     public Optional<WorldSnapshot> acquireLatest() {
         while (true) {
@@ -80,8 +85,8 @@ public final class SnapshotRing {
     }
 
     /**
-     * Returns a slot to write: a new one up to the maximum number, else the oldest one without
-     * readers, else the oldest one.
+     * Returns a slot to write. Creates a slot unless the maximum number is reached. Otherwise takes
+     * the oldest slot without readers, or the oldest slot if all have readers.
      */
     private SnapshotSlot oldestFreeSlot() {
         for (int i = 0; i < older.size(); i++) {

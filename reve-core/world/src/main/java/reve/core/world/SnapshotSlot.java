@@ -14,7 +14,7 @@ import java.util.concurrent.atomic.AtomicLong;
 
 /**
  * Memory for one snapshot, guarded by a stamp (a sequence lock). The stamp is odd while the world's
- * thread writes; otherwise it is even, and different after every write.
+ * thread writes. Otherwise it is even, and every write gives it another value.
  */
 final class SnapshotSlot {
 
@@ -57,10 +57,11 @@ final class SnapshotSlot {
     }
 
     /**
-     * Overwrites the slot, even if it has readers. For the world's thread only. After an exception,
-     * readers cannot acquire the slot until it is written again.
+     * Overwrites the slot, even if it has readers. After an exception, readers cannot acquire the
+     * slot until it is written again. For the world's thread only.
      *
-     * @param before the slot of the previous frame, with which unchanged columns are shared
+     * @param before the slot of the previous frame, with which the new frame shares unchanged
+     *     columns
      */
     void write(World world, long newFrame, double newTimeSeconds, @Nullable SnapshotSlot before) {
         long writing = stamp.getPlain() | 1;

@@ -11,12 +11,12 @@ import java.util.function.LongPredicate;
 import java.util.function.LongSupplier;
 
 /**
- * Spatial search for bodies by the boxes around them ({@code boundsMin}, {@code boundsMax}) as
- * computed in the last DERIVE phase. Later moves and changes of shape are not considered, items
- * added later are not found, and removed items are omitted. A body without a shape is a point.
+ * Spatial search for bodies by their bounding boxes ({@code boundsMin}, {@code boundsMax}), which
+ * the last DERIVE phase computed. The search ignores later moves and changes of shape, does not
+ * find items that were added later, and omits removed items. A body without a shape is a point.
  *
- * <p>Uses a tree of boxes, which only the first search after DERIVE updates. Same thread as the
- * world or snapshot.
+ * <p>Uses a tree of boxes, which only the first search after a DERIVE phase updates. For the thread
+ * that owns the world or uses the snapshot.
  */
 public final class Space {
 
@@ -59,8 +59,8 @@ public final class Space {
     }
 
     /**
-     * Searches like {@link #inBox(Box)}, but writes the ids into an object of the caller, which can
-     * be reused without allocation.
+     * Searches like {@link #inBox(Box)}, but writes the ids into an object of the caller. Calls
+     * that reuse this object allocate no memory.
      */
     public void inBox(Box box, Found into) {
         update();
@@ -80,8 +80,8 @@ public final class Space {
     }
 
     /**
-     * Returns the bodies nearest to a point, ordered by the distance from the point to their boxes,
-     * 0 inside them, then by id.
+     * Returns the bodies nearest to a point. They are ordered by the distance from the point to
+     * their boxes (0 inside a box), then by id.
      *
      * @param most maximum number of results
      */
@@ -107,7 +107,8 @@ public final class Space {
             if (all || found.size() >= most) {
                 return present(most);
             }
-            asked = 2 * asked; // some bodies of the tree were removed since DERIVE: search for more
+            // Some bodies of the tree were removed since the DERIVE phase, so search for more.
+            asked = 2 * asked;
         }
     }
 

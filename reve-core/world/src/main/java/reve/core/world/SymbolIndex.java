@@ -8,15 +8,15 @@ import java.util.Map;
 import java.util.TreeSet;
 
 /**
- * An index that finds the items with a given value of a symbol. A symbol is indexed when it is
- * first searched; other symbols cost nothing. World's thread only.
+ * An index that finds the items with a given value of a symbol. It contains only symbols for which
+ * a search was made, so other symbols cost nothing. For the world's thread only.
  */
 final class SymbolIndex {
 
     private final Map<String, Map<Object, TreeSet<ItemId>>> byValue = new HashMap<>();
 
     /**
-     * Returns the items with that value, in the order of their ids; a copy.
+     * Returns a copy of the ids of the items with that value, in ascending order.
      *
      * @param all the symbolic data of every item, from which the first search builds the index
      */
@@ -67,7 +67,7 @@ final class SymbolIndex {
                                         }));
     }
 
-    /** Returns a key for the index: equal for equal numbers of any type, also for 0 and -0. */
+    /** Returns a key for the index. Equal numbers of any type have equal keys, also 0 and -0. */
     private static Object key(Object value) {
         return value instanceof Number number ? Double.valueOf(number.doubleValue() + 0.0) : value;
     }

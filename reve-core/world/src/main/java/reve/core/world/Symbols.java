@@ -10,8 +10,9 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * The symbolic data of all items of a world as one immutable map, with an index of symbols and the
- * number of items that each agent's actions created. World's thread only.
+ * The symbolic data of all items of a world as one immutable map. An index finds items by their
+ * symbols. The class also counts the items that each agent's actions created. For the world's
+ * thread only.
  */
 final class Symbols {
 
@@ -19,11 +20,11 @@ final class Symbols {
     private PMap<ItemId, ItemSymbols> all = TreePMap.empty();
 
     /**
-     * The {@link Likeness} of the last added item, because the next item often has an equal one.
+     * The {@link Likeness} of the last added item, which the next item shares if its own is equal.
      */
     private @Nullable Likeness latest;
 
-    /** Number of items by the agent whose actions created them; contains no 0. */
+    /** Number of items that each agent's actions created; contains no entry for 0 items. */
     private final Map<String, Integer> made = new HashMap<>();
 
     private int madeInAll;
@@ -55,17 +56,17 @@ final class Symbols {
         return all.get(id).name();
     }
 
-    /** Returns the items whose symbol has a value, in the order of their ids; a copy. */
+    /** Returns a copy of the ids of the items whose symbol has a value, in ascending order. */
     List<ItemId> with(String symbol, Object value) {
         return bySymbol.find(symbol, value, all.values());
     }
 
-    /** Returns the number of items that actions of an agent created. */
+    /** Returns the number of existing items that actions of this agent created. */
     int made(String agent) {
         return made.getOrDefault(agent, 0);
     }
 
-    /** Returns the number of items that actions of agents created. */
+    /** Returns the number of existing items that actions of all agents created. */
     int made() {
         return madeInAll;
     }

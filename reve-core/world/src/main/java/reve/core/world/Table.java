@@ -14,8 +14,8 @@ import java.util.function.Function;
 import java.util.stream.Stream;
 
 /**
- * The columns and rows of all items of one kind in a live world. World's thread only; {@link World}
- * adds and removes rows. Memory after the last row is always zero.
+ * The columns and rows of all items of one kind in a live world. Only {@link World} adds and
+ * removes rows. Memory after the last row is always zero. For the world's thread only.
  */
 public final class Table implements TableView {
 
@@ -33,7 +33,7 @@ public final class Table implements TableView {
     private final Map<String, Column> byName = new LinkedHashMap<>();
     private final Map<String, Column> physicsByName = new LinkedHashMap<>();
 
-    /** The shape of the item in each row; the length is the capacity in rows. */
+    /** The shape of the item in each row. The length of this array is the capacity in rows. */
     private Shape[] shapes;
 
     /**
@@ -107,7 +107,7 @@ public final class Table implements TableView {
         return rows.rowOf(id);
     }
 
-    /** Returns whether the item is in this table and takes part in physics. */
+    /** Returns whether the item is in this table and has a physics aspect. */
     boolean hasPhysics(ItemId id) {
         int row = rowOf(id);
         return row >= 0 && row < rows.physicsCount();
@@ -150,7 +150,10 @@ public final class Table implements TableView {
         return references;
     }
 
-    /** Assigns a zeroed row to an item, at the end of the rows with physics or of the scenery. */
+    /**
+     * Assigns a zeroed row to an item, after the rows with physics or after the scenery, and
+     * returns the row.
+     */
     int insert(ItemId id, boolean physics) {
         makeRoom(rowCount() + 1);
         int row = rowCount();
@@ -168,8 +171,8 @@ public final class Table implements TableView {
     }
 
     /**
-     * Removes an item's row. The last row of each part (with physics, scenery) moves into the gap
-     * that arises in it.
+     * Removes an item's row. The last row of the same part (physics or scenery) moves into the gap.
+     * If this moves the end of the physics rows, the last row of the scenery fills the gap there.
      */
     void remove(ItemId id) {
         int gap = rowOf(id);
@@ -187,7 +190,10 @@ public final class Table implements TableView {
         layout.changed();
     }
 
-    /** Moves the row of a scenery item, with its values, to the end of the physics rows. */
+    /**
+     * Moves the row of a scenery item to the end of the rows with physics. The item keeps its
+     * values.
+     */
     void promote(ItemId id) {
         makeRoom(rowCount() + 1);
         int to = physicsRowCount();
@@ -208,7 +214,9 @@ public final class Table implements TableView {
         layout.changed();
     }
 
-    /** Allocates memory for that number of rows; grows at least by a factor of two. */
+    /**
+     * Allocates memory for at least this number of rows. Memory grows at least by a factor of two.
+     */
     void makeRoom(int wanted) {
         if (wanted <= shapes.length) {
             return;
@@ -247,7 +255,7 @@ public final class Table implements TableView {
         }
     }
 
-    /** Swaps two rows, with the first unused row as temporary memory. */
+    /** Swaps two rows. Uses the first unused row as temporary memory. */
     private void swap(int one, int other) {
         if (one != other) {
             int spare = rowCount();
@@ -267,7 +275,7 @@ public final class Table implements TableView {
         shapes[to] = shapes[from];
     }
 
-    /** Records in which row the item of this row is now. */
+    /** Records that the item whose id is in this row has this row now. */
     private void settle(int row) {
         rows.put(ids.getReference(row, 0), row);
     }

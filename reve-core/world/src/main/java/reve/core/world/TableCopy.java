@@ -17,7 +17,7 @@ public final class TableCopy {
     private int physicsRowCount;
 
     /**
-     * @param allocate returns memory with that number of bytes; this class never frees memory
+     * @param allocate returns memory with the given number of bytes. This class never frees memory
      */
     TableCopy(Table table, LongFunction<MemorySegment> allocate) {
         this.kind = table.kind();
@@ -37,13 +37,13 @@ public final class TableCopy {
         return rowCount;
     }
 
-    /** Returns the number of rows with physics, which come first. */
+    /** Returns the number of rows with a physics aspect. These rows are the first ones. */
     public int physicsRowCount() {
         return physicsRowCount;
     }
 
     /**
-     * Returns the properties of the columns, in a fixed order; the first column contains the items'
+     * Returns the properties of the columns, in a fixed order. The first column contains the items'
      * ids.
      */
     public List<PropertyDescriptor> properties() {
@@ -65,7 +65,7 @@ public final class TableCopy {
     }
 
     /**
-     * Sets the number of rows; the caller writes all values next, because the old values are lost.
+     * Sets the number of rows. The old values are lost, so the caller must write all values next.
      */
     public void resize(int rows, int physicsRows) {
         if (rows < 0 || physicsRows < 0 || physicsRows > rows) {
@@ -85,7 +85,10 @@ public final class TableCopy {
         physicsRowCount = physicsRows;
     }
 
-    /** Copies the used rows; allocates memory only if the live column has grown beyond the copy. */
+    /**
+     * Copies the used rows. Allocates memory only if the live column is larger than the memory of
+     * the copy.
+     */
     void copyFrom(Table table) {
         List<Column> sources = table.allColumns();
         rowCount = table.rowCount();

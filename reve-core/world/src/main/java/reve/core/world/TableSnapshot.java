@@ -16,12 +16,15 @@ public final class TableSnapshot implements TableView {
     private final int rowCount;
     private final int physicsRowCount;
 
-    /** The column of ids, then the properties of the other columns. */
+    /** The properties of the columns. The first column contains the ids of the items. */
     private final List<PropertyDescriptor> properties;
 
     private final ColumnBuffers.Buffer[] buffers;
 
-    /** Column snapshots, each created on request, because few readers need all. */
+    /**
+     * Views of the columns. Each is created when it is first requested, because few readers need
+     * all.
+     */
     private final @Nullable ColumnSnapshot[] made;
 
     private final Map<Long, Integer> rowById = new HashMap<>();
@@ -55,7 +58,7 @@ public final class TableSnapshot implements TableView {
         return physicsRowCount;
     }
 
-    /** Returns (rows) ids of the items. */
+    /** Returns the column of the items' ids. */
     public ColumnSnapshot ids() {
         return column(0);
     }
@@ -63,14 +66,15 @@ public final class TableSnapshot implements TableView {
     /**
      * Returns the item in a row.
      *
-     * @throws IllegalArgumentException in some cases, if the snapshot was overwritten
+     * @throws IllegalArgumentException if the snapshot was overwritten and the row contains no
+     *     valid id
      */
     @Override
     public ItemId idAt(int row) {
         return new ItemId(ids().getReference(row, 0));
     }
 
-    /** Returns the row of an item. The first call searches all rows, later calls are fast. */
+    /** Returns the row of an item. The first call searches all rows, and later calls are fast. */
     @Override
     public int rowOf(ItemId id) {
         if (rowById.isEmpty()) {

@@ -4,9 +4,9 @@ package reve.core.world;
 import java.util.List;
 
 /**
- * All items of one kind as columns with densely packed rows: live ({@link Table}) or of a snapshot
- * ({@link TableSnapshot}). Rows [0, physicsRowCount) are the items with a physics aspect; the other
- * rows are scenery, which laws do not move.
+ * All items of one kind as columns with densely packed rows. The table belongs to a live world
+ * ({@link Table}) or to a snapshot ({@link TableSnapshot}). Rows [0, physicsRowCount) are the items
+ * with a physics aspect. The other rows are scenery, which laws do not move.
  */
 public sealed interface TableView permits Table, TableSnapshot {
 
@@ -16,7 +16,7 @@ public sealed interface TableView permits Table, TableSnapshot {
     /** Returns the number of items of the kind. */
     int rowCount();
 
-    /** Returns the number of items with a physics aspect, which come first. */
+    /** Returns the number of items with a physics aspect. Their rows are the first ones. */
     int physicsRowCount();
 
     /** Returns the item in a row. */

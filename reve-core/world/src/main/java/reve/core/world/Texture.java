@@ -5,8 +5,8 @@ import java.nio.ByteBuffer;
 import java.util.Optional;
 
 /**
- * An image on surfaces: opaque sRGB, repeated beyond its edges. Immutable; all surfaces with the
- * texture share one object.
+ * An image on surfaces: opaque, in sRGB, and repeated beyond its edges. Immutable. All surfaces
+ * with the texture share one object.
  */
 public final class Texture {
 
@@ -24,8 +24,8 @@ public final class Texture {
     /**
      * @param width [px]
      * @param height [px]
-     * @param rgba (height x width x 4) bytes r g b a, by rows from the upper left pixel; copied;
-     *     the alpha byte a is ignored
+     * @param rgba (height x width x 4) bytes r g b a, by rows from the upper left pixel; the array
+     *     is copied, and the alpha bytes are ignored
      * @param file path relative to the world's folder, if the texture has its own file
      * @throws IllegalArgumentException if the number of pixels is 0 or too large, or there are not
      *     4 bytes per pixel

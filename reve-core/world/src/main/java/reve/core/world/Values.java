@@ -22,7 +22,7 @@ final class Values {
         }
     }
 
-    /** Returns whether all are +0, the initial value of columns. */
+    /** Returns whether all values are +0, the initial value of columns. */
     static boolean isZero(double... values) {
         for (double value : values) {
             if (Double.doubleToRawLongBits(value) != 0) {
@@ -33,7 +33,8 @@ final class Values {
     }
 
     /**
-     * Checks that values fit a numeric property: number of components, finite, and in its range.
+     * Checks that values fit a numeric property: their number is right, and each is finite and in
+     * the range of the property.
      */
     static void requireFits(String item, PropertyDescriptor property, double... values) {
         String name = property.name();
@@ -70,7 +71,7 @@ final class Values {
     }
 
     /**
-     * Returns the quaternion normalised to length 1; unchanged to the bit if its squared length is
+     * Returns the quaternion normalised to length 1. Returns the same bits if its squared length is
      * 1 within {@link #UNIT_TOLERANCE}, for example after normalisation in 32 bits.
      *
      * @param xyzw four numbers, not all 0
@@ -101,8 +102,8 @@ final class Values {
     }
 
     /**
-     * Checks a symbol value: text, truth, a finite number (as Double), or a list of these, of the
-     * declared type.
+     * Checks that a symbol value is a text, a truth value, a finite number or a list of these, and
+     * has the declared type. Returns it in the form in which it is stored, with numbers as Double.
      */
     static Object requireSymbol(
             WorldPrototype prototype, String item, String symbol, Object value) {
@@ -123,7 +124,10 @@ final class Values {
         return checked;
     }
 
-    /** Checks like {@link #requireSymbol(WorldPrototype, String, String, Object)}, for any type. */
+    /**
+     * Checks a value like {@link #requireSymbol(WorldPrototype, String, String, Object)}, but
+     * permits any type.
+     */
     static Object requireSymbol(String item, String symbol, Object value) {
         Names.require("symbol name of item " + item, symbol);
         if (StandardSymbols.DERIVED.contains(symbol)) {

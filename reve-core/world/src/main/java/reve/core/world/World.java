@@ -10,13 +10,13 @@ import java.util.Objects;
 import java.util.Optional;
 
 /**
- * The virtual world store: one {@link Table} of columns per kind for numbers, and one immutable map
- * for symbolic data. This class adds, removes, renames and attaches items; aspects change the data
- * of an item ({@link Item}).
+ * The virtual world store. It contains one {@link Table} of columns per kind for numbers, and one
+ * immutable map for symbolic data. This class adds, removes, renames and attaches items. Aspects
+ * change the data of an item, see {@link Item}.
  *
- * <p>One thread owns a world and all objects that it returns; other threads read a {@link
- * WorldSnapshot}. The {@link #guard()} checks the thread and the permitted changes: items are added
- * and removed only outside the phases PHYSICS, DERIVE and PUBLISH of a frame.
+ * <p>One thread owns a world and all objects that it returns. Other threads read a {@link
+ * WorldSnapshot}. The {@link #guard()} checks the calling thread and whether a change is permitted.
+ * Items may be added and removed only outside the phases PHYSICS, DERIVE and PUBLISH of a frame.
  */
 public final class World {
 
@@ -30,8 +30,8 @@ public final class World {
      * Creates a world with only the item {@code world}, whose physics aspect contains the world's
      * constants.
      *
-     * @param name of letters a to z, digits, spaces, {@code .}, {@code _} and {@code -}, beginning
-     *     with a letter or digit: it becomes part of file names
+     * @param name letters a to z, digits, spaces, {@code .}, {@code _} and {@code -}, beginning
+     *     with a letter or digit, because the name becomes part of file names
      * @param arena allocator of column memory; it must outlive the world, and the caller closes it
      */
     public World(String name, WorldPrototype prototype, ColumnArena arena) {
@@ -58,21 +58,24 @@ public final class World {
         return data.guard;
     }
 
-    /** Returns the evaluation that the world's thread is busy with; any thread may read it. */
+    /**
+     * Returns the activity, which describes the evaluation with which the world's thread is busy.
+     * For any thread.
+     */
     public Activity activity() {
         return data.activity;
     }
 
     /**
-     * Returns the number of frames that led to the present state; restoring an image restores its
-     * age.
+     * Returns the number of frames that led to the present state. The restoration of an image also
+     * restores this number.
      */
     public long age() {
         data.guard.checkOwner();
         return data.age;
     }
 
-    /** Sets the initial age of the world, in frames; called while the world is built. */
+    /** Sets the initial age of the world [frames]. Called while the world is built. */
     public void setAge(long frames) {
         data.guard.checkOwner();
         data.age = frames;
@@ -84,8 +87,8 @@ public final class World {
     }
 
     /**
-     * Adds items, which may refer to each other in any order. All are added or, if any is refused,
-     * none.
+     * Adds items, which may refer to each other in any order. Either all items are added or, if one
+     * is refused, none.
      *
      * @throws IllegalArgumentException naming item, property and value if a name is taken, a kind
      *     or property does not exist, a value does not fit, or a reference is missing, or refers to
@@ -99,7 +102,7 @@ public final class World {
     /**
      * Adds items like {@link #addAll(List)}.
      *
-     * @param maker the agent whose action creates them, null for none; see {@link #made}
+     * @param maker the agent whose action creates the items, null for none; see {@link #made}
      */
     public List<Item> addAll(List<ItemDefinition> definitions, @Nullable String maker) {
         data.guard.requireUnlocked("add items");
@@ -155,8 +158,8 @@ public final class World {
     }
 
     /**
-     * Removes an item after all items that refer to it or are attached to it, directly or not;
-     * otherwise like {@link #remove}.
+     * Removes an item. First removes all items that refer to it or are attached to it, directly or
+     * through other items. Otherwise like {@link #remove}.
      */
     public void removeCascade(ItemId id) {
         Item item = removable(id);
@@ -181,7 +184,8 @@ public final class World {
     }
 
     /**
-     * Renames an item like {@link #rename}, to a name from a store, which is accepted as stored.
+     * Renames an item like {@link #rename}. The new name comes from a store and is not checked
+     * again.
      */
     public void restoreName(ItemId id, String newName) {
         data.guard.requireUnlocked("rename items");
@@ -203,7 +207,7 @@ public final class World {
     }
 
     /**
-     * Attaches an item like {@link #attach(ItemId, ItemId, Pose)}; the child keeps its present pose
+     * Attaches an item like {@link #attach(ItemId, ItemId, Pose)}. The child keeps its present pose
      * in the world.
      */
     public void attach(ItemId child, ItemId parent) {
@@ -212,15 +216,15 @@ public final class World {
     }
 
     /**
-     * Attaches a body to a parent, with a fixed pose relative to it. A body that is attached
-     * already changes its parent. Attached bodies may be parents of others; the phase DERIVE
+     * Attaches a body to a parent, with a fixed pose relative to the parent. A body that is already
+     * attached gets a new parent. Attached bodies may be parents of other bodies. The phase DERIVE
      * computes their poses in the world's reference frame.
      *
-     * <p>Laws do not move attached items, which are scenery or have mass 0. Forces on them do not
-     * act on the parent.
+     * <p>Laws do not move attached items, which are scenery or have mass 0. Forces on attached
+     * items do not act on the parent.
      *
-     * @throws IllegalArgumentException naming both if one is not a body, the child has a mass, or
-     *     the parent is attached to the child, directly or not
+     * @throws IllegalArgumentException naming both items if one is not a body, the child has a
+     *     mass, or the parent is attached to the child, directly or through other items
      * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void attach(ItemId child, ItemId parent, Pose pose) {
@@ -266,10 +270,10 @@ public final class World {
     }
 
     /**
-     * Restores, to the bit, the state of the world that an image contains. Items with the same id
-     * keep their objects; items that are not in the image count as removed.
+     * Restores, to the bit, the state of the world that an image contains. An {@link Item} object
+     * stays valid if its id is in the image. The objects of other items count as removed items.
      *
-     * @param image of a world of the same prototype
+     * @param image image of a world of the same prototype
      * @throws IllegalArgumentException naming the difference if the image has another prototype
      * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
@@ -293,7 +297,7 @@ public final class World {
         data.note(new WorldChange.Restored(image.frame()));
     }
 
-    /** Returns the item of that name. World's thread only. */
+    /** Returns the item of that name. */
     public Optional<Item> find(String itemName) {
         data.guard.checkOwner();
         return Optional.ofNullable(items.find(itemName));
@@ -318,11 +322,11 @@ public final class World {
     }
 
     /**
-     * Returns the items whose symbol has a value, in the order of their ids; a copy. Uses an index
-     * that is kept up to date from the first search for the symbol.
+     * Returns a copy of the items whose symbol has a value, in the order of their ids. The first
+     * search for a symbol builds an index, which the world keeps up to date.
      *
-     * @param symbol a designer's or a standard one: {@code class}, {@code name}
-     * @param value text, truth or a number
+     * @param symbol a symbol of the designer, or the standard symbol {@code class} or {@code name}
+     * @param value a text, a truth value or a number
      */
     public List<Item> withSymbol(String symbol, Object value) {
         data.guard.checkOwner();
@@ -335,7 +339,10 @@ public final class World {
         return data.symbols.all().size();
     }
 
-    /** Returns all items in the order of their ids, the item {@code world} first; a copy. */
+    /**
+     * Returns a copy of all items in the order of their ids. The first one is the item {@code
+     * world}.
+     */
     public List<Item> items() {
         data.guard.checkOwner();
         return items.of(data.symbols.all().keySet());
@@ -354,23 +361,32 @@ public final class World {
     }
 
     /**
-     * Returns the layout version, which increases when rows are added, removed or moved, items are
-     * attached or detached, or column memory is replaced. Replaced memory stays readable until the
-     * end of the next PHYSICS phase.
+     * Returns the layout version. It increases on these occasions:
+     *
+     * <ul>
+     *   <li>rows are added, removed or moved
+     *   <li>items are attached or detached
+     *   <li>column memory is replaced
+     * </ul>
+     *
+     * <p>Replaced memory stays readable until the end of the next PHYSICS phase.
      */
     public long layoutVersion() {
         return data.layout.version();
     }
 
-    /** Returns the symbolic data of all items, in the order of their ids: one immutable version. */
+    /**
+     * Returns the symbolic data of all items, in the order of their ids. The map is immutable, so
+     * later changes of the world do not affect it.
+     */
     public PMap<ItemId, ItemSymbols> symbols() {
         data.guard.checkOwner();
         return data.symbols.all();
     }
 
     /**
-     * Adds an event to the frame that is being made; in the phase PUBLISH and between frames, to
-     * the next one.
+     * Adds an event to the frame that is being made. Events that are raised in the phase PUBLISH or
+     * between frames belong to the next frame.
      */
     public void raise(WorldEvent event) {
         data.guard.requireEditable();
@@ -378,9 +394,12 @@ public final class World {
     }
 
     /**
-     * Returns the changes of the frame that is being made, in order, except those by laws and in
-     * the phase DERIVE; a copy. In PUBLISH all callers receive the same changes. Changes made in
-     * PUBLISH and between frames belong to the next frame, those before the first frame to frame 0.
+     * Returns a copy of the changes of the frame that is being made, in order. Omits changes by
+     * laws and changes in the phase DERIVE. In the phase PUBLISH, all callers receive the same
+     * changes.
+     *
+     * <p>Changes made in PUBLISH and between frames belong to the next frame. Changes made before
+     * the first frame belong to frame 0.
      */
     public List<WorldChange> changes() {
         data.guard.checkOwner();
@@ -388,8 +407,9 @@ public final class World {
     }
 
     /**
-     * Returns the number of changes of the frame beyond the limit (2^20). If it is not 0, a
-     * listener that follows a world by its changes must read the whole world.
+     * Returns the number of changes of the frame that exceeded the limit (2^20) and were not
+     * stored. If it is not 0, a listener that follows a world by its changes must read the whole
+     * world.
      */
     public long changesLost() {
         data.guard.checkOwner();
@@ -397,27 +417,28 @@ public final class World {
     }
 
     /**
-     * Returns the events of the frame that is being made, in the order raised; a copy. In the phase
-     * PUBLISH all callers receive the same events.
+     * Returns a copy of the events of the frame that is being made, in the order in which they were
+     * raised. In the phase PUBLISH, all callers receive the same events.
      */
     public List<WorldEvent> events() {
         data.guard.checkOwner();
         return data.record.events();
     }
 
-    /** Returns the forces that actions exert on bodies for some frames. */
+    /** Returns the forces that actions exert on bodies for a number of frames. */
     public Forces forces() {
         return forces;
     }
 
     /**
-     * Returns the record of items whose numbers actions and edits changed, at which laws may fail.
+     * Returns the record of the items whose numbers were changed by actions and edits. Such numbers
+     * may make laws fail.
      */
     public Arrests arrests() {
         return arrests;
     }
 
-    /** Returns the account of the rules' evaluation steps that are charged to agents. */
+    /** Returns the account of the evaluation steps of rules that are charged to agents. */
     public Charges charges() {
         data.guard.checkOwner();
         return data.record.charges();
@@ -428,20 +449,20 @@ public final class World {
     }
 
     /**
-     * Returns the items that refer to an item, directly or not, in an order that is the same in
-     * equal worlds.
+     * Returns the items that refer to an item, directly or through other items. Equal worlds give
+     * the same order.
      */
     List<Item> referring(ItemId id) {
         return items.of(data.references.referring(id));
     }
 
-    /** Returns the number of items that actions of an agent created. */
+    /** Returns the number of existing items that actions of this agent created. */
     public int made(String agent) {
         data.guard.checkOwner();
         return data.symbols.made(agent);
     }
 
-    /** Returns the number of items that actions of agents created. */
+    /** Returns the number of existing items that actions of all agents created. */
     public int made() {
         data.guard.checkOwner();
         return data.symbols.made();
@@ -484,8 +505,8 @@ public final class World {
     }
 
     /**
-     * Sets the references and the parent of an added item, whose targets may have been added
-     * together with it.
+     * Sets the references and the parent of an added item. The items to which it refers may have
+     * been added together with it.
      */
     private void link(Item item, ItemDefinition definition) {
         if (definition.hasReferences()) {

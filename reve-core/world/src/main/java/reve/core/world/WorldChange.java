@@ -6,9 +6,9 @@ import org.jspecify.annotations.Nullable;
 import java.util.List;
 
 /**
- * A change of a world by a command or by the program, not by a law and not in the phase DERIVE.
- * {@link World#changes()} returns the changes of a frame; applied in this order to equal worlds,
- * they give equal worlds. Immutable.
+ * A change of a world by a command or by the program. Changes by laws and changes in the phase
+ * DERIVE are not recorded. {@link World#changes()} returns the changes of a frame. If they are
+ * applied in this order to equal worlds, the results are equal worlds. Immutable.
  */
 public sealed interface WorldChange {
 
@@ -25,10 +25,11 @@ public sealed interface WorldChange {
     }
 
     /**
-     * Items were added together, according to their definitions.
+     * Several items were added together.
      *
      * @param first id of the first item; the ids of the others follow without a gap
-     * @param maker the agent whose action created them; null otherwise
+     * @param definitions initial states of the items
+     * @param maker the agent whose action created the items; null otherwise
      */
     record Added(ItemId first, List<ItemDefinition> definitions, @Nullable String maker)
             implements WorldChange {
@@ -61,26 +62,32 @@ public sealed interface WorldChange {
     record Detached(ItemId item, Attachment from) implements WorldChange {}
 
     /**
-     * Part of an aspect was changed. Numbers of columns are a {@code List<Double>}, references a
-     * {@code List<ItemId>}, symbols text, truth, Double or a list of these; the appearance is a
-     * {@link Shape}, {@link Colour} or {@link Material}, and actions are an {@link Action}.
+     * Part of an aspect was changed. The values have these types:
+     *
+     * <ul>
+     *   <li>numbers of columns: {@code List<Double>}
+     *   <li>references: {@code List<ItemId>}
+     *   <li>symbols: text, truth value, Double or a list of these
+     *   <li>appearance: {@link Shape}, {@link Colour} or {@link Material}
+     *   <li>actions: {@link Action}
+     * </ul>
      *
      * @param property the changed part: a physics property, a symbol, an action, or {@code
      *     location}, {@code orientation}, {@code shape}, {@code material}, {@code colour}
-     * @param from the former value; null if there was none: scenery has no physics properties, an
-     *     item may lack the symbol
+     * @param from the former value; null if there was none, for example if the item was scenery
+     *     without physics properties
      * @param to the new value; null if it was removed
      */
     record Edited(
             ItemId item, Aspect aspect, String property, @Nullable Object from, @Nullable Object to)
             implements WorldChange {}
 
-    /** A force was added to an item, for some frames. */
+    /** A force was added to an item. It acts for a number of frames. */
     record Pushed(Force force) implements WorldChange {}
 
     /**
-     * Numbers of any rows were written to a column directly, through {@link Column}. Recorded once
-     * per frame and without values, which the column itself contains.
+     * Numbers of any rows were written to a column directly, through {@link Column}. This change is
+     * recorded once per frame and without values, because the column itself contains them.
      */
     record ColumnEdited(String kind, String property) implements WorldChange {}
 

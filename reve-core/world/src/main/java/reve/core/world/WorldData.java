@@ -9,8 +9,8 @@ import java.util.Set;
 
 /**
  * The data of a world by item id: columns, symbols, attachments, references, and the record of the
- * frame's changes. The aspects of an {@link Item} change its data through this class. World's
- * thread only.
+ * frame's changes. The aspects of an {@link Item} change the item's data through this class. For
+ * the world's thread only.
  */
 final class WorldData {
 
@@ -85,7 +85,7 @@ final class WorldData {
         return symbolsOf;
     }
 
-    /** Makes spatial searches use the boxes computed now. */
+    /** Makes spatial searches use the bounding boxes that were computed now. */
     void boundsChanged() {
         boundsVersion++;
     }

@@ -7,15 +7,15 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * An event of a frame, which agents, operators and the journal receive.
+ * An event of a frame. Agents, operators and the journal receive it.
  *
  * @param type joined, left, acted, law-loaded, law-unloaded, fault, or the type of an action's
  *     event
- * @param fields String, Number or Boolean by name, in the order given
+ * @param fields values by name, in the order given: String, Number or Boolean
  */
 public record WorldEvent(long frame, String type, Map<String, Object> fields) {
 
-    /** Checks the type and copies the fields, in their order. */
+    /** Checks the type, and copies the fields in their order. */
     public WorldEvent {
         Names.require("event type", type);
         fields = Collections.unmodifiableMap(new LinkedHashMap<>(fields));
@@ -35,8 +35,8 @@ public record WorldEvent(long frame, String type, Map<String, Object> fields) {
     }
 
     /**
-     * Returns the size of the event: type, names and texts in UTF-8, and 8 bytes for each number or
-     * truth value.
+     * Returns the size of the event [bytes]. It is the sum of the type, names and texts in UTF-8,
+     * and 8 bytes for each number or truth value.
      */
     public long bytes() {
         long bytes = utf8(type);

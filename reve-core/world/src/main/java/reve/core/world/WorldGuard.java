@@ -4,11 +4,11 @@ package reve.core.world;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Checks that the owner thread uses a world, and that a change is permitted now.
+ * Checks that only the owner thread uses a world, and that a change is permitted now.
  *
- * <p>One thread owns a world: first the thread that created it, then the thread that last called
- * {@link #claim()}; {@code FrameLoop} calls it for the thread that runs it. With {@code
- * -Dreve.check.thread=true} every use by another thread is refused.
+ * <p>The owner is the thread that last called {@link #claim()}, or else the thread that created the
+ * world. {@code FrameLoop} calls that method for the thread that runs the loop. The option {@code
+ * -Dreve.check.thread=true} makes the world refuse every use by another thread.
  */
 public final class WorldGuard {
 
@@ -26,18 +26,21 @@ public final class WorldGuard {
     }
 
     /**
-     * @param world its name, for messages
+     * @param world name of the world, for messages
      */
     WorldGuard(String world) {
         this.world = world;
     }
 
-    /** Makes the calling thread the owner; the former owner must have stopped using the world. */
+    /** Makes the calling thread the owner. The former owner must have stopped using the world. */
     public void claim() {
         owner = Thread.currentThread();
     }
 
-    /** Refuses to add or remove items until {@link #unlockStructure()}; messages name the phase. */
+    /**
+     * Refuses to add or remove items until {@link #unlockStructure()}. Messages of refusals name
+     * the phase.
+     */
     void lockStructure(String phase) {
         checkOwner();
         lockedBy = phase;

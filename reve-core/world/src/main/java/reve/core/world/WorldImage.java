@@ -9,10 +9,12 @@ import java.lang.foreign.MemorySegment;
 import java.util.List;
 
 /**
- * The complete state of a world at the end of a frame: all columns, the item of each row, symbolic
- * data, age, remaining forces, and the last assigned id. A world that restores it with {@link
- * World#restore} continues with the same bits. The image owns its memory, so it can be kept for any
- * time and overwritten with another state. One thread at a time.
+ * The complete state of a world at the end of a frame. It contains all columns, the item of each
+ * row, symbolic data, age, remaining forces, and the last assigned id. A world that restores the
+ * image with {@link World#restore} continues with the same bits.
+ *
+ * <p>The image owns its memory, so it can be kept for any time and overwritten with another state.
+ * Only one thread may use it at a time.
  */
 public final class WorldImage implements AutoCloseable {
 
@@ -33,7 +35,8 @@ public final class WorldImage implements AutoCloseable {
     }
 
     /**
-     * Copies a world of the same prototype. World's thread, between frames or in the phase PUBLISH.
+     * Copies the state of a world of the same prototype. For the world's thread, between frames or
+     * in the phase PUBLISH.
      */
     public void copyFrom(World world, long atFrame) {
         world.guard().checkOwner();
@@ -45,19 +48,22 @@ public final class WorldImage implements AutoCloseable {
         setForces(world.forces().active());
     }
 
-    /** Sets the symbolic data; for decoders, which fill the tables themselves. */
+    /** Sets the symbolic data. For decoders, which fill the tables themselves. */
     public void setSymbolic(long atFrame, long lastItemId, PMap<ItemId, ItemSymbols> itemSymbols) {
         frame = atFrame;
         lastId = lastItemId;
         symbols = itemSymbols;
     }
 
-    /** Sets the age of the world [frames]; for decoders, which fill the tables themselves. */
+    /** Sets the age of the world [frames]. For decoders, which fill the tables themselves. */
     public void setAge(long frames) {
         age = frames;
     }
 
-    /** Sets the forces that still act; for decoders, which fill the tables themselves. */
+    /**
+     * Sets the forces that still act in later frames. For decoders, which fill the tables
+     * themselves.
+     */
     public void setForces(List<Force> active) {
         forces = List.copyOf(active);
     }
@@ -67,7 +73,7 @@ public final class WorldImage implements AutoCloseable {
         return forces;
     }
 
-    /** Returns the frame at whose end the image was made. */
+    /** Returns the number of the frame whose end the image shows. */
     public long frame() {
         return frame;
     }
@@ -97,7 +103,7 @@ public final class WorldImage implements AutoCloseable {
         return tables.stream().mapToLong(TableCopy::bytes).sum();
     }
 
-    /** Frees the memory. May be called twice. */
+    /** Frees the memory. Idempotent. */
     @Override
     public void close() {
         if (arena.scope().isAlive()) {

@@ -17,10 +17,10 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The declared properties and symbols of the items of a world, by kind: the schema that a world,
- * its designers and the engine share. Immutable.
+ * The declared properties and symbols of the items of a world, by kind. It is the schema that a
+ * world, its designers and the engine share. Immutable.
  *
- * <p>{@link #properties()} belong to the physics aspect; {@link #physicalProperties()} belong to
+ * <p>{@link #properties()} belong to the physics aspect. {@link #physicalProperties()} belong to
  * the physical aspect (place, shape and appearance), which every body has, including scenery.
  */
 public final class WorldPrototype {
@@ -38,11 +38,12 @@ public final class WorldPrototype {
     public static final String WORLD = "world";
 
     /**
-     * The kind of joints between bodies; only in worlds that use joints, see {@link #withJoints()}.
+     * The kind of joints between bodies. Only worlds that use joints have this kind, see {@link
+     * #withJoints()}.
      */
     public static final String JOINT = "joint";
 
-    /** The mass of a body; laws do not move a body of mass 0. */
+    /** The mass of a body. Laws do not move a body of mass 0. */
     static final String MASS = "mass";
 
     private final String name;
@@ -54,7 +55,7 @@ public final class WorldPrototype {
     private final Map<String, PropertyDescriptor> byName = new HashMap<>();
     private final Map<String, SymbolDescriptor> symbolsByName = new HashMap<>();
 
-    /** The properties that refer to items, by kind; has a key for each kind. */
+    /** The properties that refer to items, by kind. Every kind has a key. */
     private final Map<String, List<PropertyDescriptor>> references = new HashMap<>();
 
     private WorldPrototype(
@@ -88,8 +89,8 @@ public final class WorldPrototype {
     }
 
     /**
-     * Returns the prototype of the given name: {@code si-f64} with 64-bit numbers, the default, or
-     * {@code si-f32} with 32-bit numbers, which is faster.
+     * Returns the prototype of the given name. The default {@code si-f64} has 64-bit numbers. The
+     * prototype {@code si-f32} has 32-bit numbers and is faster.
      *
      * @throws IllegalArgumentException for any other name
      */
@@ -112,15 +113,18 @@ public final class WorldPrototype {
         return extendedBy(joints(realType));
     }
 
-    /** Returns whether a property is one of {@link #withJoints()}. */
+    /** Returns whether a property is one of those that {@link #withJoints()} adds. */
     public boolean isOfJoints(PropertyDescriptor property) {
         return property.kind().equals(JOINT) && joints(realType).contains(property);
     }
 
     /**
-     * Returns the properties that only worlds have which use them: those of contacts of bodies,
-     * except for {@code friction} and {@code restitution}, and those of springs, damping, friction,
-     * rotors, servos and speeds of joints.
+     * Returns the properties that a world has only if it uses them:
+     *
+     * <ul>
+     *   <li>properties of contacts of bodies, except {@code friction} and {@code restitution}
+     *   <li>springs, damping, friction, rotors, servos and speeds of joints
+     * </ul>
      */
     public List<PropertyDescriptor> propertiesOnDemand() {
         List<PropertyDescriptor> properties = new ArrayList<>(contacts(realType));
@@ -129,8 +133,8 @@ public final class WorldPrototype {
     }
 
     /**
-     * Returns a copy with a designer's own physics properties. A property of an unknown kind adds
-     * this kind.
+     * Returns a copy with further physics properties, which the designer of a world declares. A
+     * property of an unknown kind adds this kind.
      *
      * @throws IllegalArgumentException if a name is taken, or a reference names a kind that does
      *     not exist
@@ -157,7 +161,7 @@ public final class WorldPrototype {
     }
 
     /**
-     * Returns a copy with declared types of semantic symbols; undeclared symbols may have any type.
+     * Returns a copy with declared types of semantic symbols. Undeclared symbols may have any type.
      *
      * @throws IllegalArgumentException if a symbol is declared twice
      */
@@ -173,14 +177,17 @@ public final class WorldPrototype {
     }
 
     /**
-     * Returns the type of real numbers (positions, velocities, forces, ...): {@link ScalarType#F64}
-     * or {@link ScalarType#F32}.
+     * Returns the type of real numbers such as positions and forces: {@link ScalarType#F64} or
+     * {@link ScalarType#F32}.
      */
     public ScalarType realType() {
         return realType;
     }
 
-    /** Returns the properties of the physics aspect, standard ones first, in a fixed order. */
+    /**
+     * Returns the properties of the physics aspect in a fixed order, beginning with the standard
+     * properties.
+     */
     public List<PropertyDescriptor> properties() {
         return properties;
     }
@@ -202,7 +209,7 @@ public final class WorldPrototype {
 
     /**
      * Returns all kinds in the order of their first property: body, spring, surface, world, then
-     * designers' own.
+     * the designer's own kinds.
      */
     public List<String> kinds() {
         return kinds;

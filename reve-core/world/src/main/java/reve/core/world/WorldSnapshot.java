@@ -9,9 +9,11 @@ import java.util.concurrent.atomic.AtomicBoolean;
 
 /**
  * The state of a world at the end of one frame, for one reading thread. It uses a slot of a {@link
- * SnapshotRing}, which the world overwrites if the reader keeps it too long: further values are
- * then invalid, though reading stays safe. Read first, then call {@link #lost()}, and use the
- * values only if it returns false.
+ * SnapshotRing}. The world overwrites this slot if the reader keeps it too long. Values that are
+ * read afterwards are invalid, but reading stays safe.
+ *
+ * <p>A reader therefore reads first and then calls {@link #lost()}. It uses the values only if the
+ * result is false.
  */
 public final class WorldSnapshot implements AutoCloseable {
 
@@ -70,8 +72,8 @@ public final class WorldSnapshot implements AutoCloseable {
     }
 
     /**
-     * Returns the tables in the order of {@link WorldPrototype#kinds()}; throws after {@link
-     * #close()}.
+     * Returns the tables in the order of {@link WorldPrototype#kinds()}. Throws an exception after
+     * {@link #close()}.
      */
     public List<TableSnapshot> tables() {
         if (closed.get()) {
@@ -81,8 +83,8 @@ public final class WorldSnapshot implements AutoCloseable {
     }
 
     /**
-     * Returns the spatial search. The first call builds a tree of all boxes, about 1 ms per 10,000
-     * bodies; throws after {@link #close()}.
+     * Returns the spatial search. The first call builds a tree of all boxes. Throws an exception
+     * after {@link #close()}.
      */
     public Space space() {
         TableSnapshot bodies = table(WorldPrototype.BODY);
@@ -99,25 +101,30 @@ public final class WorldSnapshot implements AutoCloseable {
         return space;
     }
 
-    /** Returns the relations between bodies; builds the same tree as {@link #space()}. */
+    /** Returns the relations between bodies. Builds the same tree as {@link #space()}. */
     public Relations relations() {
         return new Relations(table(WorldPrototype.BODY), space(), id -> symbols.get(id).name());
     }
 
     /**
-     * Returns the symbolic data of all items, in the order of their ids; valid even if the snapshot
-     * is lost.
+     * Returns the symbolic data of all items, in the order of their ids. The map is valid even if
+     * the snapshot is lost.
      */
     public PMap<ItemId, ItemSymbols> symbols() {
         return symbols;
     }
 
-    /** Returns the events of the frame, in order; valid even if the snapshot is lost. */
+    /**
+     * Returns the events of the frame, in order. The list is valid even if the snapshot is lost.
+     */
     public List<WorldEvent> events() {
         return events;
     }
 
-    /** Returns whether the slot was overwritten, so that values read from tables may be invalid. */
+    /**
+     * Returns whether the world has overwritten the slot, so that values read from tables may be
+     * invalid.
+     */
     public boolean lost() {
         return slot.isOverwrittenSince(stamp);
     }

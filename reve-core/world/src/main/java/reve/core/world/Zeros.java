@@ -2,20 +2,20 @@
 package reve.core.world;
 
 /**
- * Constant memory of zeros, shared by all column copies in a {@link SnapshotRing} that contain only
- * zeros. World's thread only.
+ * Constant memory of zeros. All column copies in a {@link SnapshotRing} that contain only zeros
+ * share it. For the world's thread only.
  */
 final class Zeros {
 
     /**
-     * Divisor: memory that must grow gets an eighth more than requested, because a growing column
-     * probably grows further.
+     * Divisor that determines the reserve of new memory. Memory that must grow gets an eighth more
+     * than requested, because a growing column probably grows further.
      */
     private static final int SLACK = 8;
 
     private ColumnBuffers.Buffer zeros = ColumnBuffers.NONE;
 
-    /** Returns at least that many bytes of zeros. */
+    /** Returns zeroed memory of at least this size [bytes]. */
     ColumnBuffers.Buffer of(long bytes) {
         if (zeros.memory().byteSize() < bytes) {
             zeros = ColumnBuffers.zeros(bytes + bytes / SLACK);
