@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a starting sandbox tells the engine's process, before it opens the library.
+// Reports of a starting sandbox to the engine's process, sent before the sandbox opens the library.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,8 @@
 
 namespace vesper {
 
-/// The client's arrays as passed to add or rebind; they remain the client's memory.
+/// The client's arrays, as passed to the functions that add or rebind a property. The memory
+/// belongs to the client.
 struct Arrays {
   void* data;
   uint64_t value_count;
@@ -68,10 +69,12 @@ class Columns {
   /// Returns a number that increases with every change.
   uint64_t generation() const { return generation_; }
 
-  /// Checks and updates changed columns: compares row counts, checks that arrays that laws may
-  /// write overlap no other array, expands shared values, and checks references against their range
-  /// and values against their minimum. Throws COUNT_MISMATCH, ACCESS_CONFLICT or INVALID_ARGUMENT
-  /// with property and row.
+  /// Checks and updates changed columns:
+  /// - compares the row counts of the properties of a kind;
+  /// - checks that arrays that laws may write overlap no other array;
+  /// - expands shared values;
+  /// - checks references against their range, and values against their minimum.
+  /// Throws COUNT_MISMATCH, ACCESS_CONFLICT or INVALID_ARGUMENT with property and row.
   void Refresh();
   /// Range-checks all references, also unchanged ones.
   void CheckReferences();

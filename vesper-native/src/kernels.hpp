@@ -23,7 +23,7 @@ uint64_t FindImmense(vesper_scalar_type type, const void* values, uint64_t count
 /// Computes sum[i] += addend[i].
 void Add(vesper_scalar_type type, void* sum, const void* addend, uint64_t count);
 
-/// Factor and divisor that convert a value from a unit of scale `multiply` to one of scale
+/// Factor and divisor that convert a value from a unit of scale `multiply` to a unit of scale
 /// `divide`.
 struct UnitRatio {
   double multiply = 1;

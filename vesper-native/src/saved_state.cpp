@@ -159,7 +159,8 @@ Header BlankHeader(uint32_t scratch_count, const StepClock& clock) {
   return header;
 }
 
-/// Completes a state that already has a header: writes its size and its checksum.
+/// Completes a state that already has a header. Writes its size into the header and appends the
+/// checksum.
 std::vector<std::byte> Finish(Writer& writer) {
   const uint64_t size = writer.bytes().size() + sizeof(uint64_t);
   std::memcpy(writer.bytes().data() + offsetof(Header, size), &size, sizeof size);

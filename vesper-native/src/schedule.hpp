@@ -27,7 +27,7 @@ class Schedule final : private LawCalls {
   void Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries);
   /// Makes the next Bind pass all arrays to all laws, also unchanged ones.
   void Forget();
-  /// Passes the current columns to all laws whose arrays changed. Throws NOT_FOUND if one is
+  /// Passes the current columns to all laws whose arrays changed. Throws NOT_FOUND if an array is
   /// missing, or the failure of a law. Columns must be current.
   void Bind();
   /// Passes the arrays that were written since the last call to the laws with DEFERRED uses.
