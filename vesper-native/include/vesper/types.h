@@ -66,7 +66,7 @@ typedef uint32_t vesper_access;
 #define VESPER_READ 1u       /**< The law only reads. */
 #define VESPER_WRITE 2u      /**< The law writes every row before it returns, and reads none. */
 #define VESPER_READ_WRITE 3u /**< The law reads, and may write any rows. */
-#define VESPER_ACCUMULATE                                                \
+#define VESPER_ACCUMULATE                                                 \
   4u /**< The law adds; the engine zeroes and sums over laws. FORCE only. \
       */
 #define VESPER_SCRATCH                                                    \
