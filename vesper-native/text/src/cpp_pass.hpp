@@ -15,7 +15,7 @@ struct CppMembers {
   std::vector<std::string> properties;
   std::vector<std::string> parameters;
   std::string neighbours;  // the search for pairs within a distance; empty if there is none
-  // Members with values of the last step, which an energy may depend on.
+  // Names of members with values of the last step, on which an energy may depend.
   std::string last_time, last_dt, last_stage;
 };
 
@@ -68,7 +68,8 @@ class PassWriter {
   void WriteLoop();
   void WriteLoopOverRows();
 
-  /// Returns a term as an expression for one row; in brackets if it binds less than `least`.
+  /// Returns a term as an expression for one row. The expression is in brackets if it binds less
+  /// strongly than `least`.
   std::string Row(TermId id, int least);
   /// Returns a term for a place where a plain whole number would have the wrong type.
   std::string Typed(TermId id, int least = 0);

@@ -49,8 +49,8 @@ struct Term {
   bool IsLeaf() const { return parts.empty(); }
 };
 
-/// The terms of one pass. Computing a term gives the same bits as computing its nodes: sums and
-/// products of two numbers are commuted at most.
+/// The terms of one pass. Computing a term gives the same bits as computing its nodes, because
+/// terms at most exchange the operands of a sum or product of two numbers.
 class Terms {
  public:
   Terms(const LawCode& law, const PassCode& pass);
@@ -69,7 +69,7 @@ class Terms {
   TermId OfComponents(const Nodes& nodes);
   bool IsWholeColumn(const Nodes& nodes) const;
   bool IsWholeParameter(const Nodes& nodes) const;
-  /// Returns true if the nodes have one form, so that they may be components of one vector.
+  /// Returns true if the nodes have the same form, so that they may be components of one vector.
   bool Alike(NodeId a, NodeId b, int depth) const;
   /// Splits sums or differences of three nodes into their left and right operands.
   void Split(const Nodes& nodes, Nodes& left, Nodes& right) const;

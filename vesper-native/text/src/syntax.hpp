@@ -57,8 +57,8 @@ struct Statement {
 
 enum class BlockKind { kRows, kJoined, kPairs };
 
-/// How an energy ends at the distance of `within`: not specified, cut off, shifted to 0, or
-/// smoothly reduced to 0.
+/// The ways in which an energy ends at the distance of `within`: not specified, cut off, shifted to
+/// 0, or smoothly reduced to 0.
 enum class Edge { kUnsaid, kCut, kShifted, kSmooth };
 
 struct Block {

@@ -89,7 +89,7 @@ class CompiledText {
 
   const vesper_law_library& table() const { return table_; }
 
-  /// `entry`: index in the table.
+  /// Creates a law; `entry` is its index in the table.
   std::unique_ptr<Instance> Create(size_t entry, const vesper_host& host,
                                    const double* parameters) const {
     const LawCode& law = laws_[entry / 2];
