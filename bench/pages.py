@@ -46,8 +46,8 @@ def put(file, text):
 def write(file, title, script, text, note=""):
     """Writes a page with the table in `text`.
 
-    Keeps a row of the existing page if the page was measured on the same processor and has the same
-    columns, and if the new table has no row with the same number in its first cell. So sizes can be
+    If the existing page was measured on the same processor and has the same columns, keeps some of
+    its rows: those whose first cell, a number, is in no row of the new table. So sizes can be
     measured separately.
     """
     page = RESULTS / file

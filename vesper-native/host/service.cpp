@@ -430,8 +430,8 @@ void Service::MoveRows(Reader& request) {
   }
 }
 
-/// Writes the state to the client's memory and replies with the step count, the size of the state
-/// and 1, or 0 if the memory is too small.
+/// Writes the state to the client's memory. Replies with the step count, the size of the state, and
+/// 1 if the state was written or 0 if the memory is too small.
 void Service::SaveState(Writer& reply) {
   const auto save = [&] {
     return state_size_ <= state_.size()

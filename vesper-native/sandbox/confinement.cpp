@@ -123,8 +123,8 @@ std::string Layers::Missing() const {
 }
 
 void EnterNamespaces(Layers& layers) {
-  // The other namespaces need capabilities, which only root has. Therefore root enters the user
-  // namespace last, in DropPrivileges. Other users enter it first and get the capabilities from it.
+  // Entering the other namespaces needs capabilities. Root has them, and enters the user namespace
+  // last, in DropPrivileges. Users without them enter it first, and get the capabilities from it.
   bool separated = geteuid() == 0 && unshare(CLONE_NEWPID) == 0;
   if (!separated) {
     Note(layers, kUserNamespace, EnterUserNamespace());

@@ -84,7 +84,7 @@ def connect(
     """Joins the world at an address as agent `name`, and returns when the agent has a body.
 
     `world` names one of the server's worlds; required only if the server has several.
-    `body` names an item that the world lends to agents; without it the world chooses one.
+    `body` names an item that the world grants to agents; without it the world chooses one.
     With `role` "observer" the client perceives everything and cannot act.
     `encoding` "msgpack" is faster and needs the package msgpack.
     With a `time` (a LockStep) the world waits for the agent, see `Agent.step`; without it, the

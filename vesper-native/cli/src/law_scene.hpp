@@ -23,8 +23,8 @@ struct PropertyValue {
 /// precision.
 class LawScene {
  public:
-  /// Prepares `bodies` bodies of 1 kg and ±1 µC in a cubic grid, and a spring between each body and
-  /// the next body if the law uses springs or is an integrator. `given` replaces the scene's values
+  /// Prepares `bodies` bodies of 1 kg and ±1 µC in a cubic grid. If the law uses springs or is an
+  /// integrator, a spring connects each body to the next body. `given` replaces the scene's values
   /// of properties, and gives values to properties that only a law as text declares. Loads no law
   /// yet. Throws std::invalid_argument if a given value fits no property.
   LawScene(const std::string& file, uint64_t bodies, const std::vector<PropertyValue>& given);

@@ -50,8 +50,8 @@ struct MachineCode {
   /// Executes the program like Kernels::run.
   void (*run)(Real* const* registers, const Real* uniforms, size_t count) = nullptr;
   /// Evaluates rows, and stores or adds their results. Returns the row before which it stops. It
-  /// stops if the remaining rows do not fill a vector, or if one of the rows of the next vector may
-  /// have a result that is NaN or infinite.
+  /// stops if the remaining rows do not fill a vector. It also stops if a row of the next vector
+  /// may have a result that is NaN or infinite.
   uint64_t (*rows)(const RowsOfPass<Real>* of) = nullptr;
   /// Executes the program like `run`. Itself loads the columns of other rows, which are then not in
   /// the registers.
