@@ -38,11 +38,11 @@ void ChooseSteadily(std::span<const ContactPoint> found, const Vector& normal, M
 /** A face that is clipped at the sides of a flat polygon, the reference. */
 struct Clipping {
   const Face& reference;  // counter-clockwise around the normal
-  Vector normal;          // of the reference face, towards the clipped face
+  Vector normal;          // normal of the reference, towards the clipped face
   const Face& incident;
   double radius;        // radius by which the clipped face's shape is rounded [m]
   double inset;         // radius by which the reference's shape is rounded [m]
-  double margin;        // as in Meeting [m]
+  double margin;        // greatest separation, see Meeting [m]
   bool steady = false;  // chooses points by ChooseSteadily
 };
 

@@ -37,7 +37,7 @@ struct ContactMemory {
    *  would differ slightly in each step, and resting bodies would not come to rest. Two shapes may
    *  have several contacts with different directions. */
   void Recall(Contact<Real>& contact, uint32_t partner, Real reach) const {
-    std::array<uint32_t, kSlots> slots;  // of this partner
+    std::array<uint32_t, kSlots> slots;  // slots with this partner
     uint32_t known = 0;
     for (uint32_t slot = 0; slot < kSlots; ++slot) {
       if (partners[slot] == partner + 1) slots[known++] = slot;

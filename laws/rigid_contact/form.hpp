@@ -24,7 +24,7 @@ struct Polytope {
   double thickness = 0;                       // smallest extent perpendicular to a face [m]
   double bound = 0;                           // distance from the origin to the farthest corner [m]
   double volume = 0;                          // [m^3]
-  Vector moments;  // of inertia about the axes through the origin, per mass [m^2]
+  Vector moments;  // moments of inertia about the axes through the origin, per mass [m^2]
 
   /** Returns the point that is farthest in a direction. */
   static const Vector& Farthest(std::span<const Vector> points, const Vector& direction) {

@@ -114,7 +114,7 @@ class Block {
 /** The properties of a joint, from its columns. */
 struct JointSettings {
   JointType type = JointType::kNone;
-  Vector anchor_a, anchor_b;                 // in the frames of the two bodies [m]
+  Vector anchor_a, anchor_b;                 // anchors in the frames of the two bodies [m]
   Vector axis;                               // unit vector in the frame of the first body
   Quaternion rest;                           // rotation of the second body in the frame of the
                                              // first, when they were joined
@@ -122,7 +122,7 @@ struct JointSettings {
   double travel_low = 0, travel_high = 0;    // [m]; equal: no limits, except for a distance joint
   double motor_speed = 0, motor_torque = 0;  // [rad/s], [N m]
   double drive_speed = 0, drive_force = 0;   // [m/s], [N]
-  AxisSettings loads;                        // of a hinge or slider
+  AxisSettings loads;                        // loads of a hinge or slider
   double ball_damping = 0;                   // damping of a ball times the step [N m s^2]
 };
 

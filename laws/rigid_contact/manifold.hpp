@@ -12,7 +12,7 @@ namespace vesper::rigid {
 
 /** A point where two shapes touch. */
 struct ContactPoint {
-  Vector at;              // in the middle between the two surfaces [m]
+  Vector at;              // place in the middle between the two surfaces [m]
   double separation = 0;  // along the normal [m]; negative: the shapes overlap
 };
 
@@ -20,7 +20,7 @@ struct ContactPoint {
 struct Manifold {
   static constexpr int kMost = 4;
 
-  Vector normal;  // from the first shape to the second, of length 1
+  Vector normal;  // unit vector from the first shape to the second
   std::array<ContactPoint, kMost> points;
   int count = 0;
 

@@ -104,7 +104,7 @@ class Parts {
   uint64_t rows_ = 0;
   std::vector<Part> parts_;
   std::vector<uint32_t> body_of_;  // (rows), empty without parts
-  std::vector<Sum> sums_;          // by ascending body
+  std::vector<Sum> sums_;          // sorted by body, ascending
 };
 
 }  // namespace vesper::rigid

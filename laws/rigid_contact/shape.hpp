@@ -22,7 +22,7 @@ enum class ShapeCode : int32_t {
   kMesh = 4,
   kCapsule = 5,
   kCylinder = 6,
-  kTriangle = 100,  // of a surface
+  kTriangle = 100,  // a triangle of a surface
   kSurface = 101,   // the triangles of an immovable mesh
 };
 
@@ -61,7 +61,7 @@ struct Shape {
   double radius = 0;
   Vector position;
   Axes axes;
-  const Polytope* hull = nullptr;  // of a mesh or triangle
+  const Polytope* hull = nullptr;  // hull of a mesh or triangle
 
   /** Returns the shape with these values of the columns; its code is kNone if it does not collide.
    *  `size` is the extent along the shape's own axes, `hull` the convex hull of a mesh. */

@@ -32,7 +32,7 @@ struct Motion {
   Vec3<Real> moved, turned;         // translation and rotation since the start of the step [m],
                                     // [rad]
   Real inverse_mass{};              // [1/kg]
-  Symmetric<Real> inverse_inertia;  // in the world frame [1/(kg m^2)]
+  Symmetric<Real> inverse_inertia;  // tensor in the world frame [1/(kg m^2)]
   Vec3<Real> push;                  // acceleration by the forces of other laws [m/s^2]
 
   void Apply(const Vec3<Real>& impulse, const Vec3<Real>& arm) {
@@ -81,8 +81,8 @@ struct Contact {
   using Vector = Vec3<Real>;
 
   struct Point {
-    Vector arm_a, arm_b;  // from the centres of the bodies to the point [m]
-    Real separation;      // at the start of the step [m]
+    Vector arm_a, arm_b;  // lever arms from the centres of the bodies to the point [m]
+    Real separation;      // separation at the start of the step [m]
     Real mass;            // effective mass along the normal [kg]
     Real across[3];       // inverse of the symmetric 2x2 matrix of responses perpendicular to the
                           // normal

@@ -272,7 +272,7 @@ class SpherePairs {
   // Used during a build only; reused to avoid allocations.
   std::vector<Grid> grids_;
   std::vector<Real> radii_;
-  std::vector<Entry> entries_;       // in the order of their buckets
+  std::vector<Entry> entries_;       // entries in the order of their buckets
   std::vector<uint32_t> bucket_;     // (buckets + 2), start of each bucket in entries_
   std::vector<uint64_t> bucket_of_;  // (rows)
   std::vector<uint64_t> counts_;     // (rows)

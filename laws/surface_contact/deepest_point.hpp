@@ -17,7 +17,7 @@ template <class Real>
 struct Ridge {
   Vec3<Real> start;
   Vec3<Real> along;                   // the edge divided by the square of its length [1/m]
-  std::array<Vec3<Real>, 2> normals;  // of the faces, outwards, length 1
+  std::array<Vec3<Real>, 2> normals;  // outward unit normals of the faces
 };
 
 /// The point of an edge that is deepest behind a mesh. This point is equally deep below two faces,

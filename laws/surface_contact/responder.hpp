@@ -65,7 +65,7 @@ struct Frame {
 template <class Real, size_t n>
 struct Touch {
   Vec3<Real> point;     // [m]
-  Vec3<Real> velocity;  // of the point [m/s]
+  Vec3<Real> velocity;  // velocity of the point [m/s]
   std::array<Immersion<Real>, n> faces;
   std::array<Real, n> shares;  // weights of the n faces; their sum is 1
   Real depth;                  // depth, weighted by shares [m]

@@ -50,7 +50,7 @@ struct Immersion {
   uint32_t face = kNone;          // row of the nearest surface; kNone: the point is not behind the
                                   // mesh
   Real depth = 0;                 // distance to the nearest point of the mesh [m], > 0
-  Vec3<Real> normal{};            // from the point to the nearest point, length 1
+  Vec3<Real> normal{};            // unit vector from the point to the nearest point
   std::array<Real, 3> weights{};  // weights of the face's corners at the nearest point
 };
 

@@ -106,7 +106,7 @@ class Service {
   vesper_engine_config config_{};
   std::unique_ptr<ReceivedPrototype> prototype_;
   std::unique_ptr<vesper_engine, EngineDeleter> engine_;
-  std::vector<vesper_library_id> libraries_;  // in the order of loading
+  std::vector<vesper_library_id> libraries_;  // libraries in the order of loading
   std::vector<vesper_library_id> before_;     // libraries before the changes in progress
   Mapping state_;                             // memory of the client, to which states are saved
   uint64_t state_size_ = 0;                   // size of the last saved state [bytes]

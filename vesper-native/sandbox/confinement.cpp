@@ -22,7 +22,7 @@ namespace vesper::apart {
 namespace {
 
 constexpr uid_t kNobody = 65534;
-constexpr uint64_t kLoadedBytes = uint64_t{256} << 20;  // of programs and libraries
+constexpr uint64_t kLoadedBytes = uint64_t{256} << 20;  // size of programs and libraries
 constexpr rlim_t kMaxDescriptors = 16;                  // while the library is loaded
 
 /// The kernel's interface of Landlock. The headers of older distributions lack its newer fields.

@@ -53,7 +53,7 @@ struct Exchange {
   alignas(64) vesper_status status;  // result of the command
   uint32_t refused_call;             // 1 + the system call that ended the sandbox, or 0
   double energy;                     // [J]
-  vesper_error error;                // after a failure
+  vesper_error error;                // filled after a failure
   uint32_t log_used;                 // bytes of `log` that this request has filled
   uint32_t log_dropped;              // number of log lines that did not fit
   char log[kLogSize];  // for each line, its level and length (uint32_t each) and its text

@@ -304,10 +304,10 @@ class Proxy {
   Library& library_;
   uint32_t index_;
   const std::vector<vesper_property_use>& uses_;
-  std::vector<bool> steady_;  // for each use
+  std::vector<bool> steady_;  // whether the property of each use is steady
   std::vector<double> parameters_;
   std::vector<vesper_property> bound_;
-  std::vector<uint64_t> offsets_;  // of each use in its region [bytes]
+  std::vector<uint64_t> offsets_;  // offset of each use in its region [bytes]
   Region reading_;
   Region writing_;
   uint64_t generation_ = 0;

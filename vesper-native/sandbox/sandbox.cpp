@@ -37,7 +37,7 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 constexpr milliseconds kStartLimit{2000};
-constexpr milliseconds kRequestLimit{2000};  // for calls outside frames
+constexpr milliseconds kRequestLimit{2000};  // time limit of calls outside of frames
 constexpr nanoseconds kLook = milliseconds(1);
 constexpr nanoseconds kAwake = std::chrono::microseconds(50);
 /// Processor time that a sandbox may use between its calls, per frame and per call. A sandbox needs
@@ -368,7 +368,7 @@ void Sandbox::ThrowCrashed(int status) {
 }
 
 nanoseconds Sandbox::ProcessorTime() const {
-  constexpr int kScheduler = 2;  // of the clocks of a process
+  constexpr int kScheduler = 2;  // clock of the processor time of a process
   const auto clock = static_cast<clockid_t>((~static_cast<unsigned>(pid_) << 3) | kScheduler);
   timespec time{};
   if (clock_gettime(clock, &time) != 0) return nanoseconds(0);

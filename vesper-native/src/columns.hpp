@@ -27,7 +27,7 @@ struct Column {
   bool stale = false;  // must be expanded and range-checked before use
   Arrays arrays{};
   uint64_t version = 0;
-  vesper_field field{};  // for a FIELD property
+  vesper_field field{};  // the field of a FIELD property
   AlignedBuffer dense;   // expanded rows, if the client shares values through indices
 
   /// Returns the first of the dense rows; null if there are none.
@@ -40,7 +40,7 @@ struct Column {
 struct Extent {
   uintptr_t begin, end;
   uint32_t property;
-  bool written;  // by laws or by the engine
+  bool written;  // laws or the engine may write it
 };
 
 /// All columns of an engine, in prototype order. Not thread-safe.
@@ -88,7 +88,7 @@ class Columns {
 
   const Prototype& prototype_;
   std::vector<Column> columns_;
-  std::vector<uint64_t> row_counts_;  // by kind
+  std::vector<uint64_t> row_counts_;  // row counts by kind
   uint64_t generation_ = 1;
   uint64_t refreshed_ = 0;
   std::vector<Extent> extents_;  // reused to avoid allocations

@@ -38,7 +38,7 @@ class CustomProvider {
 
   vesper_provider_callbacks callbacks_;
   const Prototype& prototype_;
-  std::vector<Answer> answers_;  // in prototype order
+  std::vector<Answer> answers_;  // answers in prototype order
   bool asked_ = false;
   uint64_t version_ = 0;
 };

@@ -66,7 +66,7 @@ class DeferredWrites {
   void FetchInputs(const ScheduledLaw& law, uint32_t stage);
 
   Columns& columns_;
-  std::vector<State> properties_;  // in prototype order
+  std::vector<State> properties_;  // states in prototype order
   bool none_ = true;
 };
 

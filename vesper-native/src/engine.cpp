@@ -63,7 +63,7 @@ class vesper_engine::Turn {
 struct vesper_engine::Changes {
   struct Place {
     vesper_library_id library;
-    std::vector<uint32_t> intervals;  // of each law
+    std::vector<uint32_t> intervals;  // interval of each law
   };
 
   /// Returns the library of a place, moved out of the unloaded libraries or out of `loaded`.
@@ -77,7 +77,7 @@ struct vesper_engine::Changes {
     return nullptr;
   }
 
-  std::vector<Place> places;  // in load order
+  std::vector<Place> places;  // places in load order
   std::vector<std::unique_ptr<vesper::LawLibrary>> unloaded;
   std::vector<std::unique_ptr<vesper::LawLibrary>> restored;  // reserved, so that Undo allocates
                                                               // nothing

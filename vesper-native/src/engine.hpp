@@ -119,7 +119,7 @@ struct vesper_engine {
   vesper::Columns columns_{prototype_};
   std::unique_ptr<vesper::CustomProvider> custom_;  // null: the client registers arrays
   vesper::ThreadPool pool_;
-  std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // in load order
+  std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // libraries in load order
   std::unique_ptr<Changes> changes_;                            // null: none are in progress
   vesper::Schedule schedule_{columns_, pool_};
   std::unique_ptr<vesper::Ledger> ledger_;  // null: the ledger is off

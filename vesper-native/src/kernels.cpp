@@ -35,7 +35,7 @@ struct Bits<double> {
   using Type = uint64_t;
   static constexpr Type kExponent = 0x7ff0000000000000u, kOne = 0x0010000000000000u;
   static constexpr Type kTop = 0x8000000000000000u;
-  static constexpr Type kImmense = kTop - (Type{1023 + 333} << 52);  // from 2^333 on
+  static constexpr Type kImmense = kTop - (Type{1023 + 333} << 52);  // marks values from 2^333 on
   static constexpr Type kUnwritten = 0x7ffce5be11000000u;
 };
 

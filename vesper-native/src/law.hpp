@@ -49,7 +49,7 @@ class Law {
   const vesper_law_desc& desc_;
   Running running_;
   std::string label_;
-  std::vector<bool> deferred_;  // by use
+  std::vector<bool> deferred_;  // whether each use is DEFERRED
   vesper_law* law_ = nullptr;
   uint64_t calls_ = 0;
   uint64_t nanoseconds_ = 0;

@@ -26,10 +26,10 @@ struct MatchedUse {
   uint32_t property;  // kNone for scratch, and for an optional property that the prototype lacks
   const vesper_property_use* use;
   AlignedBuffer share{};  // the law's accumulated values, where they are separate from the total
-  UnitRatio to_law{};     // from the property's unit to the unit that the law declares
+  UnitRatio to_law{};     // conversion from the property's unit to the law's unit
   uint32_t scratch_kind = 0;
   ScratchColumn scratch{};
-  std::optional<double> minimum = {};  // of the property, if the law writes it
+  std::optional<double> minimum = {};  // minimum of the property, if the law writes it
 };
 
 /// A field of a library, and the property of the prototype that it is matched with.

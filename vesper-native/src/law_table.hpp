@@ -33,7 +33,7 @@ class LawTable {
   vesper_law_library library_{};
   std::vector<vesper_law_desc> laws_;
   std::vector<vesper_field_desc> fields_;
-  std::vector<std::vector<vesper_property_use>> uses_;  // for each law
+  std::vector<std::vector<vesper_property_use>> uses_;  // uses of each law
   std::vector<std::vector<vesper_parameter_desc>> parameters_;
 };
 

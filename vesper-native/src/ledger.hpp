@@ -123,7 +123,7 @@ class Ledger {
   const Prototype& prototype_;
   const Columns& columns_;
   Bodies bodies_;
-  std::vector<std::shared_ptr<Account>> laws_;  // in load order
+  std::vector<std::shared_ptr<Account>> laws_;  // accounts in load order
   Account client_;
   Account ground_;
   Balance unloaded_;

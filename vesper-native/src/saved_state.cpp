@@ -24,7 +24,7 @@ struct Header {
   char magic[8];
   uint32_t version;
   uint32_t scratch_count;
-  uint64_t size;  // of the whole state [bytes], including the checksum at the end
+  uint64_t size;  // size of the whole state [bytes], including the checksum at the end
   StepClock clock;
 };
 

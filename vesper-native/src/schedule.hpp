@@ -65,7 +65,7 @@ class Schedule final : private LawCalls {
   uint32_t stage_count_ = 1;
   std::vector<Accumulation> accumulations_;  // one for each accumulator of the prototype
   Ledger* ledger_ = nullptr;
-  Targets targets_;  // of the law that is being bound; a member only to avoid allocations
+  Targets targets_;  // arrays of the law that is being bound; kept to avoid allocations
   uint64_t bound_generation_ = 0;
 };
 

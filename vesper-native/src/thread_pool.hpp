@@ -11,7 +11,8 @@ namespace vesper {
 /// A body of `parallel_for`, as in law.h.
 using RangeBody = void (*)(void* user, uint64_t begin, uint64_t end);
 
-/// Which threads take part in a loop. Waking a thread that sleeps takes about 10 us.
+/// The threads that take part in a loop: all, or only threads that are awake. Waking a thread takes
+/// about 10 us.
 enum class Helpers { kAll, kAwake };
 
 class ThreadPool {

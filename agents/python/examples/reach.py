@@ -73,7 +73,7 @@ def joint_speeds(columns: Sequence[Vector], velocity: Vector) -> List[float]:
 
 
 class Arm:
-    """Where the parts of the arm are, from one perception."""
+    """The places of the parts of the arm, from one perception."""
 
     def __init__(self, perception: reve.Perception) -> None:
         def place(name: str) -> Vector:

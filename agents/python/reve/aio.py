@@ -73,7 +73,7 @@ async def connect(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Agent:
-    """Like `reve.connect`, as a coroutine."""
+    """Joins a world as `reve.connect` does, as a coroutine."""
     if role == protocol.CONTROL:
         raise ValueError('connect() joins agents and observers; use control() for role "control"')
     greeting = protocol.hello(
@@ -94,7 +94,7 @@ async def control(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Control:
-    """Like `reve.control`, as a coroutine."""
+    """Joins a world as `reve.control` does, as a coroutine."""
     greeting = protocol.hello(name, role=protocol.CONTROL, token=token, world=world)
     boss = Control((host, port), greeting, timeout, tls)
     await boss._begin()

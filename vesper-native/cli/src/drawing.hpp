@@ -30,8 +30,8 @@ struct DrawLine {
   std::string kind;
   std::vector<uint64_t> rows;  // empty: all rows of the kind
   Paint paint;
-  std::optional<double> radius;  // for rows drawn as balls [m]
-  std::optional<double> width;   // for rows drawn as lines [px]
+  std::optional<double> radius;  // radius of rows drawn as balls [m]
+  std::optional<double> width;   // width of rows drawn as lines [px]
   bool unlit = false;            // no lighting, no shadow
   Place place;
 };
@@ -42,7 +42,7 @@ struct Camera {
 };
 
 struct Ground {
-  double height = 0;  // of the ground [m]
+  double height = 0;  // height of the ground [m]
   Colour colour;
 };
 

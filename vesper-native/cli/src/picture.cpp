@@ -160,8 +160,8 @@ std::vector<PictureWriter::Layer> PictureWriter::MakeLayers() const {
   if (lines.empty()) {
     throw std::runtime_error(scene_.file + ": there is nothing to draw; expected 'position'");
   }
-  std::map<std::string, std::vector<size_t>> line_of_row;  // by kind, then row: the draw line that
-                                                           // applies, counted from 1; 0: none
+  std::map<std::string, std::vector<size_t>> line_of_row;  // for each kind, the draw line of each
+                                                           // row, counted from 1; 0: none
   for (size_t i = 0; i < lines.size(); ++i) {
     auto& line_of = line_of_row[lines[i].kind];
     line_of.resize(scene_.rows.at(lines[i].kind));

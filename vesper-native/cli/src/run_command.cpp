@@ -24,7 +24,7 @@
 namespace vesper::cli {
 namespace {
 
-constexpr unsigned kFramePatience = 2;  // for the end of the current frame after a signal [s]
+constexpr unsigned kFramePatience = 2;  // maximum time to end the current frame after a signal [s]
 constexpr int kFirstSignal = 128;       // an exit code of this and more stands for a signal
 
 volatile std::sig_atomic_t interrupted = 0;  // the signal, or 0

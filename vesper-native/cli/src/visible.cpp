@@ -9,7 +9,7 @@
 namespace vesper::cli {
 namespace {
 
-constexpr char32_t kNoCharacter = 0xfffd;  // for bytes that are no UTF-8
+constexpr char32_t kNoCharacter = 0xfffd;  // represents bytes that are no UTF-8
 
 struct Range {
   char32_t first, last;

@@ -39,7 +39,7 @@ template <class Real>
 struct PairsOfRow {
   const Real* const* second;  // columns of the second rows: 4 for each group of loads
   Real* const* sums;          // sums of each row: 4 for each group of results
-  const Real* uniforms;       // of the values of the first row, only its loads are filled
+  const Real* uniforms;       // values of the first row are filled only for its loads
   uint64_t first;
   uint64_t rows;
 };

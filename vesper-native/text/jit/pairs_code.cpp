@@ -106,7 +106,7 @@ class PairsCode {
     bool of_first;               // true: of the first row; false: of the second rows
     uint16_t positive;           // register of the result whose negative this is, or kNothing
     bool checked;                // true: a sum of the first row detects NaN and infinity
-    std::vector<x86::Vec> sums;  // of the first row, in the order of Kernels::sum
+    std::vector<x86::Vec> sums;  // sums of the first row, in the order of Kernels::sum
 
     uint16_t source() const { return positive != kNothing ? positive : from; }
   };
@@ -258,7 +258,7 @@ class PairsCode {
   x86::Compiler& code_;
   const Program& program_;
   const Graph& graph_;
-  std::vector<uint16_t> columns_;  // by register of a load: index of its column
+  std::vector<uint16_t> columns_;  // index of the column of each register of a load
   std::vector<Result> results_;
   std::vector<bool> skipped_;
   std::vector<Pointer> pointers_;

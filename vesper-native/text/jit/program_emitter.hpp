@@ -44,7 +44,7 @@ class ProgramEmitter {
   std::vector<VectorValue> before_;   // uniform values that are loaded before the loop
   std::vector<VectorValue> uniform_;  // those of the vector that is being emitted
   std::vector<VectorValue> registers_;
-  std::vector<size_t> last_;  // by register: the last operation that computes it
+  std::vector<size_t> last_;  // for each register, the last operation that computes it
   std::function<Vec(uint16_t)> load_;
 };
 

@@ -90,7 +90,7 @@ class VectorAssembler {
   const bool is_avx512_;
   const bool is_f64_;
   const void* const function_;
-  std::optional<std::array<Mem, 3>> arguments_;  // of calls, on the stack
+  std::optional<std::array<Mem, 3>> arguments_;  // memory on the stack for arguments of calls
 };
 
 }  // namespace vesper::text

@@ -93,10 +93,10 @@ class PassWriter {
   CppNeeds& needs_;
   Terms terms_;
   std::vector<Root> roots_;
-  std::vector<uint32_t> uses_;      // by term: how many terms and results use it; 0: not needed
-  std::vector<bool> used_in_rows_;  // by term: a row's term or result uses it
+  std::vector<uint32_t> uses_;      // number of terms and results that use each term
+  std::vector<bool> used_in_rows_;  // whether a row's term or result uses each term
   std::vector<uint32_t> sizes_;
-  std::vector<std::string> locals_;  // by term: its variable, if it has one
+  std::vector<std::string> locals_;  // variable of each term; empty: none
   std::string row_;                  // the variable of the block's row
   std::vector<std::string> participants_;
   std::string lines_;

@@ -29,7 +29,7 @@ enum class TermKind : uint8_t {
   kCross,
   kDot,     // a number
   kLength,  // a number
-  kVector,  // of three numbers
+  kVector,  // a vector made of three numbers
 };
 
 using TermId = uint32_t;
@@ -44,7 +44,7 @@ struct Term {
   double value = 0;
   uint32_t index = 0;
   Load load{};
-  std::string name = {};  // from the text
+  std::string name = {};  // name in the text, if there is one
 
   bool IsLeaf() const { return parts.empty(); }
 };
@@ -88,7 +88,7 @@ class Terms {
   std::map<Nodes, TermId> vectors_;
   std::map<NodeId, std::string> number_names_;
   std::map<Nodes, std::string> vector_names_;
-  std::map<NodeId, std::pair<Nodes, uint16_t>> components_;  // of named vectors
+  std::map<NodeId, std::pair<Nodes, uint16_t>> components_;  // components of named vectors
   std::map<Nodes, bool>
       operations_;  // named vectors that are known; false also while they are made
 };

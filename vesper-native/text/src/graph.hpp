@@ -81,9 +81,9 @@ struct Node {
   NodeId a = kNoNode;
   NodeId b = kNoNode;
   NodeId c = kNoNode;
-  double value = 0;    // of kConstant
-  uint32_t index = 0;  // of kParameter
-  Load load{};         // of kLoad
+  double value = 0;    // value of a kConstant
+  uint32_t index = 0;  // index of a kParameter
+  Load load{};         // component that a kLoad reads
 };
 
 /// Thrown if a formula exceeds the maximum number of nodes.

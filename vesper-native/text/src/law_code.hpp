@@ -74,7 +74,7 @@ struct PassCode {
   std::optional<uint32_t> stage;
   std::vector<Output> outputs;
   NodeId energy = kNoNode;
-  std::vector<NamedValue> names;  // for readers of generated code
+  std::vector<NamedValue> names;  // names for readers of generated code
 };
 
 struct LawCode {

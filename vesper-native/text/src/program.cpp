@@ -178,7 +178,7 @@ class Compiler {
   const bool all_pairs_;
   Program program_;
   std::vector<Level> levels_;
-  std::vector<uint16_t> place_;  // by node: a register, or kUniform + the index of a uniform value
+  std::vector<uint16_t> place_;  // register of each node, or kUniform + index of a uniform value
   std::vector<NodeId> last_use_;
   std::vector<bool> needed_;
   std::vector<uint16_t> free_;

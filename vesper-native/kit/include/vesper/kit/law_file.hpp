@@ -68,8 +68,8 @@ class LawFile {
 
   std::string path_;
   std::unique_ptr<void, Close> handle_;  // null: not a shared object
-  Prepared prepared_{};                  // of a text, or of a file in Python for f64
-  Prepared f32_prepared_{};              // of a file in Python
+  Prepared prepared_{};                  // tables of a text, or of a file in Python for f64
+  Prepared f32_prepared_{};              // tables of a file in Python for f32
   const vesper_law_library* table_;
   const vesper_law_library* f32_table_ = nullptr;
 };

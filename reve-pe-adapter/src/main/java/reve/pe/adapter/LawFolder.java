@@ -259,7 +259,7 @@ public final class LawFolder implements AutoCloseable {
     private Map<String, Path> list() throws IOException {
         Map<String, Path> present = new TreeMap<>();
         List<Path> all = FolderFiles.in(folder);
-        if (isForEverybody(folder)) { // also if the folder was removed and made again
+        if (isForEverybody(folder)) { // in every scan, as it may be a new folder
             throw new IOException("every user can write to it: chmod o-w it");
         }
         for (Path file : all) {
