@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures what a frame costs besides physics, the two bulk copies and DERIVE.
 
-Runs a world of bodies under newton_motion and gravity_field at full speed, and prints the parts of
-the busy time per body, as the median over the runs. The share is a ratio within one run, so it does
-not depend on the speed of the machine. Exits with 1 if the share is above the target.
+Runs a world of bodies under newton_motion and gravity_field at full speed. Prints the parts of the
+busy time per body, as medians over the runs. The share is a ratio within one run, so it does not
+depend on the speed of the machine. Exits with 1 if the share is above the target.
 """
 
 import json

@@ -46,8 +46,9 @@ def put(file, text):
 def write(file, title, script, text, note=""):
     """Writes a page with the table in `text`.
 
-    Keeps a row of the existing page if it was measured on the same processor, has the same columns,
-    and its first cell, a number, is not in the new table. So sizes can be measured separately.
+    If the existing page was measured on the same processor and has the same columns, keeps some of
+    its rows: those whose first cell, a number, is in no row of the new table. So sizes can be
+    measured separately.
     """
     page = RESULTS / file
     heading, rows = table(text)

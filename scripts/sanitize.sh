@@ -57,8 +57,8 @@ rm -rf "$reports"
 mkdir -p "$reports"
 # Mesa, which draws for the renderer, has its own threads and is built without the sanitizer. So the
 # thread sanitizer sees Mesa's accesses to memory but not its locks, and reports races that do not
-# exist. The same holds for TBB. Code that runs on TBB's threads is checked, see
-# vesper-native/src/thread_sanitizer.hpp.
+# exist. The same is true for TBB. The sanitizer still checks the engine's code on TBB's threads,
+# see vesper-native/src/thread_sanitizer.hpp.
 printf '%s\n' race:libOSMesa.so called_from_lib:libtbb.so > "$reports/thread.supp"
 export TSAN_OPTIONS="suppressions=$reports/thread.supp"
 check address address,undefined

@@ -45,7 +45,7 @@ def case(element):
         part = f"{owner.split('.')[-1].split('$')[0]}#{name.split('(')[0]}"
     bad = [child for child in element if child.tag in ("failure", "error")]
     if bad:
-        # ctest reports only that a test failed; why stands in what the test printed.
+        # ctest reports only that a test failed; the output of the test contains the reason.
         said = bad if owner and owner != name else [*bad, *element.iter("system-out")]
         text = "\n".join((e.get("message") or "") + "\n" + (e.text or "") for e in said)
         return Case(full, part, "failed", text.strip())

@@ -105,7 +105,7 @@ class Client {
                  : "{\"t\":\"perceive\",\"every\":1}\n");
   }
 
-  /// Pushes its item, and ends its part of the frame.
+  /// Sends the act that pushes the client's item, and ends the client's part of the frame.
   void Act() {
     const std::string item = "p" + std::to_string(id_);
     acts_++;
@@ -131,7 +131,7 @@ class Client {
     return size_t(count);
   }
 
-  /// Removes whole messages from the input. Returns how many of them were perceptions.
+  /// Removes complete messages from the input. Returns the number of perceptions among them.
   int TakePerceptions() {
     int perceptions = 0;
     size_t begin = 0;
@@ -339,7 +339,7 @@ class Load {
   std::vector<double> behind_;  ///< For each perception of a stream: clock minus world time [s].
   uint64_t bytes_ = 0;
   double begun_ = 0;
-  std::vector<double> slices_;  ///< Samples per second in each half second since the beginning.
+  std::vector<double> slices_;  ///< Rate of samples [1/s] in each half second since the beginning.
   double slice_begun_ = 0;
   uint64_t slice_count_ = 0;
   int epoll_ = -1;

@@ -51,7 +51,8 @@ sockaddr_in Loopback(int port) {
   return address;
 }
 
-/// A socket that leaves no state in the system when it is closed, so that ports do not run out.
+/// A socket that leaves no state in the system when it is closed, so that the system always has
+/// free ports.
 class Connection {
  public:
   explicit Connection(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* LAWS force laws with an empty body: the time measured is the cost of the engine. */
+/* A library of LAWS force laws with an empty body. The time of a step with them is the cost of the
+ * engine. */
 #include "vesper/law.h"
 
 #define USE(property, components_, access_, unit_) \

@@ -22,14 +22,16 @@ import java.util.Locale;
 import java.util.Map;
 
 /**
- * Measures the cost of a frame's physics in this process and in a process of its own.
+ * Measures the cost of a frame's physics with an engine in this process, and with an engine in a
+ * separate process.
  *
  * <p>java FrameCost.java BODIES STEPS FRAMES PACED_FRAMES LOSSES; {@code bench/engine_process/run}
  * calls it.
  *
- * <p>Both engines advance equal worlds, in turn. Prints one line: the tenth percentile and the
- * median of the time of a frame [us], back to back and then at 60 Hz, for each engine, and the
- * median and the 99th percentile of a frame before which the process was killed.
+ * <p>Both engines advance equal worlds, in turn. Prints one line. For each engine, it contains the
+ * tenth percentile and the median of the time of a frame [us], back to back and then at 60 Hz. Then
+ * follow the median and the 99th percentile of the time of a frame before which the engine's
+ * process was killed.
  */
 class FrameCost {
     private static final List<String> LAWS = List.of("gravity_field", "drag", "newton_motion");
@@ -55,7 +57,7 @@ class FrameCost {
             }
             long[] lost = new long[numbers[4]];
             for (int loss = 0; loss < lost.length; loss++) {
-                Thread.sleep(20); // the spare gets warm
+                Thread.sleep(20); // until the spare process has started
                 ProcessHandle.current()
                         .children()
                         .filter(child -> child.info().command().orElse("").endsWith("vesper-host"))
@@ -84,7 +86,10 @@ class FrameCost {
         }
     }
 
-    /** The host in use has the most memory mapped; both have few threads. */
+    /**
+     * Returns the number of memory mappings of a host; 0 if it has ended. The host in use has more
+     * mappings than the spare host. Their numbers of threads are similar.
+     */
     private static int threads(ProcessHandle host) {
         try {
             return (int)
@@ -154,7 +159,7 @@ class FrameCost {
             long start = System.nanoTime();
             try {
                 engine.advance(DT, steps);
-            } catch (PhysicsException lost) { // the adapter repeats such a frame, too
+            } catch (PhysicsException lost) { // repeats the frame, as the adapter does
                 engine.advance(DT, steps);
             }
             return System.nanoTime() - start;

@@ -67,8 +67,8 @@ struct Icosahedra {
     return engine;
   }
 
-  /// Returns the mean height of all corners [m]: near 1, the radius, while the bodies are intact
-  /// and on the ground.
+  /// Returns the mean height of all corners [m]. It is near the radius of 1 m if the bodies are
+  /// intact and on the ground.
   double MeanHeight() const {
     double sum = 0;
     for (size_t i = 3; i < mass.size(); ++i) sum += double{position[3 * i + 1]};

@@ -11,7 +11,7 @@ namespace bench {
 
 inline constexpr uint32_t kThreads = 2;
 
-/// Bodies of equal mass, total mass 1 kg, with G = 1.
+/// Bodies of equal mass, with a total mass of 1 kg. The gravitational constant is 1.
 struct World {
   std::span<const double> position;  // (bodies x 3) [m]
   double softening;                  // [m]

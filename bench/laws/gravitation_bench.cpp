@@ -26,7 +26,7 @@ std::vector<double> ReadDoubles(const char* path) {
   return {values, values + bytes.size() / sizeof(double)};
 }
 
-/// A law, followed by newton_motion.
+/// An engine with a law of gravitation and newton_motion.
 template <class Real>
 class Law : public bench::Side {
  public:
@@ -55,7 +55,7 @@ class Law : public bench::Side {
     engine_.LoadPhysicsLaw("newton_motion");
   }
 
-  /// Runs a step so short that nothing moves, so that all sides use the same positions.
+  /// Runs a step that is so short that nothing moves. So all sides use the same positions.
   void Run() override { engine_.Advance(1e-12); }
 
   std::vector<double> Accelerations() override {

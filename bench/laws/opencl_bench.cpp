@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the OpenCL laws in the engine with the usual kernel without an engine. Also compares
-// them with themselves when mixed with a law of the CPU, or when all arrays are copied back. Prints
-// a table.
+// Compares the OpenCL laws in the engine with the usual kernel without an engine. Also measures
+// these laws together with a law of the CPU, and with all arrays copied back. Prints a table.
 //   opencl_bench FOLDER_OF_LAWS [--quick] [BODIES...]
 #include <cstdlib>
 #include <cstring>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times two programs for the same work in turn, A B A B ..., so that other activity of the machine
-// affects both, and measures that activity.
+// Times two programs for the same work in turn, A B A B .... So other activity of the machine
+// affects both programs. Also measures this activity.
 #pragma once
 
 #include <sys/resource.h>
@@ -15,7 +15,7 @@
 namespace bench {
 
 struct Clock {
-  double wall, processor, busy;  // [s]; busy: all processors, all programs
+  double wall, processor, busy;  // [s]; busy: time of all programs on all processors
 
   static Clock Now() {
     using namespace std::chrono;

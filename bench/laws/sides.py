@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sides that do the same work, timed in turn: those of gravitation_bench, and functions here."""
+"""Sides that do the same work and are timed in turn: those of gravitation_bench, and functions of
+this module."""
 
 import argparse
 import os
@@ -64,8 +65,8 @@ class Program:
         self.folder.cleanup()
 
     def side(self, number):
-        """Returns a function that times a number of calls: [s] per call, wall clock and processor
-        time."""
+        """Returns a function that times a number of calls. Its results are wall-clock and processor
+        time per call [s]."""
 
         def run(calls):
             print(number, calls, file=self.process.stdin, flush=True)
@@ -92,7 +93,7 @@ def timed(action):
 
 
 def busy():
-    """Returns the busy time of all processors [s], with all programs."""
+    """Returns the time [s] that all programs have used on all processors."""
     ticks = list(map(int, pathlib.Path("/proc/stat").read_text().splitlines()[0].split()[1:9]))
     return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")
 

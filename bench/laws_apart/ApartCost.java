@@ -22,13 +22,15 @@ import java.util.Locale;
 import java.util.Map;
 
 /**
- * Measures the cost of laws that run apart, beside the same laws in the engine's process.
+ * Measures the cost of laws that run apart (in a sandbox), and of the same laws in the engine's
+ * process.
  *
  * <p>java ApartCost.java BODIES STEPS FRAMES PACED_FRAMES; {@code bench/laws_apart/run} calls it.
  *
- * <p>Three engines advance equal worlds, in turn: one with all laws in the engine's process, one
- * with one law apart, one with all laws apart. Prints one line: for each engine, the tenth
- * percentile and the median of the time of a frame [us], back to back and then at 60 Hz.
+ * <p>Three engines advance equal worlds, in turn: one engine with all laws in its process, one
+ * engine with one law apart, and one engine with all laws apart. Prints one line. For each engine,
+ * it contains the tenth percentile and the median of the time of a frame [us], back to back and
+ * then at 60 Hz.
  */
 class ApartCost {
     private static final List<String> LAWS = List.of("gravity_field", "drag", "newton_motion");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a message of fixed size to each client sixty times per second: the size of an update of
-// five moving items in MessagePack. Makes no world and reads nothing; measures the jitter of the
-// machine alone.
+// Writes a message of fixed size to each client sixty times per second. The size is that of an
+// update of five moving items in MessagePack. The program makes no world and reads nothing, so it
+// measures the jitter of the machine alone.
 //   paced_writes PORT
 #define _GNU_SOURCE
 #include <arpa/inet.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fastest direct summation of softened gravitation known to the authors for one type of
-// processor: AVX-512 with approximate reciprocal roots and OpenMP. It is the reference for the law.
-// Its bits depend on the processor and on the number of threads.
+// The fastest direct summation of softened gravitation for one type of processor that the authors
+// know. It uses AVX-512 with approximate reciprocal roots, and OpenMP. It is the reference for the
+// law. Its bits depend on the processor and on the number of threads.
 #pragma once
 
 #include <immintrin.h>
@@ -27,8 +27,8 @@ struct Bodies {
   std::vector<std::vector<Line>> columns;  // x y z mass, ax ay az
 };
 
-/// Computes each pair once, in float: 4 bodies with vectors of 16, and reactions in a buffer per
-/// thread.
+/// Computes each pair once, in float: 4 bodies with vectors of 16 bodies. The reactions are summed
+/// in a buffer for each thread.
 class ThirdLawKernel {
  public:
   ThirdLawKernel(Bodies<float>& bodies, int threads) : bodies_(bodies), threads_(threads) {
@@ -111,7 +111,7 @@ class ThirdLawKernel {
     Sums rows;
     for (int u = 0; u < 4; ++u) rows.x[u] = rows.y[u] = rows.z[u] = _mm512_setzero_ps();
     const int64_t own = i / 16 * 16, n = static_cast<int64_t>(bodies_.count);
-    Block<false>(i, own, softening2, rows, sums);  // here each pair occurs in both orders
+    Block<false>(i, own, softening2, rows, sums);  // this block contains each pair in both orders
     for (int64_t j = own + 16; j < n; j += 16) Block<true>(i, j, softening2, rows, sums);
     for (int u = 0; u < 4; ++u) {
       sums[0][i + u] += _mm512_reduce_add_ps(rows.x[u]);

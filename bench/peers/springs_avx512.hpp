@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fastest loop over damped springs known to the authors for one type of processor: AVX-512 with
-// approximate reciprocal roots, eight springs at a time, and OpenMP with a buffer of forces for
-// each thread. It is the reference for the law. Its bits depend on the processor and on the number
-// of threads.
+// The fastest loop over damped springs for one type of processor that the authors know. It uses
+// AVX-512 with approximate reciprocal roots, for eight springs at a time, and OpenMP with a buffer
+// of forces for each thread. It is the reference for the law. Its bits depend on the processor and
+// on the number of threads.
 #pragma once
 
 #include <immintrin.h>

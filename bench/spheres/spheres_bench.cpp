@@ -68,8 +68,8 @@ struct Balls {
     return engine;
   }
 
-  /// Returns the largest overlap of two balls, or of a ball and the floor [m]. Checks all pairs
-  /// that are near in x.
+  /// Returns the largest overlap of two balls, or of a ball and the floor [m]. Checks all pairs of
+  /// balls whose x coordinates are near each other.
   double DeepestOverlap() const {
     std::vector<size_t> rows(mass.size());
     for (size_t i = 0; i < rows.size(); ++i) rows[i] = i;

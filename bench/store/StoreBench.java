@@ -29,9 +29,9 @@ import java.util.Random;
  * new process, the memory of an item, and the cost of queries, updates and attached items. See
  * docs/benchmarks.md.
  *
- * <p>Memory is what further worlds of the same size add. Outside the heap it is the growth of the
- * resident set, because the heap is resident from the start. In the heap it is the growth of used
- * memory after a collection.
+ * <p>The memory of a world is the memory that further worlds of the same size add. Outside of the
+ * heap, it is the growth of the resident set, because the heap is resident from the start. In the
+ * heap, it is the growth of used memory after a garbage collection.
  */
 final class StoreBench {
 
@@ -95,7 +95,9 @@ final class StoreBench {
                 last.attached());
     }
 
-    /** Loads all items at once, as from a world file, but from code. */
+    /**
+     * Loads all items at once, as a world file does. The definitions of the items come from code.
+     */
     private void load() {
         List<ItemDefinition> definitions = new ArrayList<>();
         for (int i = 0; i < items; i++) {
@@ -114,7 +116,7 @@ final class StoreBench {
         world.addAll(definitions);
     }
 
-    /** Runs frames in which all items move and which are published to readers. */
+    /** Runs frames in which all items move. Each frame is published to readers. */
     private void run() {
         bus.subscribe(FramePhase.PHYSICS, "motion", event -> move(event.dtSeconds()));
         DerivedColumns.subscribeTo(bus);
@@ -125,7 +127,7 @@ final class StoreBench {
         loop.run(2 * SLOTS);
     }
 
-    /** Writes the columns that a law of motion with forces writes. */
+    /** Moves all items. Writes the same columns as a law of motion with forces. */
     private void move(double dtSeconds) {
         var bodies = world.table("body");
         var positions = bodies.column("position");
@@ -173,8 +175,8 @@ final class StoreBench {
     }
 
     /**
-     * Returns the median time to place attached items [ns each]: a tenth of all items, on nine
-     * tenths.
+     * Returns the median time to compute the place of an attached item [ns]. A tenth of all items
+     * is attached to the other nine tenths.
      */
     private String attached() {
         List<Item> all = world.items();

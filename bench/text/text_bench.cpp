@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures laws as text beside the compiled laws of the same name, in turn, on one thread, and all
-// pairs beside a plain loop; and the time from a text to the first step that uses it. Prints
-// tables. With LAW, ROWS and PRECISION it prints the time of one law as text per row or pair [ns].
+// Compares laws as text with the compiled laws of the same name, in turn, on one thread. Compares a
+// law over all pairs with a plain loop. Measures the time from a text to the first step that uses
+// it. Prints tables. With LAW, ROWS and PRECISION, prints the time of one law as text per row or
+// pair [ns].
 #include <time.h>
 
 #include <algorithm>
@@ -82,7 +83,7 @@ struct World {
   }
 };
 
-/// The loop that one would write: each pair once, in double loops over rows.
+/// The loop that a programmer would usually write: two nested loops over rows, with each pair once.
 template <class Real>
 [[gnu::noinline]] void PlainLoop(World<Real>& world) {
   const size_t n = world.mass.size();

@@ -14,17 +14,17 @@
 
 namespace vesper {
 
-/** Sums over all pairs of bodies. The result has the same bits for any number of threads and,
- *  with portable roots, on every processor: the bodies (rows) are divided into shares, one task
- *  each, and their number depends on the number of bodies only. Each share has separate sums, which
- *  are added in order. */
+/** Sums over all pairs of bodies. The bodies (rows) are divided into shares, and each share is one
+ *  task. The number of shares depends on the number of bodies only. Each share has separate sums,
+ *  which are added in order. Therefore the result has the same bits for any number of threads. With
+ *  portable roots, it also has the same bits on every processor. */
 template <class Real>
 class AllPairs {
  public:
   explicit AllPairs(InstructionSet set = BestInstructionSet()) : set_(set) {}
 
-  /** Allocates space for this number of bodies; a share keeps sums for its own rows and all later
-   *  ones. */
+  /** Allocates space for this number of bodies. A share has sums for its own rows and for all later
+   *  rows. */
   void Resize(uint64_t bodies) {
     packets_.resize((bodies + kSize - 1) / kSize);
     const uint64_t count = packets_.size();
@@ -32,8 +32,9 @@ class AllPairs {
     shares_.clear();
     uint64_t sums = 0;
     for (uint64_t s = 0; s < shares; ++s) {
-      // Row p is paired with count - p packets, so the work of the rows from p on is as (count -
-      // p)^2. Shares of equal work end where this square decreases evenly.
+      // Row p is paired with count - p packets, so the work of the rows from p on is proportional
+      // to (count - p)^2. Shares have equal work if this square decreases by the same amount in
+      // each.
       const double left = std::sqrt(1.0 - static_cast<double>(s) / static_cast<double>(shares));
       const uint64_t first = count - static_cast<uint64_t>(left * static_cast<double>(count));
       shares_.push_back({first, sums});
@@ -46,8 +47,9 @@ class AllPairs {
    *
    *      constant w_i sum over j of w_j (x_j - x_i) / (|x_j - x_i|^2 + softening^2)^(3/2)
    *
-   *  with its weight w and position x [m], softening [m]. One row per body; the number of bodies is
-   *  that of Resize. `step` has a function ParallelFor like that of vesper::Step. */
+   *  with its weight w, its position x [m] and the softening [m]. The columns have one row per
+   *  body; the number of bodies is that of Resize. `step` has a function ParallelFor like
+   *  vesper::Step. */
   template <class Step>
   void Attract(const Step& step, ReciprocalRoot root, double constant, double softening,
                std::span<const Real> weight, std::span<const Vec3<Real>> position,
@@ -101,7 +103,7 @@ class AllPairs {
   static constexpr Real kLeast = kSingle ? Real(0x1p-78) : Real(0x1p-600);
 
   struct Share {
-    uint64_t first;  // first row, in packets; the share ends before the next one's first row
+    uint64_t first;  // first row, in packets; the share ends before the first row of the next share
     uint64_t sums;   // offset of the share's sums in sums_
   };
   struct Scales {
@@ -172,7 +174,7 @@ class AllPairs {
   }
 
   InstructionSet set_;
-  // Each call overwrites all of these.
+  // Each call overwrites all following members.
   std::vector<BodyPacket<Real>> packets_;
   std::vector<Share> shares_;
   std::vector<SumPacket<Real>> sums_;  // the sums of the first share, then of the second, ...

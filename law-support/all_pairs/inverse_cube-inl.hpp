@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The power r^-3 = (r^2)^(-3/2), for each Highway target that includes this file.
+// The power r^-3 = (r^2)^(-3/2). Highway includes this file once for each target (instruction set).
 #if defined(VESPER_ALL_PAIRS_INVERSE_CUBE) == defined(HWY_TARGET_TOGGLE)
 #ifdef VESPER_ALL_PAIRS_INVERSE_CUBE
 #undef VESPER_ALL_PAIRS_INVERSE_CUBE
@@ -64,8 +64,8 @@ struct PortableRoot {
 /// Computes r^-3 from r^2 > 0 with the processor's approximation of r^-1 and a correction: the
 /// first terms of (1 - e)^(-3/2), where e is the error of the approximation's square.
 struct ApproximateRoot {
-  /// If the processor's approximation has 14 bits, two terms reduce the error to 3e-8; if 12 bits
-  /// or fewer, three terms reduce it to 1e-7.
+  /// If the processor's approximation has 14 bits, two terms reduce the error to 3e-8. If it has 12
+  /// bits or fewer, three terms reduce the error to 1e-7.
   template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
     requires std::same_as<hwy::HWY_NAMESPACE::TFromD<D>, float>
   static HWY_INLINE V InverseCube(D d, V r2) {
@@ -78,7 +78,8 @@ struct ApproximateRoot {
     return hn::Mul(hn::Mul(guess, square), Fused(d, p, error, one));
   }
 
-  /// For f64, only AVX-512 has an approximation: 14 bits; four terms reduce the error to 1e-15.
+  /// For f64, only AVX-512 has an approximation. It has 14 bits, and four terms reduce the error to
+  /// 1e-15.
   template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
     requires std::same_as<hwy::HWY_NAMESPACE::TFromD<D>, double>
   static HWY_INLINE V InverseCube(D d, V r2) {

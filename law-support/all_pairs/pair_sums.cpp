@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Highway includes this file once for each instruction set. This file also selects the version to
-// run: Highway's own selection is in its shared library, which a law must not need.
+// Highway includes this file once for each instruction set. This file also selects the version that
+// runs. Highway's own selection is in a shared library, and a law must not need a shared library.
 #include "all_pairs/pair_sums.hpp"
 
 #include <algorithm>
@@ -33,8 +33,8 @@ struct GroupSums {
 };
 
 /// Adds the forces between the bodies [row, row + kGroup) of one packet and a vector of bodies,
-/// from `lane` on, of a later packet or of the same one. Within one packet each pair occurs in both
-/// orders, so only the rows get sums (`both` is false).
+/// from `lane` on, of a later packet or of the same packet. Within one packet each pair occurs in
+/// both orders. Therefore only the rows get sums in this case (`both` is false).
 template <class Root, bool both, class Real, class D, class V = hn::Vec<D>>
 HWY_INLINE void SumBlock(D d, const BodyPacket<Real>& rows, uint64_t row,
                          const BodyPacket<Real>& columns, uint64_t lane, V softening2,
@@ -79,8 +79,8 @@ HWY_INLINE hn::TFromD<D> FoldLanes(D d, V v) {
     return hn::GetLane(v);
   } else {
     const hn::Half<D> half;
-    // Unqualified, so that it is found by argument-dependent lookup: Highway has no UpperHalf for
-    // vectors with one lane.
+    // UpperHalf has no namespace, so that the compiler searches it only when the function is
+    // instantiated. Highway has no UpperHalf for vectors with one lane.
     return FoldLanes(half, hn::Add(hn::LowerHalf(half, v), UpperHalf(half, v)));
   }
 }
@@ -98,8 +98,8 @@ HWY_INLINE Real SumOfPacket(const Real* lanes) {
   return FoldLanes(d, sum[0]);
 }
 
-/// Adds the forces between the bodies [row, row + kGroup) of packet p and those of the packets
-/// [begin, end). If p is in this range, it is the first of it.
+/// Adds the forces between the bodies [row, row + kGroup) of packet p and the bodies of the packets
+/// [begin, end). If p is in this range, it is the first packet of the range.
 template <class Root, class Real>
 HWY_INLINE void SumGroup(const BodyPacket<Real>* bodies, uint64_t p, uint64_t row, uint64_t begin,
                          uint64_t end, Real softening, SumPacket<Real>* sums) {
@@ -134,7 +134,7 @@ HWY_INLINE void SumGroup(const BodyPacket<Real>* bodies, uint64_t p, uint64_t ro
   }
 }
 
-// Packets of columns that stay in the first-level cache while the rows are processed.
+// Number of packets of columns that stay in the first-level cache while the rows are processed.
 constexpr uint64_t kTile = 64;
 
 template <class Root, class Real>

@@ -34,8 +34,9 @@ enum class ReciprocalRoot {
  *
  *      sum over j of weight_i weight_j (x_j - x_i) / (|x_j - x_i|^2 + softening2)^(3/2)
  *
- *  with an error of a few roundings. softening2 > 0; its power -3/2 times two weights must be
- *  finite, because it is the whole denominator at distance 0. sums: (count). */
+ *  with an error of a few roundings. `softening2` must be above 0, and its power -3/2 times two
+ *  weights must be finite, because softening2 is the whole denominator at distance 0. `sums` has
+ *  `count` packets. */
 template <class Real>
 void SumPairs(InstructionSet set, ReciprocalRoot root, const BodyPacket<Real>* bodies,
               uint64_t rows, uint64_t count, Real softening2, SumPacket<Real>* sums);

@@ -71,8 +71,8 @@ cl_device_id Choose(const Api& api) {
 }  // namespace
 
 Api::Api() {
-  // NODELETE, because OpenCL drivers keep threads and global state and must stay mapped, and so
-  // must the loader.
+  // The flag NODELETE keeps the loader mapped. OpenCL drivers have threads and global state, so the
+  // drivers and their loader must stay mapped.
   void* library = dlopen(kLoader, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (library == nullptr) {
     throw std::runtime_error(std::string("no OpenCL on this machine: there is no ") + kLoader +
@@ -192,8 +192,8 @@ void Buffer::Reserve(size_t bytes) {
 void Buffer::Upload(const void* from, size_t bytes) {
   Reserve(bytes);
   if (bytes == 0) return;
-  // CL_TRUE blocks until the copy is done, because the caller may change its array as soon as this
-  // returns.
+  // CL_TRUE makes the call wait until the copy is done, because the caller may change its array as
+  // soon as Upload returns.
   device_.Check(device_.api_.EnqueueWriteBuffer(device_.queue_, memory_, CL_TRUE, 0, bytes, from, 0,
                                                 nullptr, nullptr),
                 "clEnqueueWriteBuffer");

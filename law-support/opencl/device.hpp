@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The OpenCL device of the laws of a suite: one context, one in-order queue.
+// The OpenCL device of the laws of a suite. It has one context and one in-order queue.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@
 
 namespace vesper::opencl {
 
-/** The functions of the OpenCL library that the suite calls. They are looked up when a law is
- *  created, and not linked, so that a machine without OpenCL reports a clear error. */
+/** The functions of the OpenCL library that the suite calls. They are not linked, but looked up
+ *  when a law is created. So a machine without OpenCL reports a clear error. */
 struct Api {
   /** Looks up the functions. Throws std::runtime_error if the machine has no OpenCL library. */
   Api();
@@ -115,7 +115,7 @@ class Device {
   const std::string& name() const { return name_; }
   /** Throws if the device does not support double precision. */
   void RequireDoubles() const;
-  /** Returns how many numbers of this size (4 or 8 bytes) one instruction of the device
+  /** Returns the number of values of this size (4 or 8 bytes) that one instruction of the device
    *  processes. */
   uint32_t VectorWidth(size_t number_size) const;
   /** Compiles kernel `kernel` of a program. */

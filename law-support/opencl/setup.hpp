@@ -26,7 +26,7 @@ struct OpenClSetup {
     suite_->mass.Take(mass);
     suite_->position.Take(position);
   }
-  /** Does nothing: Bind has uploaded columns that were written. */
+  /** Does nothing, because Bind has uploaded the columns that were written. */
   void Advance(const Step&) {}
 
  private:

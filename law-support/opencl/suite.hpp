@@ -23,8 +23,8 @@ class DeviceColumn {
     buffer_.Upload(column.data(), column.size() * sizeof *column.data());
     version_ = column.version();
   }
-  /** Makes room for a kernel that writes all rows. From now on the data on the device is valid and
-   *  the host's array is out of date. */
+  /** Allocates memory for a kernel that writes all rows. From this call on, the data on the device
+   *  is valid and the host's array is stale. */
   template <class Column>
   void Overwrite(const Column& column) {
     buffer_.Reserve(column.size() * sizeof *column.data());
@@ -51,7 +51,7 @@ class Suite {
   std::unique_ptr<Kernel> Compile(const char* kernel, bool fast = false) {
     return Compile(kernel, sizeof(Real), fast);
   }
-  /** Returns how many bodies a work item of the gravitation kernel handles. */
+  /** Returns the number of bodies that a work item of the gravitation kernel processes. */
   template <class Real>
   uint32_t Width() const {
     return Width(sizeof(Real));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotations of rigid bodies. They are computed in double for both precisions: in float, a rounding
-// error that is equal in every step would cause drift.
+// Rotations of rigid bodies. They are computed in double for both precisions. In float, a rounding
+// error that is equal in every step would add up to a drift.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,8 @@ Vec3<Real> Narrow(const Vector& x) {
   return {static_cast<Real>(x.x), static_cast<Real>(x.y), static_cast<Real>(x.z)};
 }
 
-/** A rotation, or a product of rotations that is not normalised yet: v sin(a/2), cos(a/2). */
+/** A rotation by the angle a about a unit axis, or a product of rotations that is not normalised
+ *  yet. The vector part is the axis times sin(a/2), and the scalar part is cos(a/2). */
 struct Quaternion {
   Vector v;
   double w = 1;
@@ -55,8 +56,8 @@ struct Quaternion {
 };
 
 /** Returns the rotation by twice the vector `half` [rad]. The tangent of the half angle is
- *  computed by its Pade approximant of order [3/2], accurate to 1e-7 up to 0.5 rad, instead of a
- *  libm function, whose bits differ between machines. */
+ *  computed by its Pade approximant of order [3/2], which is accurate to 1e-7 up to 0.5 rad. A
+ *  function of libm is not used, because its bits differ between machines. */
 inline Quaternion RotationBy(const Vector& half) {
   const double square = Dot(half, half);
   return Quaternion{half * (15 - square), 15 - 6 * square}.Normalised();
@@ -74,10 +75,11 @@ inline Quaternion TurnAboutOwnAxis(const Quaternion& q, const Vector& momentum, 
   return q * RotationBy(turn);
 }
 
-/** Returns the rotation of a free body after `dt` as a product of exact rotations: one about the
- * angular momentum, as if all moments were the middle one, and one about each axis of the lowest
- * and the highest moment, for the difference from the middle one. If two moments are equal, one
- * difference is zero, and the product is exact. */
+/** Returns the rotation of a free body after `dt` as a product of exact rotations. The first
+ *  rotation is about the angular momentum, as if all moments of inertia were the middle moment.
+ *  Further rotations, about the axes of the lowest and of the highest moment, account for the
+ *  differences from the middle moment. If two moments are equal, one difference is zero and the
+ *  product is exact. */
 inline Quaternion Drift(Quaternion q, const Vector& momentum, const std::array<double, 3>& moments,
                         double dt) {
   std::array<int, 3> axis = {0, 1, 2};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Multiplication and addition with one rounding, for each Highway target that includes this file.
+// Multiplication and addition with one rounding. Highway includes this file once for each target
+// (instruction set).
 #if defined(VESPER_SIMD_FUSED) == defined(HWY_TARGET_TOGGLE)
 #ifdef VESPER_SIMD_FUSED
 #undef VESPER_SIMD_FUSED

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body on a spring, to measure integrators: omega = 5 rad/s.
+// A body on a spring with the angular frequency 5 rad/s, with which tests measure integrators.
 #pragma once
 
 #include <algorithm>
@@ -39,8 +39,8 @@ struct Oscillator {
 };
 
 /// Returns the maximum rounding error of the strain [m] after `steps` steps. Each step rounds a
-/// position of 0.5 m, a velocity of 2.5 m/s (from a strain of 0.5 m), and a length of 2.5 m, whose
-/// force acts for dt^2 only; dt is at most 0.1 s.
+/// position of 0.5 m, a velocity of 2.5 m/s (from a strain of 0.5 m), and a length of 2.5 m. The
+/// force of this length acts for dt^2 only; dt is at most 0.1 s.
 template <class Real>
 double LargestRounding(uint32_t steps) {
   return Rounding<Real>(steps);
@@ -72,7 +72,8 @@ struct Convergence {
   double rounding;  // maximum effect of rounding on the order
 };
 
-/// Measures the order by comparing the errors of this many steps per second and of twice as many.
+/// Measures the order of an integrator. Compares the errors with `steps` steps per second and with
+/// twice as many steps.
 template <class Real>
 Convergence MeasureConvergence(const std::string& integrator, uint32_t steps) {
   const double coarse = ErrorAfterOneSecond<Real>(integrator, steps);

@@ -99,8 +99,8 @@ struct Scene {
   static Vec3<double> Wide(Vec3<Real> v) { return {double{v.x}, double{v.y}, double{v.z}}; }
 };
 
-/// Returns a scene of `bodies` bodies in a box of 20 m, each connected to its successor and to a
-/// random one. All but the first have mass.
+/// Returns a scene of `bodies` bodies in a box of 20 m. A spring connects each body to the next
+/// body, and another spring connects it to a random body. All bodies except the first have mass.
 template <class Real>
 Scene<Real> RandomNetwork(uint32_t bodies, uint32_t seed) {
   std::mt19937 random(seed);
@@ -122,7 +122,7 @@ Scene<Real> RandomNetwork(uint32_t bodies, uint32_t seed) {
   return scene;
 }
 
-/// Returns the rounding error of one operation on numbers as large as this one.
+/// Returns the rounding error of one operation on numbers of the magnitude `size`.
 template <class Real>
 double Rounding(double size) {
   return size * static_cast<double>(std::numeric_limits<Real>::epsilon());

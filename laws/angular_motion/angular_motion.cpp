@@ -12,8 +12,8 @@ using namespace vesper::rigid;
 // Bodies per chunk of a thread; a chunk's columns fill about half a megabyte.
 constexpr uint64_t kGrain = 4096;
 
-/** Euler's equations of a rigid body: the torque changes the angular velocity, then the body
- *  rotates for a step without torque. */
+/** Euler's equations of a rigid body. In a step, the torque first changes the angular velocity;
+ *  then the body rotates without torque. */
 template <class Real>
 struct AngularMotion {
   static constexpr auto kName = "angular_motion", kVersion = "1.0.0";
@@ -43,7 +43,7 @@ struct AngularMotion {
     });
   }
 
-  /** Rotates a body with three equal moments of inertia, a simpler case of Turn. */
+  /** Rotates a body whose three moments of inertia are equal, which is a simpler case of Turn. */
   void TurnBall(uint64_t i, double moment, double dt) const {
     const Vector spin = Wide(angular_velocity[i]) + Wide(torque[i]) * (dt / moment);
     angular_velocity[i] = Narrow<Real>(spin);

@@ -15,8 +15,8 @@ namespace {
 using namespace vesper;
 using namespace vesper::barnes_hut;
 
-/** Newton's gravitation of many bodies by the method of Barnes and Hut: cells of a tree replace
- *  distant bodies. */
+/** Newton's gravitation of many bodies by the method of Barnes and Hut: a cell of a tree replaces
+ *  all its bodies if it is distant. */
 template <class Real>
 class BarnesHutGravitation {
  public:
@@ -79,8 +79,8 @@ class BarnesHutGravitation {
   // Capacity of the interaction lists; a list is evaluated when it is full.
   static constexpr uint32_t kList = 512;
 
-  /** Returns true if the sum over all pairs is faster than the tree; measurements gave the limits.
-   *  */
+  /** Returns true if there are so few bodies that the sum over all pairs is faster than the tree.
+   *  The limits were measured. */
   bool FewBodies() const {
     constexpr double kFew = std::is_same_v<Real, float> ? 2900 : 1600;
     return static_cast<double>(position_.size()) * theta_.value() <= kFew;
@@ -114,8 +114,8 @@ class BarnesHutGravitation {
   }
   Real Theta2() const { return Real(theta_) * Real(theta_); }
 
-  /** Computes the forces on the bodies [first, last) of the order along the Hilbert curve, at most
-   *  kGroup. */
+  /** Computes the forces on the bodies [first, last) of the order along the Hilbert curve. These
+   *  are at most kGroup bodies. */
   void Pull(uint64_t first, uint64_t last) const {
     Targets<Real> targets;
     Box<Real> box;
@@ -183,8 +183,8 @@ class BarnesHutGravitation {
     add_bodies();
   }
 
-  /** Returns the sum of m_j / sqrt(d^2 + softening^2) over all bodies except k, at the k-th body of
-   *  the order along the Hilbert curve, in the units of the tree. */
+  /** Returns the potential at the k-th body of the order along the Hilbert curve, in the units of
+   *  the tree: the sum of m_j / sqrt(d^2 + softening^2) over all other bodies. */
   double Potential(uint64_t k) const {
     const Vec3<Real> at = tree_.sources()[k].position;
     const double softening2 = Softening2();
@@ -226,7 +226,7 @@ class BarnesHutGravitation {
 
   const Interactions<Real> simd_ = AvailableInteractions<Real>().front();
   const Interactions<float> simd_single_ = AvailableInteractions<float>().front();
-  // Advance and PotentialEnergy rebuild these in each call.
+  // Advance and PotentialEnergy rebuild these members in each call.
   AllPairs<Real> pairs_;
   Octree<Real> tree_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Attraction of cells distant from a group of bodies, in single precision for worlds of either
-// precision.
+// Attraction of cells that are distant from a group of bodies. It is computed in single precision
+// for worlds of either precision.
 #pragma once
 
 #include <algorithm>
@@ -13,13 +13,15 @@
 
 namespace vesper::barnes_hut {
 
-/// Sum over distant cells for a group of bodies in double. The sum is computed in single precision
-/// relative to the group's centre, which is twice as fast. The rounding error, at most 1e-6 of a
-/// cell's attraction, is far below the truncation error of the cell's expansion.
+/// The sum of the attractions of distant cells on a group of bodies in double precision. The sum is
+/// computed in single precision relative to the group's centre, which is twice as fast. The
+/// rounding error is at most 1e-6 of a cell's attraction. This is far below the truncation error of
+/// the cell's expansion.
 class DistantCells {
  public:
-  /// Creates the sum for the group `targets` that fills `box`. The group must outlive this object,
-  /// which adds results to the group's sums. softening2 [tree's length^2].
+  /// Creates the sum for the group `targets`, whose bounding box is `box`. The group must outlive
+  /// this object, which adds results to the group's sums. `softening2` is the square of the
+  /// softening [tree's length^2].
   DistantCells(const Interactions<float>& simd, Targets<double>& targets, const Box<double>& box,
                double softening2)
       : simd_(simd),
@@ -55,8 +57,8 @@ class DistantCells {
     if (count_ == kList) Flush();
   }
 
-  /// Adds the attraction of the cells since the last flush to the sums of the group, in double, so
-  /// that rounding errors do not accumulate.
+  /// Adds the attraction of the cells since the last flush to the sums of the group. The sums are
+  /// in double, so that rounding errors do not accumulate.
   void Flush() {
     std::fill_n(single_.ax, kGroup, 0.0f);
     std::fill_n(single_.ay, kGroup, 0.0f);

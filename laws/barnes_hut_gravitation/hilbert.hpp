@@ -11,14 +11,15 @@ namespace vesper::barnes_hut {
 /// Bits of a coordinate per axis: the grid has 2^kHilbertLevels cells per side.
 inline constexpr int kHilbertLevels = 21;
 
-/// The curve within one cube: the position of each octant on the curve, and the orientation of the
-/// curve in that octant.
+/// The position of one octant of a cube on the curve, and the orientation of the curve in this
+/// octant.
 struct HilbertStep {
   uint8_t place, state;
 };
 
-/// One step for each of the 24 orientations of the curve in a cube and each octant. C. Hamilton and
-/// A. Rau-Chaplin, Compact Hilbert indices, Inf. Process. Lett. 105 (2008), for three dimensions.
+/// One step for each of the 24 orientations of the curve in a cube and for each octant. The method
+/// is from C. Hamilton and A. Rau-Chaplin, Compact Hilbert indices, Inf. Process. Lett. 105 (2008),
+/// for three dimensions.
 inline constexpr auto kHilbertSteps = [] {
   const auto rotate = [](uint32_t bits, uint32_t by) {
     return (bits << by | bits >> (3 - by)) & 7u;
@@ -53,8 +54,8 @@ constexpr uint64_t Spread(uint64_t x) {
 }
 
 /// Returns the position of the cell (x, y, z) on the curve through a grid of 2^21 cells per side.
-/// Each group of three bits, from the highest on, selects an octant; consecutive cells share a
-/// face.
+/// Consecutive cells of the curve share a face. Each group of three bits of the coordinates, from
+/// the highest on, selects an octant.
 inline uint64_t HilbertPlace(uint64_t x, uint64_t y, uint64_t z) {
   const uint64_t octants = Spread(x) << 2 | Spread(y) << 1 | Spread(z);
   uint64_t place = 0;

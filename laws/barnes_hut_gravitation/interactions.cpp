@@ -18,7 +18,7 @@ using vesper::HWY_NAMESPACE::Fused;
 using vesper::HWY_NAMESPACE::FusedMinus;
 using vesper::HWY_NAMESPACE::PortableRoot;
 
-/// A vector of target bodies, kept in registers while all sources are processed.
+/// A vector of target bodies, which stays in registers while all sources are processed.
 template <class D>
 class Block {
  public:
@@ -54,8 +54,8 @@ class Block {
     az_ = Fused(d, w, dz, az_);
   }
 
-  /// With r^2 = d^2 + softening2, S the spread of the cell and q = S d / r^2, adds the pull of a
-  /// cell: a += m / r^3 [(1 + (5/2 (d.q) - 1/2 tr S) / r^2) d - q].
+  /// Adds the pull of a cell: a += m / r^3 [(1 + (5/2 (d.q) - 1/2 tr S) / r^2) d - q]. Here S is
+  /// the matrix of the cell's second moments, r^2 = d^2 + softening2, and q = S d / r^2.
   HWY_INLINE void Add(const Multipole<Real>& cell, V softening2) {
     const D d;
     const V dx = hn::Sub(hn::Set(d, cell.centre.x), x_);
@@ -140,8 +140,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace vesper::barnes_hut {
 
-// Selects the function by itself: Highway's own dispatch is in a shared library, which a law must
-// not need.
+// This function selects the loops itself. Highway's own selection is in a shared library, and a law
+// must not need a shared library.
 template <class Real>
 std::vector<Interactions<Real>> AvailableInteractions() {
   std::vector<Interactions<Real>> available;

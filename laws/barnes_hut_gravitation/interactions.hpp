@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forces of bodies and of whole cells on a group of bodies, in SIMD.
+// Forces of bodies and of whole cells on a group of bodies, computed with vector instructions.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +12,10 @@ namespace vesper::barnes_hut {
 /// Bodies that traverse the tree together; a multiple of the widest vector used.
 inline constexpr uint32_t kGroup = 64;
 
-/// All values below are in the units of the tree, see Scales.
+// All values in the rest of this file are in the units of the tree, see Scales.
 
-/// Minimum of softening squared: two bodies at one place then attract with the force 0, not with 0
-/// times infinity.
+/// Minimum of the squared softening. With it, two bodies at the same place attract each other with
+/// the force 0. Without it, the force would be 0 times infinity.
 template <class Real>
 inline constexpr Real kLeastSoftening2 = sizeof(Real) == 4 ? Real(0x1p-82) : Real(0x1p-600);
 

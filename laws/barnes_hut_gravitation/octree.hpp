@@ -48,8 +48,8 @@ struct Box {
   static constexpr Real kMost = std::numeric_limits<Real>::max();
 };
 
-/// Factors, powers of two, between the units of the world and those of the tree. In the tree's
-/// units the largest coordinate and the heaviest body are near fixed numbers, so that powers of
+/// Factors between the units of the world and those of the tree; they are powers of two. In the
+/// tree's units, the largest coordinate and the heaviest body are near fixed numbers. So powers of
 /// distances stay within the range of Real for any units of the world.
 struct Scales {
   double length = 1, mass = 1;
@@ -59,7 +59,7 @@ struct Scales {
 template <class Real>
 struct Cell {
   Vec3<Real> centre;      // centre of mass
-  Real reach2;            // squared radius of a ball that contains all of its bodies
+  Real reach2;            // squared radius of a ball about `centre` that contains all its bodies
   uint32_t first, count;  // range of its bodies in the order along the Hilbert curve
   uint32_t next;          // index of the next cell that is not a descendant
 };
@@ -84,8 +84,8 @@ class Octree {
   /// Returns the row of the k-th body of the order along the Hilbert curve.
   uint32_t Row(uint64_t k) const { return items_[k].row; }
 
-  /// Descends the tree until each cell is small as seen from everywhere in the box: reach <= theta
-  /// * distance. Calls far(cell index, distance^2) for these cells, and near(run of bodies) for
+  /// Descends the tree until each cell is small as seen from every point of the box: reach <= theta
+  /// * distance. Calls far(cell index, distance^2) for these cells. Calls near(run of bodies) for
   /// leaves that are too close or contain one body.
   template <class Far, class Near>
   void Walk(const Box<Real>& from, Real theta2, const Far& far, const Near& near) const {
@@ -182,14 +182,14 @@ void Octree<Real>::Scale(const Parallel& parallel, std::span<const Vec3<Real>> p
   scales_ = {scale(length, kExtent), scale(heaviest, -32)};
 }
 
-/// Sorts items [first, last) along the Hilbert curve through the cube whose lower corner is that of
-/// their common bounding box and whose side is the longest side of this box.
+/// Sorts items [first, last) along the Hilbert curve through a cube. The lower corner of the cube
+/// is that of the items' bounding box, and its side is the longest side of this box.
 template <class Real>
 template <class Parallel>
 void Octree<Real>::Sort(const Parallel& parallel, std::span<const Vec3<Real>> position,
                         uint64_t first, uint64_t last) {
   const Box<Real> box = Bounds(parallel, position, first, last);
-  // Computed in double and halved, so that no extent overflows.
+  // Returns half the difference, computed in double, so that it does not overflow.
   const auto half = [](Real high, Real low) { return 0.5 * double{high} - 0.5 * double{low}; };
   const double extent = std::max(
       {half(box.high.x, box.low.x), half(box.high.y, box.low.y), half(box.high.z, box.low.z)});
@@ -282,8 +282,8 @@ void Octree<Real>::Weigh(const Parallel& parallel) {
   }
 }
 
-/// Adds to the second moments of `whole` those of a mass `weight` at the offset d from the
-/// common centre of mass.
+/// Adds the second moments of a mass `weight` to those of `whole`. The mass is at the offset d from
+/// the common centre of mass.
 template <class Real>
 void AddSpread(Multipole<Real>& whole, Vec3<Real> d, Real weight) {
   whole.xx += weight * d.x * d.x;
@@ -304,7 +304,8 @@ void Octree<Real>::WeighLeaf(uint32_t c) {
     whole.mass += body.mass;
     box.Include(body.position);
   }
-  // Positions relative to a body: rounding then depends on the cell's size, not on its position.
+  // Sums positions relative to a body. So rounding errors depend on the size of the cell, and not
+  // on its position.
   const Vec3<Real> origin = bodies[0].position;
   const Real each = whole.mass > 0 ? 1 / whole.mass : 0;
   for (const Source<Real>& body : bodies) {

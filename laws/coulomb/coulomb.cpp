@@ -5,7 +5,7 @@ namespace {
 
 using namespace vesper;
 
-/** Coulomb's law between all pairs of charges, with Plummer softening as in gravitation. */
+/** Coulomb's law between all pairs of charges, with Plummer softening as in newton_gravitation. */
 template <class Real>
 struct Coulomb {
   static constexpr auto kName = "coulomb", kVersion = "1.0.0";

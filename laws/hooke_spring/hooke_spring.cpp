@@ -17,19 +17,19 @@ using namespace vesper::hooke_spring;
 
 // Rows per chunk of a thread while copies are compared with columns.
 constexpr uint64_t kGrain = 16384;
-// Maximum number of concurrent threads; each needs a workspace for the largest tile.
+// Maximum number of concurrent threads; each thread needs a workspace for the largest tile.
 constexpr uint64_t kMostPlaces = 64;
-// Calls without an edit of the springs after which copying columns pays off, although they are in
-// order.
+// Number of successive calls without an edit of the springs after which the law copies columns
+// whose springs are already in tile order. With fewer calls, the copy costs more time than it
+// saves.
 constexpr uint64_t kSettled = 16;
 constexpr uint64_t kUnknown = UINT64_MAX;
 
-/** Springs with viscous damping along their axis. The bodies are divided into tiles. For each
- *  tile, all springs attached to one of its bodies are computed, and their forces on these
- *  bodies are summed in a fixed order; other tiles compute the forces on their own bodies. If
- *  consecutive springs belong to distant bodies, the law reads copies of the springs' columns in
- *  tile order. After kSettled calls without edits, it also copies columns whose springs are in
- *  that order already. */
+/** Springs with viscous damping along their axis. The law divides the bodies into tiles. For each
+ *  tile, it computes all springs that are attached to a body of the tile. It sums their forces on
+ *  the tile's own bodies in a fixed order. If consecutive springs belong to distant bodies, the law
+ *  reads copies of the springs' columns in tile order. After kSettled calls without edits, it also
+ *  copies columns whose springs are already in that order. */
 template <class Real>
 struct HookeSpring {
   static constexpr auto kName = "hooke_spring", kVersion = "1.0.0";
@@ -82,18 +82,18 @@ struct HookeSpring {
   }
 
  private:
-  /** A copy of a column: in the order of its rows, and in the order of the tiles' slots; empty if
-   *  the column is not copied. */
+  /** Two copies of a column: in the order of its rows, and in the order of the tiles' slots. Both
+   *  are empty if the column is not copied. */
   struct Copied {
     const Real* column = nullptr;
     uint64_t version = 0;
-    bool stale = false;  // the column may have changed since
+    bool stale = false;  // the column may have changed since it was copied
     std::vector<Real> rows;
     LargeArray<Real> slots;
   };
 
   void BuildTiles() {
-    endpoints_version_ = kUnknown;  // valid only at the end, because an allocation may fail before
+    endpoints_version_ = kUnknown;  // set at the end, because an allocation may fail before
     if (tiles_.Build({endpoints.data(), endpoints.size()}, position.size()) || !taken_) Reserve();
     bodies_ = position.size();
     endpoints_version_ = endpoints.version();
@@ -126,8 +126,8 @@ struct HookeSpring {
     copy.version = column.version();
   }
 
-  /** Copies the column again if a value in it has changed. The comparison reads the rows in order,
-   *  which costs little compared with reads in another order. */
+  /** Copies the column again if one of its values has changed. The comparison reads the rows in
+   *  order, which costs little compared with reads in another order. */
   void Update(Copied& copy, const Step& step) {
     const uint64_t count = copy.column != nullptr ? endpoints.size() : 0;
     if (copy.rows.size() != count || Differ(copy, step)) {
@@ -190,7 +190,7 @@ struct HookeSpring {
   }
 
   const TileForces<Real> compiled_ = AvailableTileForces<Real>().front();
-  // Bind or each Advance rebuilds all of these.
+  // Bind or Advance can rebuild all following members.
   SpringTiles tiles_;
   uint64_t endpoints_version_ = kUnknown;  // version from which the tiles were built
   uint64_t bodies_ = 0;

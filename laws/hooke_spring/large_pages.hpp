@@ -11,8 +11,8 @@
 
 namespace vesper::hooke_spring {
 
-/// Allocator that puts long arrays into large pages, if the system has any. The processor then
-/// needs fewer address translations and can prefetch across longer ranges.
+/// Allocator that puts long arrays into large pages, if the system has large pages. With them, the
+/// processor needs fewer address translations and can prefetch across longer ranges.
 template <class T>
 struct LargePages {
   using value_type = T;

@@ -12,15 +12,16 @@ namespace {
 
 constexpr uint32_t kNowhere = UINT32_MAX;
 constexpr uint64_t kUnknown = UINT64_MAX;
-// Bodies per tile: enough springs to justify a task, but few enough to stay in the second-level
-// cache. Tiles are larger (kFewestIfFar) if many springs would connect two tiles.
+// Limits of the number of bodies in a tile. A tile must have enough springs to justify a task, and
+// few enough bodies to stay in the second-level cache. Tiles are larger (kFewestIfFar) if many
+// springs would connect two tiles.
 constexpr uint64_t kFewestBodies = 1024, kFewestIfFar = 2048, kMostBodies = 8192;
 // Average distance between the two ends of a spring [bodies] up to which few springs connect tiles.
 constexpr uint64_t kNear = 128;
-// Number of tiles to aim at: enough for all processors of a desktop computer.
+// Intended number of tiles: enough for all processors of a desktop computer.
 constexpr uint64_t kTiles = 8;
-// Average distance between the bodies of consecutive springs [bodies] above which reordering pays
-// off.
+// Average distance between the bodies of consecutive springs [bodies] above which the law sorts the
+// springs. Below this distance, sorting costs more time than it saves.
 constexpr uint64_t kFar = 64;
 
 bool VisitsInOrder(std::span<const Ends> endpoints) {
@@ -57,7 +58,7 @@ std::vector<uint32_t> SortByLowerEnd(std::span<const Ends> endpoints, uint64_t b
 bool SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
   if (endpoints.size() > uint64_t{1} << 29) throw std::length_error("more than 2^29 springs");
   if (bodies == bodies_ && std::ranges::equal(endpoints, endpoints_)) return false;
-  bodies_ = kUnknown;  // valid only at the end, because an allocation may fail before
+  bodies_ = kUnknown;  // set at the end, because an allocation may fail before
   in_row_order_ = VisitsInOrder(endpoints);
   std::vector<uint32_t> order;
   if (in_row_order_) {

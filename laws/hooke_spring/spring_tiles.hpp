@@ -14,23 +14,25 @@ namespace vesper::hooke_spring {
 /// Rows of the two bodies that a spring connects.
 using Ends = std::array<uint32_t, 2>;
 
-/// Springs that are computed together; the number of slots of a tile is a multiple of it.
+/// Number of springs that are computed together. The number of slots of a tile is a multiple of
+/// this number.
 inline constexpr uint32_t kBatch = 16;
 /// Value in `first_rows` for a batch whose springs are not adjacent in the columns.
 inline constexpr uint32_t kScattered = UINT32_MAX;
-/// Maximum number of slots of a part, and of bodies that it refers to; indices and counts have 16
-/// bits.
+/// Maximum number of slots of a part, and of the bodies that it refers to, because indices and
+/// counts have 16 bits.
 inline constexpr uint32_t kMost = 65536 - kBatch;
 
-/** Consecutive bodies, and all springs attached to one of them. A slot is the place of a spring in
- *  a tile: a spring between two tiles has a slot in each. */
+/** Consecutive bodies, and all springs that are attached to one of these bodies. A slot is the
+ *  place of a spring in a tile. A spring between two tiles has a slot in each of them. */
 struct Tile {
   uint32_t first_body, body_count;
   uint64_t first_slot, slot_count;
   uint64_t first_part, part_count;
 };
 
-/// Springs of a tile that are processed together: all of them, unless there are very many.
+/// Springs of a tile that are processed together. A tile has one part, unless it has more springs
+/// than a part may have.
 struct Part {
   uint64_t first_slot, slot_count;
   uint64_t first_other, other_count;  // range in others(): bodies of other tiles at the other ends
@@ -42,11 +44,11 @@ struct Part {
  *  results of other tiles. */
 class SpringTiles {
  public:
-  /** Builds the tiles. Slots are in the order of the springs' rows if this visits the bodies
-   *  approximately in order; otherwise they are sorted by the lower body of each spring. In both
-   *  cases the order of the springs of each body depends on `endpoints` only. Does nothing and
-   *  returns false if the input equals that of the last build. Allocates. Throws std::length_error
-   *  for more than 2^29 springs. */
+  /** Builds the tiles. If the springs in row order visit the bodies approximately in order, the
+   *  slots have the order of the rows. Otherwise the slots are sorted by the lower body of each
+   *  spring. In both cases the order of the springs of each body depends on `endpoints` only. Does
+   *  nothing and returns false if the input equals that of the last build. Allocates memory. Throws
+   *  std::length_error for more than 2^29 springs. */
   bool Build(std::span<const Ends> endpoints, uint64_t bodies);
 
   const std::vector<Tile>& tiles() const { return tiles_; }
@@ -62,19 +64,19 @@ class SpringTiles {
   /// (others), rows of the bodies in other tiles
   const std::vector<uint32_t>& others() const { return others_; }
   /** (slots), the place of the spring's first and second end among the bodies that the part refers
-   *  to: first those of the tile, then the others. Slots that only fill a batch have the same end
-   *  twice. */
+   *  to. These are the bodies of the tile, then the bodies of other tiles. Slots that only fill a
+   *  batch have the same end twice. */
   const LargeArray<uint16_t>& first_ends() const { return first_ends_; }
   const LargeArray<uint16_t>& second_ends() const { return second_ends_; }
   /// (slots), rows of springs; an arbitrary row in slots that only fill a batch
   const LargeArray<uint32_t>& rows() const { return rows_; }
   /// (slots / kBatch), the row of a batch's first spring if the others follow it, else kScattered
   const LargeArray<uint32_t>& first_rows() const { return first_rows_; }
-  /** For each part and each body of the tile: the indices of the slots with this body as first end,
-   *  then of those with it as second end. */
+  /** For each part and each body of the tile: the indices of the slots whose first end is this
+   *  body, then the indices of the slots whose second end is this body. */
   const LargeArray<uint16_t>& pulls() const { return pulls_; }
-  /// For each part (bodies of the tile x 2): how many slots have the body as first and as second
-  /// end.
+  /// For each part (bodies of the tile x 2): the numbers of slots whose first end is the body, and
+  /// whose second end is the body.
   const LargeArray<uint16_t>& pull_counts() const { return pull_counts_; }
 
  private:

@@ -16,7 +16,8 @@ namespace vesper::hooke_spring::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Prefetch distance [bytes]. Needed because the hardware's prefetch stops at the end of each page.
+// Prefetch distance [bytes]. The program prefetches data because the processor's own prefetch stops
+// at the end of each page.
 constexpr uint64_t kAhead = 1024;
 
 /// Prefetches `count` values beyond the current position.
@@ -56,8 +57,8 @@ struct Stretch {
 template <class Real>
 using Four = hn::CappedTag<Real, 4>;
 
-/// Transposes four rows of three numbers and an unused fourth one to columns; in float, within each
-/// half of the vectors.
+/// Transposes four rows to columns. A row has three numbers and an unused fourth number. Each half
+/// of the vectors is transposed separately.
 HWY_INLINE Axes<float> Transpose(V<float> a, V<float> b, V<float> c, V<float> d) {
   const Lanes<float> l;
   const auto ac = hn::InterleaveLower(l, a, c), bd = hn::InterleaveLower(l, b, d);
@@ -72,7 +73,7 @@ HWY_INLINE Axes<double> Transpose(V<double> a, V<double> b, V<double> c, V<doubl
           hn::ConcatUpperUpper(l, cd, ab)};
 }
 
-/// Returns second minus first end, for positions or velocities.
+/// Returns the second end minus the first end, for positions or velocities.
 template <class Real>
 HWY_INLINE V<Real> Difference(const Real* values, uint16_t first, uint16_t second) {
   constexpr uint64_t kStride = sizeof(Motion<Real>) / sizeof(Real);
@@ -80,8 +81,8 @@ HWY_INLINE V<Real> Difference(const Real* values, uint16_t first, uint16_t secon
   return hn::Sub(hn::Load(l, values + kStride * second), hn::Load(l, values + kStride * first));
 }
 
-/// Computes the difference for the springs between a[i] and b[i], one per lane; the speed only if
-/// damped.
+/// Computes the difference of the ends for the springs between a[i] and b[i], one spring per lane.
+/// Computes the difference of the velocities only if the springs are damped.
 template <bool damped>
 HWY_INLINE Stretch<float> Take(const uint16_t* a, const uint16_t* b, const Motion<float>* motions) {
   const Lanes<float> l;
@@ -141,7 +142,8 @@ HWY_INLINE void Give(const Axes<double>& force, double (*forces)[4]) {
   hn::Store(hn::ConcatUpperUpper(l, z02, xy2), l, forces[3]);
 }
 
-/// Loads the three numbers of a row that is not the last one, and also the number behind them.
+/// Loads the motion of a body. Each load reads three numbers and the number behind them, so the row
+/// must not be the last row of the column.
 template <class Real>
 HWY_INLINE void TakeMotion(const Vec3<Real>& position, const Vec3<Real>& velocity,
                            Motion<Real>& motion) {
@@ -254,8 +256,8 @@ void SumUp(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pu
 
 #endif
 
-/// Loads the bodies at the ends of the springs from a slot on; beyond the last slots, repeats the
-/// last ones.
+/// Loads the bodies at the ends of the springs, from a slot on. Beyond the last slot, loads the
+/// last springs again.
 template <bool damped, class Real>
 HWY_INLINE Stretch<Real> TakeFrom(const TileSprings<Real>& springs, uint64_t slot,
                                   const Motion<Real>* motions) {
@@ -303,8 +305,9 @@ Values<Real> Collect(const TileSprings<Real>& springs, const uint32_t* rows,
   return {copies[0], copies[1], copies[2]};
 }
 
-/// Returns pointers to the properties of the batch from `slot` on, in the columns or gathered into
-/// `copies`; prefetches those of the next batch.
+/// Returns pointers to the properties of the batch that begins at `slot`. They point into the
+/// columns, or into `copies`, where the values are gathered. Prefetches the properties of the next
+/// batch.
 template <bool damped, class Real>
 HWY_INLINE Values<Real> ValuesOf(const TileSprings<Real>& springs, uint64_t slot,
                                  Real (&copies)[3][kBatch]) {
@@ -321,9 +324,8 @@ HWY_INLINE Values<Real> ValuesOf(const TileSprings<Real>& springs, uint64_t slot
   return {springs.length + row, springs.hooke + row, damped ? springs.damping + row : nullptr};
 }
 
-/** Computes the forces of springs on their first ends [N], for one vector of springs, from index
- *  `first` of their batch on. A spring with coincident ends has no direction and exerts no force.
- *  */
+/** Computes the forces of one vector of springs on their first ends [N]. The vector begins at index
+ *  `first` of its batch. A spring whose ends coincide has no direction and exerts no force. */
 template <bool damped, class Real>
 HWY_INLINE Axes<Real> Pull(const Measured<Real>& measured, const Values<Real>& values,
                            uint32_t first) {
@@ -342,8 +344,8 @@ HWY_INLINE Axes<Real> Pull(const Measured<Real>& measured, const Values<Real>& v
 }
 
 /** Processes springs in three dependent stages: load the ends, measure, and compute the force.
- *  To hide latencies, three vectors of springs are in flight: while the forces of one are computed,
- *  the next one is measured and the third is loaded. */
+ *  To hide latencies, three vectors of springs are processed at the same time. While the forces of
+ *  one vector are computed, the next vector is measured and the third vector is loaded. */
 template <bool damped, class Real>
 void PullAll(TileSprings<Real> springs, const Motion<Real>* motions, Forces<Real>* forces) {
   constexpr uint32_t kLanes = hn::MaxLanes(Lanes<Real>());
@@ -383,8 +385,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace vesper::hooke_spring {
 
-// Selects the function by itself: Highway's own dispatch is in a shared library, which a law must
-// not need.
+// This function selects the loops itself. Highway's own selection is in a shared library, and a law
+// must not need a shared library.
 template <class Real>
 std::vector<TileForces<Real>> AvailableTileForces() {
   std::vector<TileForces<Real>> available;

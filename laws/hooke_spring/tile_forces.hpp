@@ -41,14 +41,15 @@ struct TileSprings {
 template <class Real>
 struct TileForces {
   const char* instruction_set;
-  /** Copies to motions[i] the motion of the body in row rows[i], or in row first + i if rows is
-   *  null, from columns of `bodies` rows. */
+  /** Copies the motions of `count` bodies from columns of `bodies` rows. motions[i] becomes the
+   *  motion of the body in row rows[i], or in row first + i if `rows` is null. */
   void (*take)(const Vec3<Real>* position, const Vec3<Real>* velocity, uint64_t bodies,
                const uint32_t* rows, uint64_t first, uint64_t count, Motion<Real>* motions);
   /// Computes the force of each spring on its first end; the force on the second end is opposite.
   void (*pull)(const TileSprings<Real>& springs, const Motion<Real>* motions, Forces<Real>* forces);
-  /** Adds to each of `count` bodies the forces of the slots that `pulls` lists for it; pull_counts
-   *  (count x 2) as in SpringTiles. */
+  /** Adds forces to the sums of `count` bodies. For each body, adds the forces of the slots that
+   *  `pulls` lists for this body. `pulls` and `pull_counts` (count x 2) are those of
+   *  SpringTiles. */
   void (*sum)(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pull_counts,
               uint64_t count, Vec3<Real>* sums);
 };

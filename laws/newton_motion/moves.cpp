@@ -75,8 +75,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace vesper::newton_motion {
 
-// Selects the function by itself: Highway's own dispatch is in a shared library, which a law must
-// not need.
+// This function selects the loops itself. Highway's own selection is in a shared library, and a law
+// must not need a shared library.
 template <class Real>
 std::vector<Moves<Real>> AvailableMoves() {
   std::vector<Moves<Real>> available;

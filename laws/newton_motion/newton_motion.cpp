@@ -11,11 +11,11 @@ using newton_motion::AvailableMoves;
 using newton_motion::Bodies;
 using newton_motion::Moves;
 
-// kFew: number of bodies up to which one thread is used. kGrain: maximum bodies per chunk of a
-// thread. kVectors: chunks are a multiple of it, so that only the last one has an incomplete
-// vector.
+// kFew: number of bodies up to which only one thread is used. kGrain: maximum number of bodies in a
+// chunk of a thread. kVectors: the size of chunks is a multiple of this number, so that only the
+// last chunk has an incomplete vector.
 constexpr uint64_t kFew = 2048, kGrain = 2048, kVectors = 64;
-// Number of chunks to aim at: enough for all processors of a desktop computer.
+// Intended number of chunks: enough for all processors of a desktop computer.
 constexpr uint64_t kChunks = 8;
 
 uint64_t Grain(uint64_t bodies) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What acts along the free axis of a hinge or slider: spring, damping, friction, rotor and motor.
+// The loads along the free axis of a hinge or slider: spring, damping, friction, rotor and motor.
 #pragma once
 
 #include <algorithm>
@@ -9,15 +9,16 @@
 
 namespace vesper::rigid {
 
-/** The loads of an axis, from the columns of the joint. Units are those of a hinge; a slider has m,
- *  N/m, N s/m, N and kg. */
+/** The loads of an axis, read from the columns of the joint. The units are those of a hinge; the
+ *  units of a slider are m, N/m, N s/m, N and kg. */
 struct AxisSettings {
   double stiffness = 0, rest = 0;  // [N m] per radian, [rad]
   double damping = 0;              // [N m s]
   double friction = 0;             // largest torque [N m]
   double rotor = 0;                // moment of inertia [kg m^2]
-  // The motor: with a servo, its torque is servo_stiffness * (place - angle) + servo_damping *
-  // (motor_speed - speed), up to motor_most; otherwise, it is as large as its speed needs.
+  // The motor. With a servo, its torque is servo_stiffness * (place - angle) + servo_damping *
+  // (motor_speed - speed), up to motor_most. Without a servo, its torque is as large as needed to
+  // reach motor_speed, up to motor_most.
   double motor_speed = 0, motor_most = 0;         // [rad/s], [N m]
   double place = 0;                               // [rad]
   double servo_stiffness = 0, servo_damping = 0;  // [N m] per radian, [N m s]
@@ -31,10 +32,10 @@ struct AxisSettings {
   }
 };
 
-/** The impulse of the loads in a step as a function of the speed at its end. The function falls
- *  with the speed and consists of straight lines, with a step down at the speed 0 (friction) and at
- *  the speed of a motor without a servo. It depends on the speed at the end of the step, so that
- * the largest damping and stiffness are stable. */
+/** The impulse of the loads in a step as a function of the speed at the end of the step. The speed
+ *  at the end is used because it makes any damping and stiffness stable. The function falls with
+ *  the speed and consists of straight lines. It has a step down at the speed 0 (friction) and at
+ *  the speed of a motor without a servo. */
 class AxisLoads {
  public:
   /** @param away angle or travel from the rest position of the spring, at the start of the step
@@ -43,8 +44,8 @@ class AxisLoads {
    *  @param mass effective mass or moment of inertia of the two bodies along the axis */
   AxisLoads(const AxisSettings& settings, double away, double missing, double speed, double mass,
             double dt) {
-    // Spring and servo act with their lengths after the share `late` of the step. The share is
-    // small for soft springs, which then keep their energy, and nearly 1 for stiff ones.
+    // Spring and servo act with their lengths after the fraction `late` of the step. This fraction
+    // is small for soft springs, so that they keep their energy, and nearly 1 for stiff springs.
     const double all = settings.stiffness + settings.servo_stiffness;
     const double turned = mass > 0 ? all * dt * dt / mass : 0;
     const double late = turned / (1 + turned);
@@ -60,20 +61,22 @@ class AxisLoads {
   }
   AxisLoads() = default;
 
-  /** Returns the first guess for the impulse: that of the last step, as far as it is possible. */
+  /** Returns the first guess for the impulse: the impulse of the last step, limited to the possible
+   *  impulses of this step. */
   double Guess(double before) const {
     const double most = friction_ + motor_most_;
     return slope_ > 0 || offset_ != 0 ? before : std::clamp(before, -most, most);
   }
 
-  /** Returns the speed at the end of the step: mass * (speed - free) is the impulse of the loads.
+  /** Returns the speed at the end of the step, for which mass * (speed - free) is the impulse of
+   *  the loads.
    *  @param free speed without the loads */
   double Speed(double free, double mass) const {
     std::array<double, 3> knots;
     int count = 0;
     if (friction_ > 0) knots[count++] = 0;
     if (motor_most_ > 0 && !has_servo_) knots[count++] = motor_speed_;
-    if (has_servo_ && servo_slope_ > 0) {  // where the servo reaches its largest torque
+    if (has_servo_ && servo_slope_ > 0) {  // speeds at which the servo is at its limit
       knots[count++] = (servo_offset_ - motor_most_) / servo_slope_;
       knots[count++] = (servo_offset_ + motor_most_) / servo_slope_;
     }
@@ -91,7 +94,7 @@ class AxisLoads {
   }
 
  private:
-  /** Returns the impulse at a speed just above (side 1) or just below (-1) the given one. */
+  /** Returns the impulse at a speed just above (side 1) or just below (side -1) the given speed. */
   double Impulse(double speed, double side) const {
     const auto sign = [&](double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : side; };
     const double motor = has_servo_ ? std::clamp(Servo(speed), -motor_most_, motor_most_)

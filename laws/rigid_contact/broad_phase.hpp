@@ -21,14 +21,14 @@ struct Bounds {
   }
 };
 
-/** Two boxes that overlap, the smaller index first. */
+/** The indices of two boxes that overlap, the smaller index first. */
 struct Pair {
   uint32_t a, b;
   friend bool operator<(const Pair& x, const Pair& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; }
 };
 
-/** Finds the pairs of overlapping boxes of which at least one is movable, in the order of their
- *  indices. */
+/** Search for the pairs of overlapping boxes of which at least one box is movable. The pairs are in
+ *  the order of their indices. */
 class BroadPhase {
  public:
   const std::vector<Pair>& Find(const std::vector<Bounds>& boxes) {

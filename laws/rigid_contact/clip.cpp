@@ -7,8 +7,8 @@
 namespace vesper::rigid {
 namespace {
 
-// Sine of the greatest angle between two edges that count as parallel, and touch along their
-// length.
+// Sine of the greatest angle between two edges that count as parallel. Parallel edges touch along
+// their length, and other edges at one point.
 constexpr double kParallel = 0.02;
 
 /** A polygon during clipping. */
@@ -42,8 +42,8 @@ double Area(const Vector& a, const Vector& b, const Vector& c, const Vector& nor
   return Dot(Cross(b - a, c - a), normal);
 }
 
-/** Adds two contact points: the ends of the part where two nearly parallel edges lie beside each
- *  other. */
+/** Adds the contact points of two nearly parallel edges: the two ends of the part in which the
+ *  edges lie beside each other. */
 void AddEdges(const Meeting& meeting, const Face& a, const Face& b, Manifold& manifold) {
   const Vector along = a.corners[1] - a.corners[0], other = b.corners[1] - b.corners[0];
   const double square = Dot(along, along), other_square = Dot(other, other);
@@ -101,7 +101,7 @@ void Choose(std::span<const ContactPoint> points, const Vector& normal, Manifold
 
 void ChooseSteadily(std::span<const ContactPoint> found, const Vector& normal, Manifold& manifold) {
   if (found.size() <= size_t(Manifold::kMost)) return Choose(found, normal, manifold);
-  // A point replaces an earlier one only if it is better by this fraction of the extent.
+  // A point replaces an earlier point only if it is better by this fraction of the extent.
   constexpr double kBetter = 0.05;
   double square = 0, deepest = HUGE_VAL;
   for (const ContactPoint& p : found) {
@@ -132,7 +132,7 @@ void ChooseSteadily(std::span<const ContactPoint> found, const Vector& normal, M
   if (second != first) manifold.Add(found[second]);
   if (Area(a, b, found[left].at, normal) > 0) manifold.Add(found[left]);
   if (Area(a, b, found[right].at, normal) < 0) manifold.Add(found[right]);
-  // A point that is clearly deeper replaces the nearest of the others.
+  // A point that is clearly deeper than the chosen points replaces the nearest of them.
   double least = HUGE_VAL;
   for (int i = 0; i < manifold.count; ++i) least = std::min(least, manifold.points[i].separation);
   if (deepest > least - 0.2 * slack) return;
@@ -178,8 +178,9 @@ void ClipFaces(const Meeting& meeting, Manifold& manifold) {
     if (a.count == 2 && b.count == 2) AddEdges(meeting, a, b, manifold);
     return;
   }
-  // The incident face is clipped at the sides of the other one, the reference. A small preference
-  // for the first face keeps the reference from alternating between two parallel faces.
+  // One face, the incident face, is clipped at the sides of the other face, the reference. The
+  // small preference for the first face prevents that the reference alternates between two parallel
+  // faces.
   const bool steady = meeting.a.hull != nullptr || meeting.b.hull != nullptr;
   if (flat_a >= flat_b - 1e-3) {
     AddClipped({a, normal_a, b, meeting.b.radius, meeting.a.radius, meeting.margin, steady},

@@ -8,8 +8,8 @@
 
 namespace vesper::rigid {
 
-// Cosine of the greatest angle between the contact normal and the normal of a face that touches as
-// a face.
+// Cosine of the greatest angle between the contact normal and the normal of a face at which the
+// face counts as touching. With a larger angle, only an edge or a corner of the face touches.
 inline constexpr double kFlat = 0.985;
 
 /** Returns the unit normal of a face; 0 if its corners lie on a line. */
@@ -27,22 +27,22 @@ struct Meeting {
  *  perpendicular to the normal. */
 void ClipFaces(const Meeting& meeting, Manifold& manifold);
 
-/** Adds at most four of these points: the deepest one, and those that span the largest area with
- *  it. */
+/** Adds at most four of the points `found`: the deepest point, and the points that span the largest
+ *  area with it. */
 void Choose(std::span<const ContactPoint> found, const Vector& normal, Manifold& manifold);
 
-/** Adds at most four of these points, as Choose does. The choice does not change with small changes
- *  of the points, which would disturb resting bodies with many possible points. */
+/** Adds at most four of the points `found`, as Choose does. Small changes of the points do not
+ *  change the choice, because a changing choice would disturb resting bodies with many points. */
 void ChooseSteadily(std::span<const ContactPoint> found, const Vector& normal, Manifold& manifold);
 
 /** A face that is clipped at the sides of a flat polygon, the reference. */
 struct Clipping {
   const Face& reference;  // counter-clockwise around the normal
-  Vector normal;          // of the reference face, towards the clipped face
+  Vector normal;          // normal of the reference, towards the clipped face
   const Face& incident;
   double radius;        // radius by which the clipped face's shape is rounded [m]
   double inset;         // radius by which the reference's shape is rounded [m]
-  double margin;        // as in Meeting [m]
+  double margin;        // greatest separation, see Meeting [m]
   bool steady = false;  // chooses points by ChooseSteadily
 };
 

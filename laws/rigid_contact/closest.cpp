@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// E. G. Gilbert, D. W. Johnson, S. S. Keerthi, A fast procedure for computing the distance between
-// complex objects in three-dimensional space, IEEE J. Robotics and Automation 4 (1988) 193.
+// Closest points of two convex shapes. The method is from E. G. Gilbert, D. W. Johnson, S. S.
+// Keerthi, A fast procedure for computing the distance between complex objects in three-dimensional
+// space, IEEE J. Robotics and Automation 4 (1988) 193.
 #include <algorithm>
 
 #include "manifold.hpp"
@@ -16,8 +17,8 @@ struct Corner {
   Vector w, a, b;
 };
 
-/** Up to four corners of the Minkowski difference, and the weights of these in the point of their
- *  hull that is closest to the origin.
+/** Up to four corners of the Minkowski difference. The weighted sum of the corners is the point of
+ *  their hull that is closest to the origin.
  */
 struct Simplex {
   std::array<Corner, 4> corners;
@@ -55,7 +56,8 @@ void ReduceEdge(Simplex& s) {
   s.Set({a, b}, {1 - t / square, t / square});
 }
 
-// Ericson, Real-Time Collision Detection, 2005, section 5.1.5.
+// Reduces a triangle to the face, edge or corner that is closest to the origin. The method is from
+// C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5.
 void ReduceTriangle(Simplex& s) {
   const Corner a = s.corners[0], b = s.corners[1], c = s.corners[2];
   const Vector ab = b.w - a.w, ac = c.w - a.w;

@@ -9,8 +9,8 @@ namespace {
 
 using Code = ShapeCode;
 
-// Corners and edges are rounded by this fraction of the thickness while the direction of a contact
-// is sought, so that the direction is well defined for shapes that overlap by less.
+// While the direction of a contact is sought, corners and edges are rounded by this fraction of the
+// thickness. So the direction is well defined for shapes that overlap by less than the rounding.
 constexpr double kRounding = 0.05;
 
 /** Returns the separation of two shapes along a direction [m]. */
@@ -85,8 +85,8 @@ struct BestAxis {
   int edge_a = -1, edge_b = -1;  // axes of the touching edges; -1 if a face touches
 };
 
-/** Returns the axis of least overlap of two boxes; stops early if an axis separates them by more
- *  than the margin. */
+/** Returns the axis of least overlap of two boxes. Stops early if an axis separates the boxes by
+ *  more than the margin. */
 BestAxis SeparateBoxes(const Shape& a, const Shape& b, double margin) {
   const Vector way = b.position - a.position;
   BestAxis best{{}, -HUGE_VAL, -1, -1};
@@ -96,8 +96,8 @@ BestAxis SeparateBoxes(const Shape& a, const Shape& b, double margin) {
       const Vector& axis = box.axes[i];
       const double along = Dot(way, axis);
       const double separation = std::abs(along) - Component(box.half, i) - other.Reach(axis);
-      // A small preference for the first face keeps the result from alternating between two
-      // parallel ones.
+      // A small preference for the first face prevents that the result alternates between two
+      // parallel faces.
       if (separation > best.separation + preference) {
         best = {along < 0 ? -axis : axis, separation, -1, -1};
       }
@@ -108,7 +108,8 @@ BestAxis SeparateBoxes(const Shape& a, const Shape& b, double margin) {
   if (best.separation > margin) return best;
   faces(b, a);
   if (best.separation > margin) return best;
-  // An edge direction must be clearly better than a face, which gives more contact points.
+  // A direction of two edges must be clearly better than that of a face, because a face gives more
+  // contact points.
   double least = best.separation < 0 ? best.separation * 0.95 + slack : best.separation + slack;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
@@ -156,8 +157,9 @@ Manifold CollideBoxes(const Shape& a, const Shape& b, double margin) {
   return manifold;
 }
 
-/** Returns the direction of least overlap of two shapes whose cores overlap, among their axes, the
- *  cross products of the axes, the line between the centres, and the normals of hulls. */
+/** Returns the direction of least overlap of two shapes whose cores overlap. The tested directions
+ *  are the axes of the shapes, the cross products of the axes, the line between the centres, and
+ *  the normals of hulls. */
 Vector LeastOverlap(const Shape& a, const Shape& b) {
   Vector best{0, 1, 0};
   double most = -HUGE_VAL;
@@ -212,14 +214,14 @@ void AddDeepest(const Meeting& m, Manifold& manifold) {
   AddPoint(m, (on_a + on_b) * 0.5 - m.normal * (separation / 2), separation, manifold);
 }
 
-/** Adds the contact points of two shapes of which one is a hull or a triangle. The core of a hull
- *  is farther than its rounding from a sharp edge, so the separation is that of the whole shapes.
- *  */
+/** Adds the contact points of two shapes of which at least one is a hull or a triangle. At a sharp
+ *  edge, the distance of a hull's core from the hull's surface is larger than the rounding.
+ *  Therefore the separation is computed from the whole shapes, and not from the cores. */
 void AddHullPoints(const Meeting& m, const ClosestPoints& closest, Manifold& manifold) {
   const double separation = SeparationAlong(m.a, m.b, m.normal);
   if (separation > m.margin) return;
   ClipFaces(m, manifold);
-  // Where an edge crosses an edge near a face, the deepest point is not above the face.
+  // If two edges cross near a face, the deepest point may not be above the face.
   const double slack = 0.01 * std::min(m.a.Thickness(), m.b.Thickness());
   for (int i = 0; i < manifold.count; ++i) {
     if (manifold.points[i].separation <= separation + slack) return;
@@ -230,14 +232,15 @@ void AddHullPoints(const Meeting& m, const ClosestPoints& closest, Manifold& man
   manifold.Add({(closest.a + closest.b + m.normal * radii) * 0.5, separation});
 }
 
-/** Returns the distance by which a shape is shrunk while its contact with another one is sought. */
+/** Returns the distance by which a shape is shrunk while its contact with another shape is sought.
+ */
 double RoundingFor(const Shape& shape, const Shape& other) {
   if (shape.radius > 0 || other.radius > 0 || shape.code == Code::kTriangle) return 0;
   return shape.hull != nullptr ? shape.hull->rounding : kRounding * shape.Thickness();
 }
 
-/** Returns the normal of a face that a direction is almost perpendicular to, if the shapes overlap
- *  less along it; otherwise the direction. */
+/** Returns the normal of the face that is almost perpendicular to `direction`, if the shapes
+ *  overlap less along this normal. Otherwise returns `direction`. */
 Vector SnapToFaces(const Shape& a, const Shape& b, const Vector& direction) {
   const double slack = 1e-3 * std::min(a.Thickness(), b.Thickness());
   Vector best = direction;
@@ -344,9 +347,9 @@ Manifold CollideTriangle(const Shape& triangle, uint32_t edges, const Shape& oth
   const ClosestPoints closest = FindClosest(triangle, 0, other, RoundingFor(other, triangle));
   manifold.normal = face;
   if (closest.distance > 0) {
-    // Cosine of the largest angle between the normal of the face and that of a contact with it. A
-    // ball beside the triangle must not touch its edge as a face; a box that rests across the edge
-    // may be tilted a little.
+    // Cosine of the largest angle between the normal of the triangle and the normal of a contact
+    // with its face. A ball beside the triangle must not touch the edge of the triangle as a face.
+    // A box that rests across the edge may be tilted a little.
     const double like_face = other.radius > 0 ? 1 - 1e-9 : 0.9998;
     const Vector normal = (closest.b - closest.a) * (1 / closest.distance);
     const double cosine = Dot(normal, face);

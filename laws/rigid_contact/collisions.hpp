@@ -15,7 +15,8 @@ namespace vesper::rigid {
 class Collisions {
  public:
   using Pairs = std::vector<Pair>;
-  /** For each shape its surface, or null; empty if there are no surfaces. */
+  /** The surface of each shape, or null for shapes without a surface. Empty if there are no
+   *  surfaces. */
   using Surfaces = std::vector<const Surface*>;
 
   /** Finds the contact points of the pairs that may meet, up to a separation of margin(pair). */
@@ -65,7 +66,7 @@ class Collisions {
   }
 
  private:
-  // Pairs per chunk of a thread.
+  // Numbers of pairs per chunk of a thread, for pairs without and with surfaces.
   static constexpr uint64_t kPairGrain = 64, kSurfaceGrain = 4;
 
   static bool HasSurface(const Pair& pair, const Surfaces& surfaces) {

@@ -22,11 +22,11 @@ struct ContactColumns {
   OptionalRead<int32_t> part{"partOfBody", "body", units::one};
   OptionalWrite<int32_t> touch_count{"touchCount", "body", units::one};
 
-  /** The columns that the first version of the law had, and the others. */
+  /** Return the columns in two groups, whose places in the order of the law's columns differ. */
   auto FirstProperties() { return std::tie(friction, restitution); }
   auto LaterProperties() { return std::tie(rolling, layer, passes, sensor, part, touch_count); }
 
-  /** Returns the value of a shape: that of its body, or `otherwise` for scenery. */
+  /** Returns the value of a shape: the value of its body, or `otherwise` for scenery. */
   template <class Column>
   static double ValueOf(const Column& column, uint32_t shape, double otherwise) {
     return column.present() && shape < column.size() ? std::max(0.0, double{column[shape]})
@@ -37,7 +37,7 @@ struct ContactColumns {
   bool Meet(uint32_t a, uint32_t b) const {
     return !passes.present() || !(PassesThrough(a, b) || PassesThrough(b, a));
   }
-  /** Returns whether a shape only counts what touches it. */
+  /** Returns whether a shape is a sensor, which only counts the shapes that touch it. */
   bool IsSensor(uint32_t shape) const {
     return sensor.present() && shape < sensor.size() && sensor[shape] != 0;
   }

@@ -32,12 +32,12 @@ struct ContactMemory {
   SlotVectors<Real>& impulses;
   bool is_first;  // the body is the first one of the contact
 
-  /** Matches each point of a contact with the nearest point of the last step within `reach` [m],
-   *  and takes over its impulses and the order of the points. In another order the impulses would
-   *  differ slightly in each step, and resting bodies would not come to rest. Two shapes may have
-   *  several contacts, of different directions. */
+  /** Matches each point of a contact with the nearest point of the last step within `reach` [m].
+   *  Takes over the impulses and the order of the old points. With another order, the impulses
+   *  would differ slightly in each step, and resting bodies would not come to rest. Two shapes may
+   *  have several contacts with different directions. */
   void Recall(Contact<Real>& contact, uint32_t partner, Real reach) const {
-    std::array<uint32_t, kSlots> slots;  // of this partner
+    std::array<uint32_t, kSlots> slots;  // slots with this partner
     uint32_t known = 0;
     for (uint32_t slot = 0; slot < kSlots; ++slot) {
       if (partners[slot] == partner + 1) slots[known++] = slot;
@@ -66,7 +66,7 @@ struct ContactMemory {
       point.rub[0] = Dot(impulse, contact.across[0]);
       point.rub[1] = Dot(impulse, contact.across[1]);
     }
-    for (int i = 1; i < contact.count; ++i) {  // sorts by place and keeps the order of new points
+    for (int i = 1; i < contact.count; ++i) {  // sorts by place; new points keep their order
       for (int k = i; k > 0 && contact.points[k].place < contact.points[k - 1].place; --k) {
         std::swap(contact.points[k], contact.points[k - 1]);
       }
@@ -91,7 +91,8 @@ struct ContactMemory {
   static constexpr int kPlaces = int(kSlots) * Manifold::kMost;
   static_assert(kPlaces <= 32, "`taken` has a bit for each place");
 
-  /** Returns whether an impulse can be that of a contact with this normal and friction. */
+  /** Returns whether an impulse can come from a contact with this normal: the angle between them is
+   *  at most 60 degrees. */
   static bool IsAlong(const Vec3<Real>& impulse, const Vec3<Real>& normal) {
     const Real along = Dot(impulse, normal);
     return along >= 0 && along * along >= Real(0.25) * Dot(impulse, impulse);

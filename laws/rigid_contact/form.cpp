@@ -29,8 +29,8 @@ Vector NormalOf(std::span<const Vector> corners, std::span<const uint32_t> aroun
   return length > 0 ? sum * (1 / length) : Vector{};
 }
 
-/** Rotates the corners of a face so that the first three span the largest area of successive ones.
- *  Contacts compute the face's normal from these. */
+/** Rotates the order of the corners of a face. Afterwards the first three corners span the largest
+ *  area of three successive corners. Contacts compute the normal of the face from these three. */
 void BeginAtWidest(std::span<const Vector> corners, std::span<uint32_t> around) {
   size_t widest = 0;
   double most = -1;
@@ -119,7 +119,7 @@ void Form::Measure() {
   if (!(hull.volume > 0 && hull.thickness > 0) || !std::isfinite(hull.volume)) return;
   const Vector mean = squares * (1 / (10 * six_volumes));
   hull.moments = {mean.y + mean.z, mean.x + mean.z, mean.x + mean.y};
-  if (!(hull.rounding > 0)) {  // no core inside: the hull is its own core
+  if (!(hull.rounding > 0)) {  // there is no smaller core, so the hull is its own core
     core_ = corners_;
     hull.rounding = 0;
   }
@@ -164,7 +164,8 @@ Surface::Surface(std::span<const Vec3<double>> points, std::span<const int32_t> 
   high_ = nodes_[0].high;
 }
 
-/** Marks the edges that other shapes can touch from directions between the normals. */
+/** Marks the edges that other shapes can touch from directions between the normals of the two
+ *  adjacent triangles. */
 void Surface::FindEdges(std::span<const int32_t> indices, std::span<const Vec3<double>> points) {
   // Cosine of the angle between two triangles up to which their common edge counts as flat.
   constexpr double kFlat = 0.996;

@@ -14,7 +14,7 @@
 namespace vesper::rigid {
 
 /** A convex polyhedron. Its core is the same polyhedron with all faces moved inwards by `rounding`.
- *  The spans point to memory of a Form or of the function that made the polyhedron. */
+ *  The spans point to memory of a Form, or of the function that made the polyhedron. */
 struct Polytope {
   std::span<const Vector> corners, core;
   std::span<const Vector> normals;            // (faces) outward, of length 1
@@ -24,7 +24,7 @@ struct Polytope {
   double thickness = 0;                       // smallest extent perpendicular to a face [m]
   double bound = 0;                           // distance from the origin to the farthest corner [m]
   double volume = 0;                          // [m^3]
-  Vector moments;  // of inertia about the axes through the origin, per mass [m^2]
+  Vector moments;  // moments of inertia about the axes through the origin, per mass [m^2]
 
   /** Returns the point that is farthest in a direction. */
   static const Vector& Farthest(std::span<const Vector> points, const Vector& direction) {
@@ -40,8 +40,8 @@ struct Polytope {
     return points[found];
   }
 
-  /** Returns the face that is most perpendicular to a direction, among those at the corner that is
-   *  farthest in this direction. */
+  /** Returns a face at the corner that is farthest in a direction. Of the faces at this corner,
+   *  returns the face that is most perpendicular to the direction. */
   size_t FaceTowards(const Vector& direction) const {
     const auto corner = size_t(&Farthest(corners, direction) - corners.data());
     size_t found = touching[begin[corner]];
@@ -60,8 +60,8 @@ class Surface {
   struct Triangle {
     std::array<Vector, 3> corners;
     Vector normal;
-    /** Bit i: the edge from corner i to corner i + 1 is convex or has no other side, so other
-     *  shapes can touch it from directions between the normals. */
+    /** Bit i is set if the edge from corner i to corner i + 1 is convex or belongs to this triangle
+     *  only. Other shapes can touch such an edge from directions between the normals. */
     uint32_t edges = 0;
   };
 
@@ -91,23 +91,27 @@ class Surface {
   Vector low_, high_;
 };
 
-/** What a mesh is for contacts: its convex hull if it moves, its triangles if not. */
+/** The form of a mesh in contacts: its convex hull if the mesh moves, and its triangles if not. */
 class Form {
  public:
-  // Ranges of a row of the column `meshRanges`, as pairs of first row and number of rows: corners
-  // of the hull and of its core among the points, faces among the indices (for each face its
-  // number of corners, then these), points of the mesh, and triangles among the indices.
+  // A row of the column `meshRanges` contains five ranges. Each range is a pair of first row and
+  // number of rows. The ranges are:
+  // - corners of the hull, among the points;
+  // - corners of its core, among the points;
+  // - faces of the hull, among the indices (for each face its number of corners, then the corners);
+  // - points of the mesh;
+  // - triangles of the mesh, among the indices.
   static constexpr size_t kRanges = 10;
   using Ranges = std::array<int32_t, kRanges>;
 
-  /** Builds the hull. If a range does not fit its column, the form has no hull, or no surface. */
+  /** Builds the hull. If a range exceeds its column, the form has no hull, or no surface. */
   Form(const Ranges& ranges, std::span<const Vec3<double>> points,
        std::span<const int32_t> indices);
 
   /** Returns the convex hull; null if the mesh has none. */
   const Polytope* hull() const { return hull_.corners.empty() ? nullptr : &hull_; }
-  /** Returns the surface, built at the first call; null if the mesh has no triangles. Not for use
-   *  by several threads. */
+  /** Returns the surface; null if the mesh has no triangles. Builds the surface at the first call.
+   *  Not thread-safe. */
   const Surface* surface();
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Convex hulls for tests: a search through all triples of points, independent of the hulls that
-// worlds compute.
+// Convex hulls for tests, found by a search through all triples of points. The search is
+// independent of the code with which worlds compute hulls.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace vesper {
 
-/// The hull of a few points. Its rows are those of the columns of meshes.
+/// The hull of a few points, in the form of the columns of meshes.
 struct HullBySearch {
   using Vector = Vec3<double>;
 
@@ -83,7 +83,8 @@ struct HullBySearch {
     faces.push_back(face);
   }
 
-  /// Finds the points in which three faces meet that are moved inwards by 5 % of the thickness.
+  /// Finds the corners of the core. All faces are moved inwards by 5 % of the thickness; the
+  /// corners are the points in which three of these faces meet.
   void FindCore() {
     const double inset = 0.05 * thickness;
     const size_t n = normals.size();

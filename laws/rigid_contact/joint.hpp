@@ -24,8 +24,8 @@ enum class JointType : int32_t {
   kDistance = 5,
 };
 
-/** Returns the angle [rad] whose tangent is y / x, from -pi to pi. Functions of libm have other
- * bits on other machines. */
+/** Returns the angle [rad] whose tangent is y / x, from -pi to pi. It replaces atan2 of libm, whose
+ *  results have other bits on other machines. */
 inline double AngleOf(double y, double x) {
   constexpr double kPi = 3.14159265358979323846;
   const double high = std::max(std::abs(x), std::abs(y));
@@ -47,11 +47,11 @@ struct Pose {
   Quaternion rotation;
 };
 
-/** Up to three directions in which two bodies must not translate, or rotate, relative to each
- *  other. The impulses are sums over the step. */
+/** Up to three directions in which two bodies must not translate, or must not rotate, relative to
+ *  each other. The impulses are sums over the step. */
 class Block {
  public:
-  /** Sets orthogonal directions; the impulses of the step so far are projected on them. */
+  /** Sets new orthogonal directions, and projects the impulses of the step so far on them. */
   void Set(const std::array<Vector, 3>& directions, int count) {
     const Vector kept = Impulse();
     directions_ = directions;
@@ -114,15 +114,15 @@ class Block {
 /** The properties of a joint, from its columns. */
 struct JointSettings {
   JointType type = JointType::kNone;
-  Vector anchor_a, anchor_b;                 // in the frames of the two bodies [m]
+  Vector anchor_a, anchor_b;                 // anchors in the frames of the two bodies [m]
   Vector axis;                               // unit vector in the frame of the first body
-  Quaternion rest;                           // of the second body in the first one's frame, when
-                                             // joined
+  Quaternion rest;                           // rotation of the second body in the frame of the
+                                             // first, when they were joined
   double angle_low = 0, angle_high = 0;      // [rad]; equal: no limits
   double travel_low = 0, travel_high = 0;    // [m]; equal: no limits, except for a distance joint
   double motor_speed = 0, motor_torque = 0;  // [rad/s], [N m]
   double drive_speed = 0, drive_force = 0;   // [m/s], [N]
-  AxisSettings loads;                        // of a hinge or slider
+  AxisSettings loads;                        // loads of a hinge or slider
   double ball_damping = 0;                   // damping of a ball times the step [N m s^2]
 };
 
@@ -140,7 +140,7 @@ class Joint {
     const Vector to_a = pose_a.rotation.Rotate(settings.anchor_a);
     arm_b_ = pose_b.rotation.Rotate(settings.anchor_b);
     apart_ = pose_b.at + arm_b_ - pose_a.at - to_a;
-    // The joint acts on the first body at the point where the anchor of the second body is.
+    // The joint acts on both bodies at the anchor of the second body.
     arm_a_ = pose_b.at + arm_b_ - pose_a.at;
     axis_ = pose_a.rotation.Rotate(settings.axis);
     SetDirections();
@@ -184,7 +184,8 @@ class Joint {
     earlier_ = {Wide(motion_a.velocity), Wide(motion_a.spin), Wide(motion_b.velocity),
                 Wide(motion_b.spin)};
   }
-  /** Projects this guess on the directions in which the joint can act. Call after Refresh. */
+  /** Projects the guess of StartWith on the directions in which the joint can act. Call it after
+   *  Refresh. */
   void Start(double dt) {
     linear_.Start(start_);
     angular_.Start(start_turn_);
@@ -198,11 +199,13 @@ class Joint {
     Apply(linear_.Impulse() + axis_ * GuessedDrive(), angular_.Impulse() + axis_ * GuessedMotor(),
           motion_a, motion_b);
   }
-  /** Applies the first guess of the loads of the axis, which Work and Reduce do not contain. */
+  /** Applies the first guess of the loads of the axis. Work and Reduce do not include these
+   *  loads. */
   void ApplyLoads(Motion<Real>& motion_a, Motion<Real>& motion_b) const {
     if (HasLoads()) Apply(axis_ * drive_, axis_ * motor_, motion_a, motion_b);
   }
-  /** Returns the row of a movable body of the joint: the second one, if the first is immovable. */
+  /** Returns the row of a movable body of the joint: the first body, or the second body if the
+   *  first is immovable. */
   uint32_t MovableRow() const { return a == kImmovable ? row_b : row_a; }
 
   /** Returns the dot product of the first guess of the impulses and the relative velocities [J]. */
@@ -211,7 +214,7 @@ class Joint {
            Dot(angular_.Impulse() + axis_ * GuessedMotor(), Turning(motion_a, motion_b));
   }
 
-  /** Scales the first guess by a factor below 1, also in the motions. */
+  /** Scales the first guess by a factor below 1, and corrects the motions accordingly. */
   void Reduce(double part, Motion<Real>& motion_a, Motion<Real>& motion_b) {
     const Vector impulse = linear_.Impulse(), turn = angular_.Impulse();
     Apply((impulse + axis_ * GuessedDrive()) * (part - 1),
@@ -223,8 +226,8 @@ class Joint {
     motor_ *= part;
   }
 
-  /** Changes the impulses so that the velocities fit the joint. With `push`, also corrects position
-   *  errors. */
+  /** Changes the impulses so that the joint permits the velocities. With `push`, also corrects
+   *  position errors. */
   void Solve(Motion<Real>& motion_a, Motion<Real>& motion_b, const SolverStep<Real>& step,
              bool push) {
     const double h = double{step.substep};
@@ -265,8 +268,8 @@ class Joint {
   double travel() const { return travel_; }
   bool HasRotor() const { return HasLoads() && settings.loads.rotor > 0; }
   bool IsHinge() const { return settings.type == JointType::kHinge; }
-  /** Returns the rate of the angle of a hinge [rad/s], of the travel of a slider or the length of a
-   *  distance [m/s]; 0 for other types. */
+  /** Returns the rate of the angle of a hinge [rad/s], of the travel of a slider [m/s], or of the
+   *  length of a distance joint [m/s]; 0 for other types. */
   double Speed(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
     switch (settings.type) {
       case JointType::kHinge:
@@ -365,8 +368,8 @@ class Joint {
     apply(motion_b, arm_b_, 1);
   }
 
-  /** Changes the relative velocity towards the motor's and drive's speeds, up to their torque and
-   *  force. */
+  /** Changes the relative velocity towards the speeds of the motor and the drive. Torque and force
+   *  do not exceed those of the motor and the drive. */
   void Drive(Motion<Real>& motion_a, Motion<Real>& motion_b, double dt) {
     if (HasLoads()) return SolveLoads(motion_a, motion_b);
     if (HasMotor()) {
@@ -396,8 +399,8 @@ class Joint {
                        -Away(value, settings.loads.place), speed, AxisMass(), dt);
     AxisImpulse() = loads_.Guess(Dot(slides ? start_ : start_turn_, axis_));
   }
-  /** Returns the way from a place to the present one: for a hinge without limits, the shorter one.
-   */
+  /** Returns the difference between the present angle or travel and a place. For a hinge without
+   *  limits, returns the shorter of the two possible angles. */
   double Away(double value, double place) const {
     double away = value - place;
     if (IsSlider() || HasAngleLimits()) return away;
@@ -408,8 +411,8 @@ class Joint {
   double AxisMass() const { return IsSlider() ? along_mass_ : about_mass_; }
   double& AxisImpulse() { return IsSlider() ? drive_ : motor_; }
 
-  /** Changes the relative velocity along the axis so that its loads and the inertia of the bodies
-   *  are in balance. */
+  /** Changes the relative velocity along the axis to the speed at which the loads of the axis and
+   *  the inertia of the bodies are in balance. */
   void SolveLoads(Motion<Real>& motion_a, Motion<Real>& motion_b) {
     const double mass = AxisMass();
     if (!(mass > 0)) return;

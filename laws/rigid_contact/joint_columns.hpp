@@ -61,7 +61,7 @@ struct JointColumns {
                     motor_torque, drive_speed, drive_force, breaking_force, other_anchor,
                     other_turn, joint_force, joint_torque, joint_angle, joint_travel, broken);
   }
-  /** The columns that only some worlds have. */
+  /** Returns the columns that only some worlds have. */
   auto LaterProperties() {
     return std::tie(angle_damping, travel_damping, angle_friction, travel_friction, angle_stiffness,
                     travel_stiffness, rest_angle, rest_travel, rotor_inertia, rotor_mass,
@@ -69,7 +69,7 @@ struct JointColumns {
                     drive_travel, drive_stiffness, drive_damping);
   }
 
-  /** Fills `joints` with the joints that hold. `law` knows the bodies. */
+  /** Fills `joints` with the joints that are not broken. `law` provides the data of the bodies. */
   template <class Law>
   void Gather(JointSolver<Real>& joints, Law& law, double dt) {
     joints.Reset(joined.present() ? law.rows() : 0);
@@ -80,7 +80,7 @@ struct JointColumns {
     joints.Sort();
   }
 
-  /** Writes the state of the joints. `law` knows the motions of the bodies. */
+  /** Writes the state of the joints. `law` provides the motions of the bodies. */
   template <class Law>
   void Scatter(const JointSolver<Real>& joints, const Law& law, double dt) {
     for (size_t k = 0; k < joints.count(); ++k) {
@@ -167,7 +167,7 @@ struct JointColumns {
     throw std::runtime_error("joint row " + std::to_string(i) + " has values that are not finite");
   }
 
-  /** Reads what acts along the axis of a hinge or slider, and the damping of a ball. */
+  /** Reads the loads along the axis of a hinge or slider, and the damping of a ball joint. */
   void SetLoads(JointSettings& settings, uint64_t i, double dt) const {
     const bool slides = settings.type == JointType::kSlider;
     AxisSettings& loads = settings.loads;
@@ -188,8 +188,8 @@ struct JointColumns {
     settings.ball_damping = loads.damping * dt;
   }
 
-  /** Stores the present anchor and rotation of the second body as those at which the joint is at
-   *  rest. */
+  /** Stores the present anchor and rotation of the second body. The joint is at rest in this
+   *  position. */
   void Join(uint64_t i, JointType type, const Pose& a, const Pose& b) {
     const Quaternion of_a = a.rotation.Normalised(), of_b = b.rotation.Normalised();
     if (type != JointType::kDistance && other_anchor[i] == Vector3{}) {

@@ -73,11 +73,11 @@ class JointSolver {
     }
   }
 
-  /** Applies the impulses of the last step as a first guess, scaled so that each set of joined
-   * bodies has the least kinetic energy, but at most fully. The exact impulses minimise this
-   * energy; after an impact, those of the last step could add energy that the few sweeps of the
-   * solver do not remove. Springs, rotors and servos do not minimise it, so their impulses are
-   * applied before, and not scaled. */
+  /** Applies the impulses of the last step as a first guess. For each set of joined bodies, scales
+   *  them by the factor, at most 1, that gives the least kinetic energy. The reason is that the
+   *  exact impulses minimise this energy. After an impact, the impulses of the last step could add
+   *  energy that the few sweeps of the solver do not remove. The impulses of springs, rotors and
+   *  servos do not minimise the energy. Therefore they are applied before, and not scaled. */
   void WarmStart(Motions& motions, const SolverStep<Real>& step) {
     before_.resize(joints_.size());
     work_.assign(motions.size(), {});
@@ -102,8 +102,8 @@ class JointSolver {
     }
   }
 
-  /** Solves the joints several times, forwards and backwards: a sweep in one direction only may
-   * excite oscillations of a chain that starts with the impulses of the last step. */
+  /** Solves the joints several times, alternately forwards and backwards. If all sweeps had the
+   *  same direction, a chain that starts with the impulses of the last step could oscillate. */
   void Solve(Motions& motions, const SolverStep<Real>& step, bool push) {
     const size_t count = joints_.size();
     const size_t sweeps = has_rotors_ && !push ? kRotorSweeps : kSweeps;
@@ -117,8 +117,9 @@ class JointSolver {
  private:
   // Number of forward and backward sweeps over the joints in each half of a substep.
   static constexpr size_t kSweeps = 4;
-  // The same in the second half, if there are rotors. A rotor that has more inertia than the bodies
-  // slows the convergence, and the velocities that undo errors must not remain.
+  // Number of such sweeps in the second half of a substep, if there are rotors. A rotor that has
+  // more inertia than the bodies slows the convergence. The velocities that correct position errors
+  // must be removed completely.
   static constexpr size_t kRotorSweeps = 24;
 
   static Motion<Real> Get(const Motions& motions, uint32_t body) {

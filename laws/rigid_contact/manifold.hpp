@@ -12,7 +12,7 @@ namespace vesper::rigid {
 
 /** A point where two shapes touch. */
 struct ContactPoint {
-  Vector at;              // in the middle between the two surfaces [m]
+  Vector at;              // place in the middle between the two surfaces [m]
   double separation = 0;  // along the normal [m]; negative: the shapes overlap
 };
 
@@ -20,7 +20,7 @@ struct ContactPoint {
 struct Manifold {
   static constexpr int kMost = 4;
 
-  Vector normal;  // from the first shape to the second, of length 1
+  Vector normal;  // unit vector from the first shape to the second
   std::array<ContactPoint, kMost> points;
   int count = 0;
 
@@ -33,15 +33,15 @@ struct Manifold {
 Manifold Collide(const Shape& a, const Shape& b, double margin);
 
 /** Returns the points at which a triangle of a surface touches a convex shape whose centre is in
- *  front of it; the normal points to the shape. A contact at an edge whose bit in `edges` is 0 is
- *  left to the triangle at the other side of the edge. */
+ *  front of the triangle. The normal points to the shape. Omits a contact at an edge whose bit in
+ *  `edges` is 0, because the triangle at the other side of this edge has this contact. */
 Manifold CollideTriangle(const Shape& triangle, uint32_t edges, const Shape& other, double margin);
 
-/** The contacts of a convex shape with a surface of triangles, one for each direction. Keeps its
- *  memory. */
+/** The contacts of a convex shape with a surface of triangles, one contact for each direction of
+ *  the normal. An object keeps its memory for the next search. */
 class SurfaceContacts {
  public:
-  // Number of directions; contacts of further directions are dropped.
+  // Maximum number of directions. Contacts with further directions are dropped.
   static constexpr size_t kMostDirections = 16;
 
   /** Finds the contacts. `pose` has the position and axes of the surface. */
@@ -54,7 +54,8 @@ class SurfaceContacts {
     Vector normal;
     std::vector<ContactPoint> points;
   };
-  /** Returns the points of the group with about this normal; null if there is no room for it. */
+  /** Returns the points of the group with about this normal. Adds a group if there is none; returns
+   *  null if there are already kMostDirections groups. */
   std::vector<ContactPoint>* PointsAlong(const Vector& normal);
 
   std::vector<uint32_t> found_;

@@ -28,7 +28,8 @@ class Parts {
     rows_ = rows;
   }
 
-  /** Adds a part whose shape and pose are given in the world, and the pose of its body. */
+  /** Adds a part. The shape of the part and the poses of the part and of its body are given in the
+   *  world's reference frame. */
   void Add(uint32_t row, uint32_t body, const Shape& shape, const Quaternion& rotation,
            const Vector& at, const Quaternion& of_body) {
     const Quaternion inverse = of_body.Inverse();
@@ -64,7 +65,7 @@ class Parts {
   }
 
   const std::vector<Part>& all() const { return parts_; }
-  /** Returns the body to which a row belongs: its own, or that of which it is a part. */
+  /** Returns the body to which a row belongs: the row itself, or the body of which it is a part. */
   uint32_t BodyOf(uint32_t row) const { return row < body_of_.size() ? body_of_[row] : row; }
   /** Returns the moments of inertia per mass of a body with its parts [m^2], if all have the same
    *  density; null if it has no parts. */
@@ -103,7 +104,7 @@ class Parts {
   uint64_t rows_ = 0;
   std::vector<Part> parts_;
   std::vector<uint32_t> body_of_;  // (rows), empty without parts
-  std::vector<Sum> sums_;          // by ascending body
+  std::vector<Sum> sums_;          // sorted by body, ascending
 };
 
 }  // namespace vesper::rigid

@@ -30,8 +30,8 @@ constexpr uint64_t kBodyGrain = 256, kContactGrain = 128;
 constexpr uint32_t kManyContacts = 512;
 // Separation up to which two shapes form a contact, as a fraction of their thickness.
 constexpr double kSlop = 0.02;
-// Distance up to which a contact point is identified with one of the last step, as a fraction of
-// the thickness.
+// Distance up to which a contact point is identified with a point of the last step, as a fraction
+// of the thickness.
 constexpr double kNear = 0.2;
 
 /** Motion of rigid bodies that touch: their shapes resist overlap, rub and bounce. */
@@ -164,7 +164,8 @@ struct RigidContact {
     if (!surfaces_.empty()) GatherSurfaces();
   }
 
-  /** Finds the attached shapes that are parts of bodies, with their poses relative to these. */
+  /** Finds the attached shapes that are parts of bodies, with their poses relative to the
+   * bodies. */
   void FindParts() {
     parts_.Reset(rows());
     if (!contact_columns.part.present() || !carrier.present()) return;
@@ -202,7 +203,7 @@ struct RigidContact {
     const double weight = mass[i];
     const bool carried = carrier.present() && carrier[i] >= 0;
     const int32_t code = weight > 0 && shape[i] == int32_t(ShapeCode::kPlane)
-                             ? int32_t(ShapeCode::kBox)  // a plane of the columns is a thin box
+                             ? int32_t(ShapeCode::kBox)  // a plane in the columns is a thin box
                              : shape[i];
     shapes_[i] = carried ? Shape{} : Shape::Of(code, size[i], at, body.rotation, HullOf(i));
     Vector moments = inertia.present() ? Wide(inertia[i]) : Vector{};
@@ -396,15 +397,15 @@ struct RigidContact {
     const auto solid = [&](uint32_t row) {
       return shapes_[row].code == ShapeCode::kPlane || shapes_[row].code == ShapeCode::kSurface;
     };
-    // Half the thickness is the limit: with a larger distance, bodies that only pass each other
-    // would get contacts.
+    // The distance is at most half the thickness. With a larger distance, bodies that only pass
+    // each other would get contacts.
     return kSlop * thickness +
            (solid(a) || solid(b) ? speed * dt : std::min(speed * dt, 0.5 * thickness));
   }
   double SpeedOf(uint32_t shape_row) const {
     return shape_row < rows() ? bodies_[shape_row].speed : 0;
   }
-  /** Returns the point of a shape's body from which arms are measured. */
+  /** Returns the centre of a shape's body, from which the lever arms are measured. */
   Vector CentreOf(uint32_t shape_row) const {
     const uint32_t body = parts_.BodyOf(shape_row);
     return body == shape_row ? shapes_[shape_row].position : Wide(position[body]);
@@ -432,7 +433,7 @@ struct RigidContact {
       point.arm_b = Narrow<Real>(from.at - centre_b);
       point.separation = static_cast<Real>(from.separation);
     }
-    // The smaller body stores the contact, because few larger bodies fit around it.
+    // The smaller body stores the contact, because only a few larger bodies can touch it.
     const bool a_stores =
         contact.b == kImmovable ||
         (contact.a != kImmovable && shapes_[pair.a].Bound() <= shapes_[pair.b].Bound());

@@ -111,7 +111,8 @@ struct RigidScene : Scene<Real> {
     AddScenery(Code::kMesh, {1, 1, 1}, at, q);
     scenery_mesh_form.back() = AddForm(vertices, triangles, nullptr);
   }
-  /// Adds a square floor of cells x cells squares of two triangles; height(x, z) is its form.
+  /// Adds a square floor of cells x cells squares, each of two triangles. height(x, z) returns the
+  /// height of the floor.
   template <class Height>
   void AddTerrain(int cells, double side, Height&& height) {
     std::vector<Vector> vertices;
@@ -127,7 +128,7 @@ struct RigidScene : Scene<Real> {
     }
     AddSurface(vertices, triangles);
   }
-  /// Makes a body a part of another one; it has mass 0.
+  /// Makes the body `row` a part of the body `to`. A part has mass 0.
   void Attach(uint32_t row, uint32_t to) {
     carrier[row] = int32_t(to);
     part[row] = 1;
@@ -228,7 +229,7 @@ struct RigidScene : Scene<Real> {
     return {{orientation[4 * i], orientation[4 * i + 1], orientation[4 * i + 2]},
             orientation[4 * i + 3]};
   }
-  /// Returns the principal moments of a body: those given, or those of its shape.
+  /// Returns the principal moments of inertia of a body: the given moments, or those of its shape.
   Vector Moments(uint32_t i) const {
     const Vector given = this->Wide(this->At(inertia, i));
     if (!(given == Vector{})) return given;

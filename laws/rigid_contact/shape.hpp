@@ -22,7 +22,7 @@ enum class ShapeCode : int32_t {
   kMesh = 4,
   kCapsule = 5,
   kCylinder = 6,
-  kTriangle = 100,  // of a surface
+  kTriangle = 100,  // a triangle of a surface
   kSurface = 101,   // the triangles of an immovable mesh
 };
 
@@ -49,8 +49,9 @@ struct Face {
   void Add(const Vector& corner) { corners[count++] = corner; }
 };
 
-/** A convex shape in the world: all points within `radius` of its core. A sphere's core is its
- *  centre, a capsule's its axis; other shapes have radius 0. A mesh is its convex hull. */
+/** A convex shape in the world. It consists of all points within the distance `radius` of its core.
+ *  The core of a sphere is its centre, and the core of a capsule is its axis. Other shapes have
+ *  radius 0. A mesh is replaced by its convex hull. */
 struct Shape {
   // Number of corners of the polygon that replaces the cap of a cylinder in contacts.
   static constexpr int kCapCorners = 8;
@@ -60,10 +61,10 @@ struct Shape {
   double radius = 0;
   Vector position;
   Axes axes;
-  const Polytope* hull = nullptr;  // of a mesh or triangle
+  const Polytope* hull = nullptr;  // hull of a mesh or triangle
 
-  /** Returns the shape of these columns; code kNone if it does not collide. `size` is the extent
-   *  along the shape's own axes, `hull` the convex hull of a mesh. */
+  /** Returns the shape with these values of the columns; its code is kNone if it does not collide.
+   *  `size` is the extent along the shape's own axes, `hull` the convex hull of a mesh. */
   static Shape Of(int32_t code, const Vector& size, const Vector& position, const Quaternion& q,
                   const Polytope* hull = nullptr) {
     Shape shape;
@@ -109,7 +110,8 @@ struct Shape {
            radius * std::sqrt(Dot(own, own));
   }
 
-  /** Returns the smallest extent [m], which limits how deep other shapes can sink in. */
+  /** Returns the smallest extent [m], which limits the depth to which other shapes can
+   *  penetrate. */
   double Thickness() const {
     switch (code) {
       case ShapeCode::kSphere:
@@ -137,8 +139,8 @@ struct Shape {
     return std::sqrt(square) + radius;
   }
 
-  /** Returns the farthest point in a direction of the core, shrunk by `rounding` on all sides. A
-   *  hull is shrunk by its own rounding, or not. */
+  /** Returns the farthest point of the core in a direction. The core is shrunk by `rounding` on all
+   *  sides. A hull can only be shrunk by its own rounding, or not at all. */
   Vector Support(const Vector& direction, double rounding = 0) const {
     if (code == ShapeCode::kSphere) return position;
     const Vector d = axes.ToOwn(direction);
@@ -252,8 +254,8 @@ struct Shape {
     return face;
   }
 
-  /** Returns a face of a hull. Of a face with more corners than a Face has, returns the corners
-   *  that are farthest in directions around it. */
+  /** Returns a face of a hull. If the face has more corners than a Face can contain, returns the
+   *  corners that are farthest in some directions around the face. */
   Face HullFace(const Vector& d) const {
     const size_t chosen = hull->FaceTowards(d);
     const auto around =
@@ -285,8 +287,8 @@ struct Shape {
     return face;
   }
 
-  /** Returns the face of a cylinder in a direction: a cap as a polygon, or the line along its side.
-   *  */
+  /** Returns the face of a cylinder in a direction. It is a cap, replaced by a polygon, or the line
+   *  along the side. */
   Face CylinderFace(const Vector& d) const {
     const double across = std::sqrt(d.x * d.x + d.z * d.z);
     const double x = across > 1e-9 ? d.x / across : 1, z = across > 1e-9 ? d.z / across : 0;

@@ -22,7 +22,7 @@ struct Symmetric {
   }
 };
 
-/** Index that stands for every immovable body. */
+/** Index that represents all immovable bodies. */
 constexpr uint32_t kImmovable = UINT32_MAX;
 
 /** Motion of a body during a step. */
@@ -32,7 +32,7 @@ struct Motion {
   Vec3<Real> moved, turned;         // translation and rotation since the start of the step [m],
                                     // [rad]
   Real inverse_mass{};              // [1/kg]
-  Symmetric<Real> inverse_inertia;  // in the world frame [1/(kg m^2)]
+  Symmetric<Real> inverse_inertia;  // tensor in the world frame [1/(kg m^2)]
   Vec3<Real> push;                  // acceleration by the forces of other laws [m/s^2]
 
   void Apply(const Vec3<Real>& impulse, const Vec3<Real>& arm) {
@@ -47,7 +47,7 @@ template <class Real>
 struct SolverStep {
   Real dt, substep;        // [s]
   Real push_rate;          // fraction of an overlap that is corrected per time [1/s]
-  Real hardness;           // fraction of the wanted change of velocity that one iteration applies
+  Real hardness;           // fraction of the required change of velocity that one iteration applies
                            // at an overlapping point
   Real yield;              // fraction of its impulse that an overlapping point loses in one
                            // iteration
@@ -58,8 +58,8 @@ struct SolverStep {
   /** Returns the constants of a step; the section Limits of README.md explains the contact springs.
    *  */
   static SolverStep Of(Real dt, uint32_t count, Real push_speed, Real restitution_speed) {
-    // Contacts yield like damped springs: kOscillations oscillations per step, at kDamping times
-    // the critical damping.
+    // Contacts yield like damped springs with kOscillations oscillations per step and kDamping
+    // times the critical damping.
     constexpr double kOscillations = 0.5, kDamping = 10;
     constexpr double kTurn = 2 * 3.14159265358979323846;
     const double substep = double{dt} / count, angle = kTurn * kOscillations / count;
@@ -81,8 +81,8 @@ struct Contact {
   using Vector = Vec3<Real>;
 
   struct Point {
-    Vector arm_a, arm_b;  // from the centres of the bodies to the point [m]
-    Real separation;      // at the start of the step [m]
+    Vector arm_a, arm_b;  // lever arms from the centres of the bodies to the point [m]
+    Real separation;      // separation at the start of the step [m]
     Real mass;            // effective mass along the normal [kg]
     Real across[3];       // inverse of the symmetric 2x2 matrix of responses perpendicular to the
                           // normal
@@ -199,8 +199,8 @@ struct Contact {
       Real to_x = p.rub[0] - (p.across[0] * x + p.across[1] * y);
       Real to_y = p.rub[1] - (p.across[1] * x + p.across[2] * y);
       if (to_x * to_x + to_y * to_y > limit * limit) {
-        // The contact slips. One effective mass for both directions makes the friction opposite to
-        // the velocity.
+        // The contact slips. The same effective mass is used for both directions, so that the
+        // friction is opposite to the velocity.
         to_x = p.rub[0] - p.across_mass * x;
         to_y = p.rub[1] - p.across_mass * y;
         const Real square = to_x * to_x + to_y * to_y;
@@ -231,9 +231,9 @@ struct Contact {
     }
   }
 
-  /** Makes points that have collided separate with `restitution` times their approach speed. The
-   *  velocities of a step belong to its middle; `late` corrects for the forces between the middle
-   *  and the moment of the impact. */
+  /** Changes the impulses so that points that have collided separate with `restitution` times their
+   *  approach speed. The velocities of a step belong to the middle of the step. `late` corrects for
+   *  the forces between the middle and the time of the impact. */
   void Restitute(Motion<Real>& body_a, Motion<Real>& body_b, const SolverStep<Real>& step) {
     const Real pull = Dot(body_b.push - body_a.push, normal) * step.dt;
     for (int i = 0; i < count; ++i) {
@@ -244,7 +244,8 @@ struct Contact {
       const Real wanted = std::max(Real(0), -restitution * p.approach + late);
       Press(body_a, body_b, p, std::max(p.press, p.press + p.mass * (wanted - apart)));
     }
-    // The surfaces separate: later substeps and the next step must not start with these impulses.
+    // The surfaces separate, so later substeps and the next step must not start with these
+    // impulses.
     for (int i = 0; i < count; ++i) {
       Point& p = points[i];
       if (p.approach > -step.restitution_speed || p.press == 0) continue;
@@ -271,16 +272,16 @@ struct Contact {
     body_b.spin += body_b.inverse_inertia * torque;
   }
 
-  /** Returns the highest speed at which the surfaces may approach at a point; if it is negative,
-   *  they must separate at least at its absolute value. */
+  /** Returns the maximum speed at which the surfaces may approach each other at a point. If it is
+   *  negative, they must separate at least with its absolute value. */
   Real Allowed(Real gap, const SolverStep<Real>& step, bool push) const {
     if (gap > 0) return gap / step.substep;
     return push ? std::max(step.push_rate * gap, -step.push_speed) : Real(0);
   }
 
-  /** Changes the impulses of all points by the same amount, which stops the mean velocity of the
-   *  points. Without this step, points that are solved one after the other would tilt a body that
-   *  is loaded evenly. */
+  /** Changes the impulses of all points by the same amount, so that the mean velocity of the points
+   *  becomes 0. Without this, a body with an even load would tilt, because the points are solved
+   *  one after the other. */
   void PressTogether(Motion<Real>& body_a, Motion<Real>& body_b,
                      const std::array<Real, Manifold::kMost>& allowed) {
     Real least = points[0].press, mean = 0;

@@ -7,9 +7,10 @@
 namespace vesper::rigid {
 namespace {
 
-// Cosine of the largest angle between contacts that are merged.
+// Cosine of the largest angle between the normals of contacts that are merged.
 constexpr double kSameDirection = 0.9995;
-// Distance of contact points that count as one, as a fraction of the extent of the shape.
+// Distance up to which two contact points count as one point, as a fraction of the extent of the
+// shape.
 constexpr double kSamePlace = 1e-4;
 
 /** A triangle as a polyhedron with one face. */

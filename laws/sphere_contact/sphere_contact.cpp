@@ -12,11 +12,11 @@ using namespace vesper;
 
 constexpr uint64_t kGrain = 512;
 
-// Contacts stored per sphere: at most this many spheres that are equal or larger can touch it at a
-// time.
+// Number of contacts that a sphere stores. At most this many spheres of equal or larger radius can
+// touch a sphere at the same time.
 constexpr uint32_t kSlots = 12;
 
-// Partner id of the floor; greater than all bodies.
+// Partner id of the floor; it is greater than the rows of all bodies.
 constexpr uint32_t kFloor = UINT32_MAX;
 
 /** Contact of spheres by springs and dashpots, with the friction of Cundall and Strack. */
@@ -44,8 +44,9 @@ struct SphereContact {
   OptionalRead<Vector> spin{"angularVelocity", "body", units::radian_per_second};
   Accumulate<Vector> force{"externalForce", "body", units::newton};
   OptionalAccumulate<Vector> torque{"torque", "body", units::newton_metre};
-  // For each contact in which this sphere is the smaller one: the row of the other sphere plus one,
-  // in ascending order and terminated by 0, and the accumulated slip of the surfaces.
+  // For each contact in which this sphere is the smaller one, `partner` contains the row of the
+  // other sphere plus one. The rows are in ascending order and end with 0. `slip` contains the
+  // accumulated slip of the surfaces.
   Scratch<std::array<uint32_t, kSlots>> partner{"partner", "body", units::one};
   Scratch<std::array<Real, 3 * kSlots>> slip{"slip", "body", units::metre};
 
@@ -61,7 +62,7 @@ struct SphereContact {
     pairs_.Update(AllSpheres(), for_each);
     balls_.resize(mass.size());
     contacts_.resize(pairs_.pair_count());
-    // An integrator may evaluate the same contacts in several stages; only the first one adds to
+    // An integrator may evaluate the same contacts in several stages. Only the first stage adds to
     // the slip.
     const Real dt = step.stage == 1 ? static_cast<Real>(step.dt) : 0;
     for_each(mass.size(), [&](uint64_t begin, uint64_t end) {
@@ -75,7 +76,7 @@ struct SphereContact {
     });
   }
 
-  /** Returns the energy of the springs along the normals; the tangential springs of friction are
+  /** Returns the energy of the springs along the normals. The tangential springs of friction are
    *  not included. */
   double PotentialEnergy() {
     pairs_.Update(AllSpheres(), [](uint64_t count, auto&& body) { body(0, count); });
@@ -101,7 +102,7 @@ struct SphereContact {
   /** The effect of a contact on its larger sphere. */
   struct Contact {
     Vector force;   // on the larger sphere [N]
-    Vector moment;  // normal x force, to be multiplied by the lever arm of either sphere [N]
+    Vector moment;  // normal x force [N]; times the lever arm of a sphere, it is the torque on it
     Real depth;     // [m]; 0 or less: no contact
   };
   /** Geometry and relative motion of the contact between a ball and another ball or the floor. */
@@ -162,8 +163,8 @@ struct SphereContact {
             mass[i] == 0 ? 0 : 1 / mass[i]};
   }
 
-  /** Computes the contacts of a ball with larger balls and with the floor; adds the forces on the
-   *  ball, and stores those on its partners. */
+  /** Computes the contacts of a ball with larger balls and with the floor. Adds the forces on the
+   *  ball, and stores the forces on its partners. */
   void TouchLarger(uint64_t i, Real dt) {
     const Ball& ball = balls_[i];
     Memory memory(partner[i], slip[i]);
@@ -211,7 +212,7 @@ struct SphereContact {
   static Real Arm(const Ball& ball, Real depth) { return ball.radius - depth / 2; }
 
   static Meeting Meet(const Ball& ball, const Ball& other, const Vector& way, Real distance) {
-    // Two balls at one place have no direction; an arbitrary one is used.
+    // Two balls at the same place have no direction, so an arbitrary direction is used.
     const Vector normal = distance > 0 ? way * (1 / distance) : Vector{0, 1, 0};
     const Real depth = ball.radius + other.radius - distance;
     const Vector turning = ball.spin * Arm(ball, depth) + other.spin * Arm(other, depth);
@@ -219,8 +220,9 @@ struct SphereContact {
             ball.inverse_mass + other.inverse_mass};
   }
 
-  /** Returns the force on the other body: spring and dashpot along the normal, never attractive;
-   *  and a weaker spring and dashpot along the surface, which slip at the limit of friction. */
+  /** Returns the force on the other body. A spring and a dashpot act along the normal; their force
+   *  is never attractive. A weaker spring and dashpot act along the surface; they slip at the limit
+   *  of friction. */
   Vector Press(const Meeting& meeting, uint32_t id, Real dt, Memory& memory) const {
     const Real k(stiffness);
     const Real critical = 2 * std::sqrt(k / meeting.inverse_mass);
@@ -244,8 +246,8 @@ struct SphereContact {
     return normal * press + rub;
   }
 
-  // Tangential stiffness as a fraction of the normal one: a solid ball then oscillates equally fast
-  // in both directions.
+  // Tangential stiffness as a fraction of the normal stiffness. With this fraction, a solid ball
+  // oscillates equally fast in both directions.
   static constexpr Real kTangential = Real{2} / 7;
 
   SpherePairs<Real> pairs_;

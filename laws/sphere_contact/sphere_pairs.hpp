@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Search for pairs of spheres that may touch, with grids of cells; the lists are equal for any
-// number of threads.
+// Search for pairs of spheres that may touch, with grids of cells. The lists of pairs do not depend
+// on the number of threads.
 #pragma once
 
 #include <algorithm>
@@ -25,13 +25,13 @@ struct Spheres {
   const Real* mass;    // 0: immovable; two immovable spheres form no pair
 };
 
-/** The pairs of spheres that are closer than a margin. The list is valid until a sphere has
- *  moved by half of the margin. Every pair is in one list only: that of its smaller sphere or, if
- *  they are equal, of the lower row. Therefore at most 12 partners touch a sphere, unless they
- *  overlap deeply.
+/** The pairs of spheres that are closer than a margin. The lists are valid until a sphere has
+ *  moved by half of the margin. Every pair is in one list only: that of its smaller sphere. If both
+ *  spheres are equal, it is in the list of the lower row. Therefore at most 12 partners in the list
+ *  of a sphere touch it, unless they overlap deeply.
  *
- *  Lists are in ascending order of rows, so sums over the touching pairs of a list do not depend on
- *  when the list was built. */
+ *  Lists are in ascending order of rows. So sums over the touching pairs of a list do not depend on
+ *  the time when the list was built. */
 template <class Real>
 class SpherePairs {
  public:
@@ -61,14 +61,14 @@ class SpherePairs {
   uint64_t pair_count() const { return partners_.size(); }
 
  private:
-  // Margin as a fraction of the median radius: large enough to serve many steps, small enough for
-  // short lists.
+  // Margin as a fraction of the median radius. It is so large that the lists stay valid for many
+  // steps, and so small that the lists are short.
   static constexpr Real kMarginPerRadius = Real{0.25};
   static constexpr uint64_t kMaxPairs = uint64_t{1} << 28;
 
-  /** Grid of the spheres whose radii have the same power of two. Its cells are so large that any
-   *  sphere of this or a smaller radius can touch only spheres in its own cell and the adjacent
-   *  ones. */
+  /** Grid of the spheres whose radii have the same power of two. Its cells are so large that a
+   *  sphere of this or a smaller radius can touch only spheres in its own cell and in the adjacent
+   *  cells. */
   struct Grid {
     int level;
     Real largest_radius;
@@ -146,9 +146,9 @@ class SpherePairs {
     return *grids_.insert(at, {level, radius, 0});
   }
 
-  /** Sorts the spheres by bucket, with a counting sort. The bucket of a cell is its coordinates
-   *  modulo a number of buckets per axis, at least 4, so that a cell and its neighbours have
-   *  different buckets. */
+  /** Sorts the spheres by bucket, with a counting sort. The bucket of a cell follows from its
+   *  coordinates modulo the number of buckets per axis. This number is at least 4, so that a cell
+   *  and its neighbours have different buckets. */
   void FillBuckets(const Spheres<Real>& spheres) {
     uint64_t side = 4;
     while (side * side * side < spheres.count) side *= 2;
@@ -272,7 +272,7 @@ class SpherePairs {
   // Used during a build only; reused to avoid allocations.
   std::vector<Grid> grids_;
   std::vector<Real> radii_;
-  std::vector<Entry> entries_;       // in the order of their buckets
+  std::vector<Entry> entries_;       // entries in the order of their buckets
   std::vector<uint32_t> bucket_;     // (buckets + 2), start of each bucket in entries_
   std::vector<uint64_t> bucket_of_;  // (rows)
   std::vector<uint64_t> counts_;     // (rows)

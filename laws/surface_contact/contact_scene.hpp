@@ -12,7 +12,8 @@
 
 namespace vesper {
 
-/// Half edge, midradius and inradius of a regular icosahedron whose corners are at distance 1.
+/// Half edge, midradius and inradius of a regular icosahedron whose corners are at distance 1 from
+/// its centre.
 template <class Real>
 inline const Real kHalfEdge = static_cast<Real>(icosahedron::HalfEdge());
 template <class Real>
@@ -60,7 +61,7 @@ struct ContactScene : Scene<Real> {
     AddSurface({a, a + 1, a + 2}, material);
   }
 
-  /// Turns gravity by `angle`, so that the plane y = 0 becomes a slope that descends along +x.
+  /// Rotates gravity by `angle`, so that the plane y = 0 becomes a slope that descends along +x.
   void Tilt(double angle, double g) {
     this->gravity = {static_cast<Real>(g * std::sin(angle)),
                      static_cast<Real>(-g * std::cos(angle)), 0};

@@ -20,8 +20,8 @@ struct ConvexBody {
 
 inline Vec3<double> Unit(Vec3<double> v) { return v * (1 / Length(v)); }
 
-/// Returns a tetrahedron with one edge along x at y = h and one along z at y = -h, with h = edge /
-/// sqrt(8).
+/// Returns a tetrahedron. One edge is along x at y = h, and another edge is along z at y = -h, with
+/// h = edge / sqrt(8).
 inline ConvexBody Tetrahedron(double edge) {
   const double s = edge / 2, h = edge / std::sqrt(8.0);
   return {{{-s, h, 0}, {s, h, 0}, {0, -h, -s}, {0, -h, s}},
@@ -62,7 +62,7 @@ inline ConvexBody Turned(ConvexBody body, std::array<double, 4> q) {
   return body;
 }
 
-/// Random numbers for the tests: the same with every standard library.
+/// A source of random numbers for the tests. The numbers are the same with every standard library.
 class Random {
  public:
   explicit Random(uint32_t seed) : engine_(seed) {}
@@ -125,9 +125,9 @@ Rows AddBody(ContactScene<Real>& scene, const ConvexBody& body, Vec3<double> cen
   return {first, count};
 }
 
-/** Returns the penetration of two convex bodies [m], over all separating directions: the normals
- *  of all faces and the cross products of edges. Negative: the bodies are apart, at least by this
- *  amount. `first` and `second` are the current corners. */
+/** Returns the penetration depth of two convex bodies [m]. It is the least overlap over the normals
+ *  of all faces and the cross products of edges. If it is negative, the bodies are apart, at least
+ *  by this amount. `first` and `second` are the current corners. */
 inline double Overlap(const std::vector<Vec3<double>>& first, const ConvexBody& first_shape,
                       const std::vector<Vec3<double>>& second, const ConvexBody& second_shape) {
   std::vector<Vec3<double>> directions;

@@ -11,16 +11,16 @@
 
 namespace vesper::surface_contact {
 
-/// Two faces with a common convex edge. An edge of another mesh that passes behind it may be
-/// deepest between its own ends.
+/// Two faces with a common convex edge. If an edge of another mesh passes behind the common edge,
+/// its deepest point may be between its own ends.
 template <class Real>
 struct Ridge {
   Vec3<Real> start;
   Vec3<Real> along;                   // the edge divided by the square of its length [1/m]
-  std::array<Vec3<Real>, 2> normals;  // of the faces, outwards, length 1
+  std::array<Vec3<Real>, 2> normals;  // outward unit normals of the faces
 };
 
-/// The point of an edge that is deepest behind a mesh: there it is equally deep below two faces,
+/// The point of an edge that is deepest behind a mesh. This point is equally deep below two faces,
 /// one in each direction along the edge.
 template <class Real>
 struct DeepestPoint {
@@ -31,10 +31,10 @@ struct DeepestPoint {
                                  // normals is perpendicular to the edge
 };
 
-/** Search for the deepest point of an edge behind a mesh with these ridges and faces. Behind a
+/** Search for the deepest point of an edge behind a mesh with the given ridges and faces. Behind a
  *  convex part of a mesh, the depth of a point is the minimum of its depths below the planes of the
  *  faces. The search is the cutting-plane method (J. E. Kelley, The Cutting-Plane Method for
- *  Solving Convex Programs, 1960), starting at the intersections of the planes of each ridge. */
+ *  Solving Convex Programs, 1960). It starts at the intersections of the planes of each ridge. */
 template <class Real>
 class DeepestPointSearch {
  public:
@@ -64,13 +64,14 @@ class DeepestPointSearch {
   /// Relative tolerance of the depth: the search stops when a new plane reduces the depth by less.
   static constexpr Real kTolerance = Real(1e-4);
 
-  /// Depth below a plane along an edge: at the edge's start, and the change up to its end [m].
+  /// Depth below a plane along an edge [m]: the depth at the edge's start, and the change of the
+  /// depth up to the edge's end.
   struct Slope {
     Real at_start, growth;
     Real At(Real place) const { return at_start + place * growth; }
   };
-  /// The planes that limit the depth on each side: one that the edge moves away from, and one that
-  /// it approaches.
+  /// The planes that limit the depth on each side of a point. Along the edge, the depth below the
+  /// plane `down` grows, and the depth below the plane `up` decreases.
   struct Slopes {
     Slope down, up;
     Real Meeting() const { return (up.at_start - down.at_start) / (down.growth - up.growth); }
@@ -120,8 +121,8 @@ class DeepestPointSearch {
     }
   }
 
-  /** Finds the nearest point of the mesh on each side: one that the edge moves away from, and one
-   *  that it approaches. */
+  /** Finds the nearest points of the mesh on both sides of a point of the edge. Along the edge, the
+   *  distance from the face of `down` grows, and the distance from the face of `up` decreases. */
   void FindNearest(Vec3<Real> point, Vec3<Real> edge, Nearest<Real>& down,
                    Nearest<Real>& up) const {
     for (const Face<Real>& face : faces_) {

@@ -37,7 +37,7 @@ void MeshTopology::FindNeighbours(std::span<const Vertices> surfaces) {
                     [](const Side& e) { return std::tuple(e.low, e.high, e.surface, e.number); });
   neighbours_.assign(surfaces.size(), {kNone, kNone, kNone});
   owns_.assign(surfaces.size(), {});
-  std::vector<char> owned(surfaces.size(), 0);  // how many edges each surface owns so far
+  std::vector<char> owned(surfaces.size(), 0);  // number of edges that each surface owns so far
   for (size_t i = 0, end; i < sides.size(); i = end) {
     const Side& a = sides[i];
     for (end = i + 1; end < sides.size() && sides[end].low == a.low && sides[end].high == a.high;) {

@@ -37,8 +37,9 @@ struct Mesh {
   bool closed;  // the mesh has no border
 };
 
-/** The meshes: sets of surfaces connected by shared bodies. An edge is inner if exactly two
- *  surfaces share it, in opposite directions. A body at any other edge is on the mesh's border. */
+/** The meshes. A mesh is a set of surfaces that are connected by shared bodies. An edge is inner if
+ *  exactly two surfaces share it, in opposite directions. A body at any other edge is on the border
+ *  of the mesh. */
 class MeshTopology {
  public:
   static constexpr uint32_t kPatchFaces = 32;
@@ -56,14 +57,16 @@ class MeshTopology {
   std::span<const uint32_t> CornersOf(const Patch& patch) const {
     return std::span(corners_).subspan(patch.first_corner, patch.corner_count);
   }
-  /// Returns the rows of the bodies that a patch owns: it computes the contacts of these points.
+  /// Returns the rows of the bodies that a patch owns. The patch computes the contacts of these
+  /// points.
   std::span<const uint32_t> PointsOf(const Patch& patch) const {
     return std::span(corners_).subspan(patch.first_corner, patch.own_count);
   }
   std::span<const Edge> EdgesOf(const Patch& patch) const {
     return std::span(edges_).subspan(patch.first_edge, patch.edge_count);
   }
-  /// Returns the surface across the edge from corner `edge` to the next, or kNone at a border.
+  /// Returns the surface at the other side of the edge from corner `edge` to the next corner, or
+  /// kNone at a border.
   uint32_t Neighbour(uint32_t surface, uint32_t edge) const { return neighbours_[surface][edge]; }
   bool OnBorder(uint32_t body) const { return on_border_[body]; }
   /// Returns the surfaces with a corner at this body, in row order.

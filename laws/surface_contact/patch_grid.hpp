@@ -57,8 +57,8 @@ struct Box {
 
 /** A uniform grid with cells in a hash table (M. Teschner et al., Optimized Spatial Hashing for
  *  Collision Detection of Deformable Objects, 2003). A box is in the cell of its centre. Cells
- *  are twice the size of the median box; larger boxes are in a list that every query scans instead.
- *  */
+ *  are twice the size of the median box. Larger boxes are not in cells, but in a list that every
+ *  query scans. */
 template <class Real>
 class PatchGrid {
  public:
@@ -93,7 +93,7 @@ class PatchGrid {
     }
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
     for (const Entry& entry : small_) entries_[start_[Hash(entry.cell)]++] = entry;
-    // Filling has moved each bucket's start to its end; shifting restores the starts.
+    // Filling the buckets has moved each bucket's start to its end. The shift restores the starts.
     std::shift_right(start_.begin(), start_.end(), 1);
     start_[0] = 0;
   }

@@ -48,9 +48,9 @@ struct Frame {
     return sum;
   }
 
-  /** Returns the reaction on a corner of the face to a force on the point. The reactions on all
-   *  corners have the opposite sum and the opposite moment, and their work is the force times
-   *  Carried. */
+  /** Returns the reaction on a corner of the face to a force on the point. The sum of the reactions
+   *  on all corners is opposite to the force, and so is their moment. Their power is minus the
+   *  force times Carried. */
   Vec3<Real> Reaction(int corner, Vec3<Real> on_point) const {
     return on_point * -weights[corner] + normal * (height * Dot(gradients[corner], on_point));
   }
@@ -65,14 +65,14 @@ struct Frame {
 template <class Real, size_t n>
 struct Touch {
   Vec3<Real> point;     // [m]
-  Vec3<Real> velocity;  // of the point [m/s]
+  Vec3<Real> velocity;  // velocity of the point [m/s]
   std::array<Immersion<Real>, n> faces;
   std::array<Real, n> shares;  // weights of the n faces; their sum is 1
   Real depth;                  // depth, weighted by shares [m]
   Real strength;               // factor for hardness and damping, 0 to 1
 
-  /// Returns the normal, of length 1; for two faces it is the weighted mean of their normals, and
-  /// thus shorter.
+  /// Returns the normal. For one face its length is 1. For two faces it is the weighted mean of
+  /// their normals, and therefore shorter.
   Vec3<Real> Normal() const {
     if constexpr (n == 1) return faces[0].normal;
     Vec3<Real> sum;
@@ -88,9 +88,9 @@ struct Response {
   Vec3<Real> drag{};  // tangential force on the point
 };
 
-/** Returns the friction force on a point [N]: a spring with elongation `stretch` and a damper of
- *  the slip, limited by Coulomb's law (P. A. Cundall, O. D. L. Strack, A Discrete Numerical
- *  Model for Granular Assemblies, 1979). */
+/** Returns the friction force on a point [N]. It is the force of a spring with the elongation
+ *  `stretch` and of a damper of the slip, limited by Coulomb's law (P. A. Cundall, O. D. L. Strack,
+ *  A Discrete Numerical Model for Granular Assemblies, 1979). */
 template <class Real>
 Vec3<Real> Rub(const Material<Real>& skin, Vec3<Real> slip, Real limit, Vec3<Real>& stretch) {
   Vec3<Real> drag = stretch * -skin.hardness - slip * skin.damping;

@@ -50,11 +50,12 @@ struct Immersion {
   uint32_t face = kNone;          // row of the nearest surface; kNone: the point is not behind the
                                   // mesh
   Real depth = 0;                 // distance to the nearest point of the mesh [m], > 0
-  Vec3<Real> normal{};            // from the point to the nearest point, length 1
+  Vec3<Real> normal{};            // unit vector from the point to the nearest point
   std::array<Real, 3> weights{};  // weights of the face's corners at the nearest point
 };
 
-/** The surfaces at their current positions; refers to all arguments, which must outlive it. */
+/** The surfaces at their current positions. An object refers to the arguments of its constructor,
+ *  which must outlive it. */
 template <class Real>
 class Skin {
  public:
@@ -72,8 +73,8 @@ class Skin {
     return {position_[a], position_[b], position_[c]};
   }
 
-  /** Returns true if the point is behind the mesh at its nearest point `nearest`, which must have
-   *  been found. No point counts as behind a border. */
+  /** Returns true if a point is behind the mesh. `nearest` is the nearest point of the mesh, which
+   *  must have been found. No point counts as behind a border. */
   bool IsBehind(const Nearest<Real>& nearest) const {
     const auto& [square, face, at, offset, normal] = nearest;
     if (at.feature == kFace) return Dot(offset, normal) < 0;
@@ -92,16 +93,17 @@ class Skin {
     return {nearest.face, depth, Upwards(nearest, depth), nearest.at.weights};
   }
 
-  /** Returns the direction from a point behind the mesh, at `depth`, to the nearest point;
-   *  length 1. */
+  /** Returns the unit vector from a point behind the mesh, at the depth `depth`, to the nearest
+   *  point of the mesh. */
   static Vec3<Real> Upwards(const Nearest<Real>& nearest, Real depth) {
     return nearest.at.feature == kFace ? Unit(nearest.normal) : nearest.offset * (-1 / depth);
   }
 
  private:
-  /** Returns true if the point is behind the mesh at a corner, by the angle-weighted sum of the
-   *  adjacent normals (J. A. Baerentzen, H. Aanaes, Signed Distance Computation Using the Angle
-   *  Weighted Pseudonormal, 2005); if all faces give the same answer, the sum is not computed. */
+  /** Returns true if the point is behind the mesh at a corner. The test uses the angle-weighted sum
+   *  of the adjacent normals (J. A. Baerentzen, H. Aanaes, Signed Distance Computation Using the
+   *  Angle Weighted Pseudonormal, 2005). If all faces give the same answer, the sum is not
+   *  needed. */
   bool IsBehindCorner(Vec3<Real> offset, uint32_t corner) const {
     const auto around = topology_.Around(corner);
     const auto behind =
@@ -134,8 +136,8 @@ class Skin {
   const Vec3<Real>* position_;
 };
 
-/** Stores the face in `nearest` if it is nearer to p than the stored one. A face without area has
- *  no front and is skipped. */
+/** Stores the face in `nearest` if it is nearer to p than the stored face. A face without area has
+ *  no front, so it is skipped. */
 template <class Real>
 void Approach(Vec3<Real> p, const Face<Real>& face, Nearest<Real>& nearest) {
   const Real height = Dot(face.normal, p - face.a);

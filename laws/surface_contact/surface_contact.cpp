@@ -35,23 +35,23 @@ struct EdgeContact {
   DeepestPoint<Real> at;
   std::array<Immersion<Real>, 2> ends;
 
-  /** Returns by how much the edge's deepest point exceeds one end: 1 if the end is not behind the
-   *  mesh, 0 if it is equally deep. */
+  /** Returns the excess of the depth of the edge's deepest point over the depth of one end. It is 1
+   *  if the end is not behind the mesh, and 0 if the end is equally deep. */
   Real Excess(int end) const {
     const Real ratio = ends[end].depth / at.depth;
     return 1 - ratio * ratio;
   }
 };
 
-/** A force on a body [N]; all are added later in a fixed order. */
+/** A force on a body [N]. All reactions are added later in a fixed order. */
 template <class Real>
 struct Reaction {
   uint32_t body;
   Vec3<Real> force;
 };
 
-/** Penalty contact of meshes with each other and with points: spring and damper along the
- *  normal, and a tangential spring and damper limited by Coulomb's law. */
+/** Penalty contact of meshes with each other and with points. A spring and a damper act along the
+ *  normal. A tangential spring and a damper act as friction, limited by Coulomb's law. */
 template <class Real>
 struct SurfaceContact {
   static constexpr auto kName = "surface_contact", kVersion = "1.1.0";
@@ -73,9 +73,9 @@ struct SurfaceContact {
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
   /// Elongation of each body's friction spring.
   Scratch<Vec3<Real>> stretch{"frictionStretch", "body", units::metre};
-  /// The step in which the friction spring was last stretched, and the contact that did so: 0 for
-  /// the body's own contact as a corner; for the contact of an edge, the row of its other end plus
-  /// one.
+  /// The last step in which a contact stretched the friction spring, and this contact. The contact
+  /// is 0 for the body's own contact as a corner. For the contact of an edge, it is the row of the
+  /// edge's other end plus one.
   Scratch<std::array<uint32_t, 2>> stretched_by{"frictionUse", "body", units::one};
 
   auto Parameters() { return std::tie(maximum_depth); }
@@ -112,15 +112,15 @@ struct SurfaceContact {
         PushCorners(topology_.patches()[i], step, chunk);
       }
     });
-    // Bodies get forces from several chunks, and an edge may use the springs of both ends: added
-    // here in order.
+    // Adds forces in the order of the chunks, on one thread. Several chunks may add forces to the
+    // same body, and an edge may use the friction springs of both its ends.
     for (Chunk& chunk : chunks_) {
       for (const auto& contact : chunk.edge_contacts) PushEdge(contact, step, chunk);
       for (const auto& [body, reaction] : chunk.reactions) force[body] += reaction;
     }
   }
 
-  /** Returns half the sum of the squared depths times the hardness, over all contacts; the energy
+  /** Returns half the sum of the squared depths times the hardness, over all contacts. The energy
    *  of friction springs is not included. */
   double PotentialEnergy() {
     double energy = 0;
@@ -235,8 +235,8 @@ struct SurfaceContact {
     const size_t first = chunk.corner_contacts.size();
     FindCorners(skin, others, 0, patch.own_count, chunk);
     if (topology_.meshes()[mesh].face_count == 1)
-      return;  // behind a flat mesh, no edge is deepest
-               // between the edge's ends
+      return;  // behind a flat mesh, the deepest point
+               // of an edge is one of its ends
     FindEdgesBehind(index, others, chunk);
     if (chunk.edges.empty()) return;
     GatherRidges(skin, boxes_[index], others, chunk);
@@ -318,8 +318,8 @@ struct SurfaceContact {
     }
   }
 
-  /** Returns a box that contains all points that may be behind the faces of a patch; for a closed
-   *  mesh, its bounding box. */
+  /** Returns a box that contains all points that may be behind the faces of a patch. For a closed
+   *  mesh, it is the bounding box. */
   const Box<Real>& SpaceBehind(uint32_t index) const {
     const Patch& patch = topology_.patches()[index];
     const Mesh& mesh = topology_.meshes()[patch.mesh];
@@ -340,7 +340,7 @@ struct SurfaceContact {
   }
 
   /** Appends a contact for each listed edge of the patch that is deeper between its ends than at
-   *  them. */
+   *  its ends. */
   void FindDeepEdges(const Skin<Real>& skin, const Patch& patch, Chunk& chunk) const {
     const DeepestPointSearch<Real> search(skin, chunk.ridges, chunk.faces);
     const auto edges = topology_.EdgesOf(patch);
@@ -358,9 +358,9 @@ struct SurfaceContact {
     }
   }
 
-  /** Returns a value from 0 for a flat or concave edge to 1 for one with an angle of 30 degrees
-   *  or more between its faces, and for a border. A flat edge lies inside a flat area, of which
-   *  only the outline makes contacts. */
+  /** Returns the sharpness of an edge: 0 for a flat or concave edge, and 1 for a border or an edge
+   *  with an angle of 30 degrees or more between its faces. A flat edge has no contacts, because of
+   *  a flat area only the outline makes contacts. */
   Real SharpnessOf(const Skin<Real>& skin, const Edge& edge) const {
     const uint32_t neighbour = topology_.Neighbour(edge.surface, edge.number);
     if (neighbour == kNone) return 1;
@@ -371,7 +371,7 @@ struct SurfaceContact {
     return std::clamp((1 - cosine) / (1 - kSharpCosine), Real(0), Real(1));
   }
 
-  /** Applies the forces of the corners' contacts to the points of a patch; stores the reactions on
+  /** Applies the forces of the corners' contacts to the points of a patch. Stores the reactions on
    *  the touched meshes. */
   void PushCorners(const Patch& patch, const Step& step, Chunk& chunk) {
     const auto bodies = topology_.PointsOf(patch);
@@ -393,10 +393,10 @@ struct SurfaceContact {
     }
   }
 
-  /** Applies the contact force of an edge: the negative gradient of the energy k S (D A B)^2 / 2,
-   *  with the depth D, the sharpness S and the excesses A, B of D over the depths of the ends. An
-   *  edge that is hardly deeper than its end adds little, and takes over the load of the end as
-   *  it gets deeper. */
+  /** Applies the contact force of an edge. It is the negative gradient of the energy
+   *  k S (D A B)^2 / 2, with the hardness k, the depth D, the sharpness S and the excesses A, B of
+   *  D over the depths of the ends. An edge that is hardly deeper than its end adds little force.
+   *  As the edge gets deeper, it takes over the load of the end. */
   void PushEdge(const EdgeContact<Real>& contact, const Step& step, Chunk& chunk) {
     const auto& bodies = contact.bodies;
     const std::array<Real, 2> weights{1 - contact.at.place, contact.at.place};
@@ -440,9 +440,10 @@ struct SurfaceContact {
     return sum;
   }
 
-  /** Computes the forces of a contact on its point; stores the reactions on the corners of the
-   *  faces. Reactions conserve momentum and angular momentum: friction acts at the point, as if the
-   *  faces extended to it. Without a friction spring, friction consists of its damper only. */
+  /** Computes the forces of a contact on its point, and stores the reactions on the corners of the
+   *  faces. The reactions conserve momentum and angular momentum, because friction acts at the
+   *  point, as if the faces extended to it. Without a friction spring, friction is the force of its
+   *  damper only. */
   template <size_t n>
   Response<Real> Exert(const Touch<Real, n>& touch, const Step& step, Spring spring,
                        Chunk& chunk) const {
@@ -502,8 +503,8 @@ struct SurfaceContact {
     return when == then && user == spring.user;
   }
 
-  /** Returns the friction spring that the edge already stretches, at either end; otherwise a free
-   *  one. */
+  /** Returns the friction spring, of either end, that the edge already stretches. Otherwise returns
+   *  a spring that no contact uses. */
   Spring SpringOf(const std::array<uint32_t, 2>& bodies, const Step& step) const {
     const std::array<Spring, 2> springs{Spring{bodies[0], bodies[1] + 1},
                                         Spring{bodies[1], bodies[0] + 1}};
@@ -531,7 +532,7 @@ struct SurfaceContact {
     return {Frame<Real>(skin.Corners(touch.faces[i].face), touch.point)...};
   }
 
-  // Bind or each Advance rebuilds all of these.
+  // Bind or Advance can rebuild all following members.
   MeshTopology topology_;
   std::vector<Box<Real>> boxes_;       // (patches)
   std::vector<Box<Real>> face_boxes_;  // (patches), including the layer in which contacts are

@@ -5,10 +5,10 @@ namespace {
 
 using namespace vesper;
 
-// Bodies per chunk of a thread: about a megabyte of columns.
+// Bodies per chunk of a thread; a chunk's columns fill about a megabyte.
 constexpr uint64_t kGrain = 8192;
 
-/** Kick, drift, kick: v += a/2 dt; x += v dt; new a; v += a/2 dt. */
+/** The velocity Verlet method: v += a/2 dt; x += v dt; compute the new a; v += a/2 dt. */
 template <class Real>
 struct VelocityVerlet {
   static constexpr auto kName = "velocity_verlet", kVersion = "1.0.0";
@@ -51,8 +51,8 @@ struct VelocityVerlet {
     const Vec3<Real> a = force[i] * (1 / mass[i]);
     if (known[i] != 0) {
       velocity[i] += a * (dt / 2);
-    } else {  // the body's first step: both half kicks at once, and the drift that the first one
-              // adds
+    } else {  // the body's first step: adds both changes of velocity at once, and the change of
+              // position that the first of them causes
       velocity[i] += a * dt;
       position[i] += a * (dt * dt / 2);
     }

@@ -7,8 +7,8 @@ say() { printf '%s\n' "reve: $*" >&2; }
 fail() { say "$*"; exit 1; }
 wrong_usage() { say "$*"; exit 2; }
 
-use_utf8() { # in a locale without a character set (C, or one that is not installed), names of files
-             # are UTF-8, as Python also assumes
+use_utf8() { # selects UTF-8 for file names in a locale without a character set (C, or one that is
+             # not installed), as Python also does
   [ "$(locale charmap 2> /dev/null)" = ANSI_X3.4-1968 ] || return 0
   if [ -n "${LC_ALL:-}" ]; then
     export LC_ALL=C.UTF-8

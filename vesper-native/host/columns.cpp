@@ -18,7 +18,8 @@ size_t PageSize() {
   return size;
 }
 
-/// Returns the length of the reserved addresses: whole pages, and one more before and one behind.
+/// Returns the length of the address range that a mapping of `size` bytes reserves [bytes]: whole
+/// pages, and one guard page on each side.
 size_t Reserved(uint64_t size) {
   const size_t page = PageSize();
   return (size + page - 1) / page * page + 2 * page;

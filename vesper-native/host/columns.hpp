@@ -11,8 +11,9 @@
 
 namespace vesper::host {
 
-/// A mapping of the client's memory, between two guard pages at which any access faults. A forked
-/// child does not inherit the mapping, and the descriptor is closed once the memory is mapped.
+/// A mapping of the client's memory, between two guard pages. Any access to a guard page causes a
+/// memory fault. A forked child process does not inherit the mapping. The descriptor is closed as
+/// soon as the memory is mapped.
 class Mapping {
  public:
   Mapping() = default;
@@ -35,8 +36,8 @@ class Mapping {
   bool writable_ = false;
 };
 
-/// The mapped columns by property. A column that no loaded law may write is read-only, so a law
-/// that writes to a column that it declared as READ faults.
+/// The mapped columns by property. A column that no loaded law may write is read-only. So a law
+/// causes a memory fault if it writes to such a column.
 class Columns {
  public:
   struct Arrays {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The memory that a host (a process with an engine) shares with its client, and how the two wait
-// for each other.
+// The memory that a host (a process with an engine) shares with its client, and the functions with
+// which the two processes wait for each other.
 //
 // The client writes a request into the mailbox, raises `request` and wakes the host. The host
 // writes the reply into the mailbox, sets `reply` to the same number and wakes the client. Only one
@@ -33,7 +33,7 @@ struct Control {
   alignas(64) std::atomic<uint32_t> request;  // number of the newest request
   alignas(64) std::atomic<uint32_t> reply;    // number of the newest answered request
   alignas(64) uint64_t running[kMaxThreads];  // law that each thread calls (vesper_engine_config)
-  alignas(64) char wrote[56];                 // read-only property that a law wrote at the crash
+  alignas(64) char wrote[56];                 // read-only property whose write caused the crash
   uint64_t wrote_offset;                      // offset of that write in its column [bytes]
   alignas(64) uint32_t log_used;              // bytes of `log` that this request has filled
   uint32_t log_dropped;                       // number of log lines that did not fit
@@ -49,9 +49,10 @@ inline std::byte* Mailbox(Control& control) {
   return reinterpret_cast<std::byte*>(&control) + kMailboxOffset;
 }
 
-/// Waits for changes of a word. If the previous wait was short, a wait begins with a busy-wait, in
-/// which other processes may use the processor, because waking this process takes longer than most
-/// frames. If the client's world waits for the clock, waits are longer.
+/// Waits for changes of a word. If the previous wait was short, the next wait begins with a
+/// busy-wait, because waking this process takes longer than most frames. During the busy-wait,
+/// other processes may use the processor. After a long wait (the client's world waits for the
+/// clock), the process sleeps at once.
 class Patience {
  public:
   /// Waits until the word is different from `seen`; returns its value.

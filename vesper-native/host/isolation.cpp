@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook{100};
 
-/// Makes the kernel end this process before others when memory is short.
+/// Makes the kernel end this process before other processes if memory is short.
 void OfferToOutOfMemoryKiller() {
   const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
   if (file < 0) return;
@@ -44,8 +44,8 @@ void Isolate(uint64_t memory_limit) {
   Limit(RLIMIT_CORE, 0);
   if (memory_limit > 0) Limit(RLIMIT_DATA, memory_limit);
   OfferToOutOfMemoryKiller();
-  // Ignored, because a law that sets a timer or signals itself must not end the process while
-  // another law runs.
+  // Ignores these signals, because a law that sets a timer or sends a signal to its own process
+  // must not end the process while another law runs.
   for (const int signal : {SIGALRM, SIGVTALRM, SIGPROF, SIGTERM, SIGHUP, SIGINT, SIGPIPE, SIGQUIT,
                            SIGUSR1, SIGUSR2, SIGTSTP, SIGTTIN, SIGTTOU}) {
     ::signal(signal, SIG_IGN);
@@ -68,8 +68,8 @@ namespace {
 
 void (*report_fault)(const void* address);
 
-/// Reports a memory fault; returning makes it occur again, and the default action then ends the
-/// process with the same signal.
+/// Reports a memory fault. When this handler returns, the fault occurs again, and the default
+/// action ends the process with the same signal.
 void OnFault(int number, siginfo_t* info, void*) {
   report_fault(info->si_addr);
   signal(number, SIG_DFL);

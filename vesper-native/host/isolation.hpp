@@ -6,8 +6,10 @@
 
 namespace vesper::host {
 
-/// Prepares this process for laws: a session of its own, no core files, a limit of private memory
-/// [bytes], first candidate of the out-of-memory killer, timer and termination signals ignored.
+/// Prepares this process for laws:
+/// - It gets its own session, no core files, and a limit of private memory [bytes].
+/// - The kernel's out-of-memory killer ends it before other processes.
+/// - It ignores timer and termination signals.
 void Isolate(uint64_t memory_limit);
 
 /// Starts a thread that ends this process and its children as soon as the client process has ended.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests and replies in the mailbox: numbers in the machine's byte order, unaligned; a string
-// consists of its length (uint32_t) and its bytes.
+// Encoding of the requests and replies in the mailbox. Numbers have the machine's byte order and
+// are not aligned. A string consists of its length (uint32_t) and its bytes.
 #pragma once
 
 #include <cstddef>
@@ -54,7 +54,7 @@ class Writer {
  public:
   Writer(std::byte* bytes, size_t size) : begin_(bytes), at_(bytes), left_(size) {}
 
-  /// Continues to write or read at the beginning of the mailbox.
+  /// Sets the position for writing or reading to the beginning of the mailbox.
   void Restart() {
     left_ += static_cast<size_t>(at_ - begin_);
     at_ = begin_;

@@ -316,7 +316,8 @@ void Service::Unload(Reader& request, Writer& reply) {
   reply.Value(CountThreads());
 }
 
-/// Replies with the numbers of threads before and after, and the new laws.
+/// Replaces a library. Replies with the number of threads of this process before and after the
+/// change, and with the new laws.
 void Service::Replace(Reader& request, Writer& reply) {
   const uint32_t threads = CountThreads();
   const auto id = request.Value<vesper_library_id>();
@@ -387,8 +388,8 @@ void Service::WriteLaws(vesper_library_id library, Writer& reply) {
   reply.Value(uint32_t{0});
 }
 
-/// Makes writable the columns that loaded laws write and the accumulators, which the engine itself
-/// writes; makes all others read-only.
+/// Makes the columns writable that loaded laws write, and the accumulators, which the engine itself
+/// writes. Makes all other columns read-only.
 void Service::ProtectColumns() {
   std::set<std::string> written(accumulators_.begin(), accumulators_.end());
   vesper_law_info info{};
@@ -429,8 +430,8 @@ void Service::MoveRows(Reader& request) {
   }
 }
 
-/// Writes the state to the client's memory and replies with the step count, the size of the state
-/// and 1, or 0 if the memory is too small.
+/// Writes the state to the client's memory. Replies with the step count, the size of the state, and
+/// 1 if the state was written or 0 if the memory is too small.
 void Service::SaveState(Writer& reply) {
   const auto save = [&] {
     return state_size_ <= state_.size()

@@ -14,7 +14,7 @@
 
 namespace vesper::host {
 
-/// Numbers of requests. reve.pe.hosted.Request in Java has the same ones.
+/// Numbers of requests. The enum reve.pe.hosted.Request in Java has the same numbers.
 enum class Request : uint32_t {
   kCreate = 1,
   kAdd,
@@ -43,10 +43,10 @@ enum class Request : uint32_t {
   kReplace,
 };
 
-/// The form of the bytes of a law library. reve.pe.hosted.HostedLibrary in Java has the same
-/// numbers.
-/// kApart: native code that runs in a sandbox; kApartWeakly: also if the machine lacks a layer of
-/// it.
+/// The form of the bytes of a law library. The class reve.pe.hosted.HostedLibrary in Java has the
+/// same numbers.
+/// kApart: native code that runs in a sandbox and is refused if this machine lacks a layer of the
+/// sandbox. kApartWeakly: native code that runs in a sandbox even if this machine lacks a layer.
 enum class Form : uint32_t { kNative, kText, kPython, kApart, kApartWeakly };
 
 class ReceivedPrototype;
@@ -106,8 +106,8 @@ class Service {
   vesper_engine_config config_{};
   std::unique_ptr<ReceivedPrototype> prototype_;
   std::unique_ptr<vesper_engine, EngineDeleter> engine_;
-  std::vector<vesper_library_id> libraries_;  // in the order of loading
-  std::vector<vesper_library_id> before_;     // those before the changes in progress
+  std::vector<vesper_library_id> libraries_;  // libraries in the order of loading
+  std::vector<vesper_library_id> before_;     // libraries before the changes in progress
   Mapping state_;                             // memory of the client, to which states are saved
   uint64_t state_size_ = 0;                   // size of the last saved state [bytes]
   vesper_error error_{};

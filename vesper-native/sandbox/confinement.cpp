@@ -22,7 +22,7 @@ namespace vesper::apart {
 namespace {
 
 constexpr uid_t kNobody = 65534;
-constexpr uint64_t kLoadedBytes = uint64_t{256} << 20;  // of programs and libraries
+constexpr uint64_t kLoadedBytes = uint64_t{256} << 20;  // size of programs and libraries
 constexpr rlim_t kMaxDescriptors = 16;                  // while the library is loaded
 
 /// The kernel's interface of Landlock. The headers of older distributions lack its newer fields.
@@ -87,7 +87,8 @@ bool WriteLibrary(const std::string& path, std::span<const std::byte> bytes) {
   return written;
 }
 
-/// Makes the folder, on which a file system in memory is mounted, the root of all files.
+/// Makes a folder the root of all files of this process. A file system in memory is mounted on this
+/// folder.
 bool MakeRoot(const char* folder) {
   return chdir(folder) == 0 && syscall(SYS_pivot_root, ".", ".") == 0 &&
          umount2(".", MNT_DETACH) == 0 && chdir("/") == 0;
@@ -122,8 +123,8 @@ std::string Layers::Missing() const {
 }
 
 void EnterNamespaces(Layers& layers) {
-  // Root enters the user namespace last, in DropPrivileges, because the others need its
-  // capabilities. Users without these capabilities get them from the user namespace.
+  // Entering the other namespaces needs capabilities. Root has them, and enters the user namespace
+  // last, in DropPrivileges. Users without them enter it first, and get the capabilities from it.
   bool separated = geteuid() == 0 && unshare(CLONE_NEWPID) == 0;
   if (!separated) {
     Note(layers, kUserNamespace, EnterUserNamespace());
@@ -154,7 +155,8 @@ std::string EnterEmptyRoot(std::span<const std::byte> bytes, const std::string& 
 
 void DropPrivileges(Layers& layers) {
   if (layers.error[kUserNamespace] == 0 && geteuid() == 0 && getuid() == 0) {
-    // Fails in a user namespace, where the user is 0, too, but has no right outside it.
+    // These calls fail if this process is already in a user namespace. There the user id is also 0,
+    // but this user has no rights outside of the namespace.
     const bool dropped = setgroups(0, nullptr) == 0 && setresgid(kNobody, kNobody, kNobody) == 0 &&
                          setresuid(kNobody, kNobody, kNobody) == 0;
     if (dropped) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes from this process everything that a law does not need, in several layers.
+// Layers of protection that remove the rights and resources that a law does not need from this
+// process.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +10,8 @@
 
 namespace vesper::apart {
 
-/// The layers that a system may lack. `no_new_privs` and the resource limits exist everywhere.
+/// The layers that an operating system may lack. The flag `no_new_privs` and the resource limits
+/// exist on every system.
 enum Layer : uint32_t {
   kUserNamespace,
   kPidNamespace,
@@ -24,31 +26,34 @@ enum Layer : uint32_t {
 /// Returns the name of a layer for messages; static.
 const char* LayerName(Layer layer);
 
-/// Which layers protect a process: for each one 0, or the error number with which it was refused.
+/// The layers that protect a process. For each layer, `error` contains 0, or the error number with
+/// which the system refused it.
 struct Layers {
   int32_t error[kLayerCount] = {};
 
   bool IsComplete() const;
-  /// Returns e.g. "the user namespace (Operation not permitted) and Landlock (…)".
+  /// Describes the refused layers, for example "the user namespace (Operation not permitted) and
+  /// Landlock (…)".
   std::string Missing() const;
 };
 
 /// Moves this process, or the child that it starts next, into namespaces of its own.
 void EnterNamespaces(Layers& layers);
 
-/// Makes the file system of this process consist of one read-only file with these bytes, if it has
-/// a mount namespace. Returns the path of the file, or an empty text.
+/// Replaces the file system of this process by one read-only file with these bytes. Requires a
+/// mount namespace; without it, returns an empty text. Otherwise returns the path of the file.
 std::string EnterEmptyRoot(std::span<const std::byte> bytes, const std::string& name,
                            Layers& layers);
 
-/// Gives up identity and capabilities of root.
+/// Removes the user identity and the capabilities of root from this process.
 void DropPrivileges(Layers& layers);
 
 /// Sets the resource limits: `memory` bytes of its own, few descriptors, no child processes, no
 /// core files.
 void LimitResources(uint64_t memory);
 
-/// Permits access to no file except `path` (none, if it is empty), and to no network.
+/// Forbids this process access to all files except `path`, and to the network. If `path` is empty,
+/// forbids access to all files.
 void EnterLandlock(const std::string& path, Layers& layers);
 
 }  // namespace vesper::apart

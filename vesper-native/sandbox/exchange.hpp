@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the engine's process and a sandbox share: the exchange, a segment for columns that the law
-// reads, and a segment for columns that it writes.
+// Memory that the engine's process and a sandbox share: the exchange, the segment `read` for
+// columns that the law reads, and the segment `written` for columns that it writes.
 //
 // The engine writes a command, raises `request` and wakes the sandbox. The sandbox sets `reply` to
-// the same number when the command is done. The law can overwrite everything here except the first
-// segment, so the engine copies each value before it checks it, and trusts none.
+// the same number when the command is done. The law can overwrite the exchange and the segment
+// `written` at any time. Therefore the engine copies each value before it checks and uses it.
 #pragma once
 
 #include <atomic>
@@ -23,7 +23,8 @@ inline constexpr size_t kMaxLine = 1024;
 /// Addresses reserved for each of the two segments [bytes].
 inline constexpr uint64_t kSegmentWindow = uint64_t{64} << 30;
 
-/// Descriptors with which a sandbox starts. It closes all of them before it serves.
+/// File descriptors with which a sandbox starts. The sandbox closes all of them before it accepts
+/// commands.
 enum StartDescriptor : int {
   kLibraryFd = 3,
   kExchangeFd,
@@ -33,7 +34,8 @@ enum StartDescriptor : int {
   kEndOfDescriptors,
 };
 
-/// The arguments and results of a command are in the mailbox, unless the exchange has a field.
+/// Commands of the engine to a sandbox. Their arguments and results are in the mailbox, except
+/// those that have a field in Exchange.
 enum class Command : uint32_t {
   kDescribe = 1,     ///< writes the table of the library
   kCreate,           ///< creates the law `law` from its parameters
@@ -51,7 +53,7 @@ struct Exchange {
   alignas(64) vesper_status status;  // result of the command
   uint32_t refused_call;             // 1 + the system call that ended the sandbox, or 0
   double energy;                     // [J]
-  vesper_error error;                // after a failure
+  vesper_error error;                // filled after a failure
   uint32_t log_used;                 // bytes of `log` that this request has filled
   uint32_t log_dropped;              // number of log lines that did not fit
   char log[kLogSize];  // for each line, its level and length (uint32_t each) and its text

@@ -24,7 +24,7 @@ using host::Reader;
 using host::Writer;
 
 constexpr uint64_t kAlignment = 64;
-constexpr int kMostTries = 5;  // of a call whose sandbox is killed from outside
+constexpr int kMostTries = 5;  // tries of a call if something outside kills its sandbox
 
 uint64_t SizeOf(const vesper_property& property) {
   return property.row_count * property.components * ScalarSize(property.scalar_type);
@@ -123,7 +123,7 @@ class Library {
   Sandbox& Live();
   /// Returns true if the last sandbox was killed from outside.
   bool WasKilled() const { return sandbox_->WasKilled(); }
-  /// Increases with each sandbox.
+  /// Returns a number that increases with each new sandbox.
   uint64_t generation() const { return generation_; }
   /// Returns true if no law may write the property, so that it changes only when it is bound.
   bool IsSteady(const char* property) const { return steady_.contains(property); }
@@ -187,8 +187,8 @@ class Proxy {
   }
 
  private:
-  /// Makes a call of the law, and repeats it in another sandbox if the sandbox was killed from
-  /// outside, because nothing of such a call has reached the engine's arrays.
+  /// Makes a call of the law. If another process killed the sandbox during the call, repeats the
+  /// call in a new sandbox. The interrupted call has written nothing to the engine's arrays.
   template <class Function>
   void Repeated(Function&& function) {
     for (int tries = 1;; ++tries) {
@@ -304,10 +304,10 @@ class Proxy {
   Library& library_;
   uint32_t index_;
   const std::vector<vesper_property_use>& uses_;
-  std::vector<bool> steady_;  // for each use
+  std::vector<bool> steady_;  // whether the property of each use is steady
   std::vector<double> parameters_;
   std::vector<vesper_property> bound_;
-  std::vector<uint64_t> offsets_;  // of each use in its region [bytes]
+  std::vector<uint64_t> offsets_;  // offset of each use in its region [bytes]
   Region reading_;
   Region writing_;
   uint64_t generation_ = 0;
@@ -371,7 +371,7 @@ Library::Library(const vesper_prototype& prototype, const Options& options,
       sandbox_(std::make_unique<Sandbox>(options_, bytes_, source_)) {
   static constexpr auto kCreate = CreateFunctions(std::make_index_sequence<kMaxTableEntries>());
   sandbox_->Call(Command::kDescribe, 0, false);
-  // A copy, because the library can overwrite the exchange at any time.
+  // Copies the description, because the library can overwrite the exchange at any time.
   const std::vector<std::byte> described(Mailbox(sandbox_->exchange()),
                                          Mailbox(sandbox_->exchange()) + kMailboxSize);
   Reader from(described.data(), described.size());

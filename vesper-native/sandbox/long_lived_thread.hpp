@@ -13,9 +13,9 @@
 
 namespace vesper::apart {
 
-/// A thread that lives until the process ends. It starts all sandboxes, because the kernel ends a
-/// sandbox (PR_SET_PDEATHSIG) when the thread that started it ends, and other threads may end
-/// earlier.
+/// A thread that lives until the process ends. It starts all sandboxes. The kernel ends a sandbox
+/// (PR_SET_PDEATHSIG) when the thread that started it ends, and other threads may end while the
+/// sandbox is still needed.
 class LongLivedThread {
  public:
   static LongLivedThread& Get() {

@@ -38,8 +38,8 @@ constexpr int kFirstSignal = 128;  // an exit code of this and more stands for a
 
 Exchange* exchange = nullptr;
 
-/// Ends this process. As the first process of its namespace it would ignore these two signals
-/// otherwise.
+/// Handles two signals by ending this process. Without a handler, the kernel does not deliver these
+/// signals to the first process of a process namespace.
 void End(int number, siginfo_t* info, void*) {
   if (number == SIGSYS && exchange != nullptr) {
     exchange->refused_call = static_cast<uint32_t>(info->si_syscall) + 1;
@@ -90,7 +90,8 @@ void Confine(Layers& layers, const std::string& root_file, uint64_t memory) {
       vesper::apart::FilterCalls(vesper::apart::Stage::kLoading);
 }
 
-/// Opens the library; then gives up the last descriptors, and the calls that only the loader needs.
+/// Opens the library. Then closes the last file descriptors and forbids the system calls that only
+/// the loader needs.
 void Open(vesper::apart::ServedLibrary& library, const std::string& path, const std::string& source,
           bool filtered) {
   try {
@@ -129,7 +130,8 @@ void Open(vesper::apart::ServedLibrary& library, const std::string& path, const 
   }
 }
 
-/// Confines a child as if it served a library, and prints the layers that it has.
+/// Confines a child process like a process that serves a library, and prints the layers that
+/// protect it.
 int Check() {
   Layers layers;
   vesper::apart::EnterNamespaces(layers);
@@ -143,7 +145,7 @@ int Check() {
     layers.error[vesper::apart::kSeccomp] = 0;
     for (uint32_t i = 0; i < vesper::apart::kLayerCount; ++i) {
       const bool filter = i == vesper::apart::kSeccomp;
-      // The filter comes last, because it forbids to write the text.
+      // The filter of system calls is set after this text is written, because it forbids writing.
       const int refused = filter && prctl(PR_GET_SECCOMP) < 0 ? errno : layers.error[i];
       text += vesper::apart::LayerName(static_cast<vesper::apart::Layer>(i));
       text += refused == 0 ? std::string(": yes\n")

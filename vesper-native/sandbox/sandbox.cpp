@@ -37,13 +37,14 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 constexpr milliseconds kStartLimit{2000};
-constexpr milliseconds kRequestLimit{2000};  // for calls outside frames
+constexpr milliseconds kRequestLimit{2000};  // time limit of calls outside of frames
 constexpr nanoseconds kLook = milliseconds(1);
 constexpr nanoseconds kAwake = std::chrono::microseconds(50);
-/// Processor time between calls, per frame and per call: the sandbox waits actively for a while.
+/// Processor time that a sandbox may use between its calls, per frame and per call. A sandbox needs
+/// such time because it begins each wait with a busy-wait.
 constexpr nanoseconds kRestOfFrame = milliseconds(2);
 constexpr nanoseconds kRestOfCall = std::chrono::microseconds(200);
-/// Processor time between calls that is too much, in addition to the above.
+/// Excess of processor time between calls, above the two limits, at which a sandbox is ended.
 constexpr nanoseconds kTooBusy = milliseconds(200);
 constexpr int kMostWall = 20;  // a call may last this multiple of its limit if it gets no processor
 constexpr int kFirstSignal = 128;
@@ -51,7 +52,7 @@ constexpr int kFirstSignal = 128;
 std::atomic<uint64_t> frame_number = 0;
 std::atomic<int64_t> frame_limit = nanoseconds(kRequestLimit).count();
 
-/// Returns the file name of a library inside its sandbox, for the loader and debuggers.
+/// Returns the file name that a library has inside its sandbox. The loader and debuggers show it.
 std::string FileName(const std::string& library) {
   std::string name = library.substr(library.rfind('/') + 1).substr(0, 100);
   std::erase_if(name, [](char c) {
@@ -60,8 +61,8 @@ std::string FileName(const std::string& library) {
   return name.empty() || name.front() == '.' ? "law.so" : name;
 }
 
-/// Descriptors and attributes of a starting sandbox. Its standard streams are closed, because a law
-/// could fill them.
+/// File descriptors and attributes of a starting sandbox. Its standard streams are closed, because
+/// a law could write any amount of data to them.
 class Setup {
  public:
   explicit Setup(const int (&descriptors)[5]) {
@@ -96,8 +97,8 @@ class Setup {
   posix_spawnattr_t attributes_;
 };
 
-/// Duplicates a descriptor above those of a starting sandbox, so that setting these up does not
-/// overwrite it.
+/// Duplicates a descriptor to a number above those of a starting sandbox. So the setup of the
+/// sandbox's descriptors does not overwrite it.
 Descriptor Raised(int fd) {
   return Descriptor(fcntl(fd, F_DUPFD_CLOEXEC, kEndOfDescriptors), "descriptor for a sandbox");
 }
@@ -226,7 +227,8 @@ void Sandbox::Start(const Options& options, int library_fd, const std::string& f
   cpu_ = ProcessorTime();
 }
 
-/// Waits for the process id and for the report of the confined process.
+/// Waits until the starting process has reported the process id of the sandbox, and the sandbox has
+/// reported its layers.
 void Sandbox::AwaitStart(int report) {
   const auto deadline = Clock::now() + kStartLimit;
   for (bool confined = false; pid_ < 0 || !confined;) {
@@ -268,8 +270,8 @@ nanoseconds Sandbox::Allowed(bool limited) {
   return nanoseconds(frame_limit) - spent_;
 }
 
-/// Ends a sandbox that computes between its calls: a law that answered its calls itself could use a
-/// processor for ever, also in a paused world.
+/// Ends a sandbox that uses too much processor time between its calls. Without this limit, a law
+/// that takes control of its process could use a processor for ever, also in a paused world.
 void Sandbox::RequireRest() {
   const nanoseconds cpu = ProcessorTime();
   const nanoseconds rest = kRestOfFrame + static_cast<int64_t>(calls_) * kRestOfCall;
@@ -366,7 +368,7 @@ void Sandbox::ThrowCrashed(int status) {
 }
 
 nanoseconds Sandbox::ProcessorTime() const {
-  constexpr int kScheduler = 2;  // of the clocks of a process
+  constexpr int kScheduler = 2;  // clock of the processor time of a process
   const auto clock = static_cast<clockid_t>((~static_cast<unsigned>(pid_) << 3) | kScheduler);
   timespec time{};
   if (clock_gettime(clock, &time) != 0) return nanoseconds(0);

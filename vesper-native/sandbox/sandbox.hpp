@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The engine's side of a sandbox: its process, the memory shared with it, and calls with a
-// deadline.
+// The engine's side of a sandbox: the process, the memory that the engine shares with it, and calls
+// with a deadline.
 #pragma once
 
 #include <chrono>
@@ -14,14 +14,15 @@
 
 namespace vesper::apart {
 
-/// How sandboxes are started.
+/// Options for starting sandboxes.
 struct Options {
   std::string program;  ///< path of vesper-sandbox
-  uint64_t memory;      ///< limit of the private memory of each [bytes]
+  uint64_t memory;      ///< limit of the private memory of each sandbox [bytes]
   bool incomplete;      ///< true: start it even if the system lacks a layer of protection
 };
 
-/// Memory that this process can write, and another one only as `seals` permit.
+/// Memory that this process shares with a sandbox. This process can write to it; `seals` limit the
+/// access of the sandbox.
 class Segment {
  public:
   /// Creates a segment with `size` bytes in a window of reserved addresses.
@@ -63,19 +64,19 @@ class Sandbox {
   std::byte* written() { return written_.data(); }
   /// Makes `region` of the read or the written segment at least `size` bytes long.
   void Reserve(bool written, Region& region, uint64_t size);
-  /// Carries out the command that the exchange contains. Throws LAW_CRASHED or LAW_TIMED_OUT if the
-  /// process ended or was ended, and the Failure that the command returned otherwise. `limited`:
-  /// the time counts for the frame.
+  /// Makes the sandbox execute a command, whose arguments are in the exchange. Throws LAW_CRASHED
+  /// if the process ended, LAW_TIMED_OUT if it exceeded its time and was ended, or the Failure that
+  /// the command returned. `limited`: the time of the call counts towards the limit of the frame.
   void Call(Command command, uint32_t law, bool limited);
   /// Returns false after a call that threw LAW_CRASHED or LAW_TIMED_OUT.
   bool IsAlive() const { return pid_ > 0; }
-  /// Returns true if SIGKILL ended the process. A law cannot send it to its own process, so the
-  /// cause is outside, for example a lack of memory.
+  /// Returns true if the signal SIGKILL ended the process. A law cannot send this signal to its own
+  /// process, so the cause is outside of the sandbox, for example a lack of memory.
   bool WasKilled() const { return killed_; }
   const Layers& layers() const { return layers_; }
 
-  /// Begins a frame of this process's engine: all calls of a sandbox in a frame together may take
-  /// this time, processor time and idle time.
+  /// Begins a frame of the engine in this process. All calls of one sandbox in this frame may
+  /// together take the time `limit`, as processor time and idle time.
   static void BeginFrame(std::chrono::nanoseconds limit);
 
  private:
@@ -94,7 +95,7 @@ class Sandbox {
   int Kill();
   [[noreturn]] void ThrowCrashed(int status);
   Nanoseconds ProcessorTime() const;
-  /// Returns true if the process waits for anything but a processor, or was stopped.
+  /// Returns true if the process is stopped, or waits for anything except a processor.
   bool Sleeps() const;
 
   Segment exchange_;
@@ -109,8 +110,8 @@ class Sandbox {
   bool quick_ = false;
   bool killed_ = false;
   uint64_t frame_ = 0;
-  Nanoseconds spent_{0};  // in this frame
-  // Since the last frame began: processor time until then, time and number of calls.
+  Nanoseconds spent_{0};  // time of the calls in this frame
+  // Processor time at the begin of the last frame; time and number of the calls since then.
   Nanoseconds cpu_{0};
   Nanoseconds called_{0};
   uint64_t calls_ = 0;

@@ -19,7 +19,7 @@ class ServedLibrary {
 
   /// Maps the library, which runs its static constructors. Throws Failure.
   void Open(const std::string& path, const std::string& source);
-  /// Carries out the command in the exchange; writes its result or its error there.
+  /// Executes the command in the exchange, and writes its result or its error to the exchange.
   void Answer() noexcept;
   /// Makes each later command fail with this error.
   void Refuse(const vesper_error& error) { refused_ = error; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a starting sandbox tells the engine's process, before it opens the library.
+// Reports of a starting sandbox to the engine's process, sent before the sandbox opens the library.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 namespace vesper::apart {
 
 struct StartReport {
-  int32_t process;  ///< from the process that starts the sandbox: its process id; else 0
-  Layers layers;    ///< from the sandbox itself, as soon as it is confined
+  int32_t process;  ///< process id of the sandbox, from the process that starts it; else 0
+  Layers layers;    ///< layers of the sandbox, which sends them as soon as it is confined
 };
 
 }  // namespace vesper::apart

@@ -24,14 +24,16 @@ constexpr int kCommon[] = {
     SCMP_SYS(exit),         SCMP_SYS(exit_group),
 };
 
-/// Further calls of the loader. Landlock and the empty root decide which files it can open.
+/// System calls that only the loader needs. Landlock and the empty root decide which files the
+/// loader can open.
 constexpr int kLoading[] = {
     SCMP_SYS(openat),     SCMP_SYS(read),   SCMP_SYS(pread64),     SCMP_SYS(fstat),
     SCMP_SYS(newfstatat), SCMP_SYS(close),  SCMP_SYS(close_range), SCMP_SYS(mmap),
     SCMP_SYS(mprotect),   SCMP_SYS(sendto), SCMP_SYS(recvfrom),    SCMP_SYS(seccomp),
 };
 
-/// Calls with which libraries look at their surroundings; they fail, and the law continues.
+/// System calls that libraries make to examine the system. These calls return an error, and the law
+/// continues.
 constexpr int kFailing[] = {
     SCMP_SYS(open),     SCMP_SYS(openat),     SCMP_SYS(openat2),   SCMP_SYS(creat),
     SCMP_SYS(stat),     SCMP_SYS(lstat),      SCMP_SYS(fstat),     SCMP_SYS(newfstatat),

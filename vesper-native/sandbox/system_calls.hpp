@@ -4,9 +4,11 @@
 
 namespace vesper::apart {
 
-/// Permits the calls that the loader needs; a second call of FilterCalls restricts them further.
-/// Other calls raise SIGSYS. Returns 0 or an error number.
+/// Stages of a sandbox, which permit different system calls.
 enum class Stage { kLoading, kServing };
+/// Permits only the system calls that the stage needs; other calls raise SIGSYS. Call it for
+/// kLoading first: the call for kServing restricts the permitted calls further. Returns 0 or an
+/// error number.
 int FilterCalls(Stage stage);
 
 }  // namespace vesper::apart

@@ -14,8 +14,8 @@
 namespace vesper {
 namespace {
 
-// Values summed at a time; a block's total and the shares of the laws must fit into the first-level
-// cache.
+// Number of values in a block, which is summed at a time. The total of a block and the shares of
+// the laws must fit into the first-level cache.
 constexpr uint64_t kBlock = 1024;
 
 }  // namespace

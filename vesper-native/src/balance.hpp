@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Momentum, angular momentum and energy, of bodies or of a change to them.
+// Momentum, angular momentum and energy of bodies, or the changes of these quantities.
 #pragma once
 
 #include <cmath>

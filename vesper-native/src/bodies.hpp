@@ -39,7 +39,7 @@ class Bodies {
   void Bind();
   uint64_t count() const { return columns_[mass_].arrays.row_count; }
 
-  /// Returns true if forces move the body; the impulse of forces on an immovable body counts for
+  /// Returns true if forces move the body. The ledger books the impulses on an immovable body for
   /// the ground.
   bool Moves(uint64_t row) const { return masses_.Value(row) != 0; }
   /// Returns true if torques rotate the body.
@@ -55,7 +55,7 @@ class Bodies {
   /// Returns a view of `data`, an array in the engine's memory that has the layout of the property.
   SiColumn View(uint32_t property, const void* data) const;
 
-  /// Indices of properties in the prototype; those declared after velocity may be kNone.
+  /// Return the indices of properties in the prototype. All except that of velocity may be kNone.
   uint32_t velocity() const { return velocity_; }
   uint32_t angular_velocity() const { return angular_velocity_; }
   uint32_t force() const { return force_; }

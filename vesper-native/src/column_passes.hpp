@@ -19,8 +19,8 @@ struct Sharing {
   Helpers helpers;
 };
 
-/// Chooses how threads share a pass. For few values, no sleeping thread is woken; for very few, not
-/// even threads that are awake take part.
+/// Chooses how threads share a pass. For few values, only threads that are awake take part, because
+/// waking a thread takes longer. For very few values, only the calling thread takes part.
 inline Sharing ShareOut(uint64_t values) {
   constexpr uint64_t kVeryFew = 1 << 12, kFew = 1 << 15, kGrain = 1 << 13, kChunks = 8;
   if (values > kFew) return {kGrain, Helpers::kAll};

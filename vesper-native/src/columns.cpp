@@ -198,8 +198,8 @@ void Columns::CheckApart() {
   std::sort(extents_.begin(), extents_.end(), [](const Extent& a, const Extent& b) {
     return a.begin != b.begin ? a.begin < b.begin : a.property < b.property;
   });
-  // Among the extents visited so far: the one with the highest end, and the written one with the
-  // highest end.
+  // `any` is the extent with the highest end among the extents visited so far. `written` is the one
+  // with the highest end among those that are written.
   Extent any{}, written{};
   for (const Extent& extent : extents_) {
     const Extent& before = extent.written ? any : written;

@@ -10,7 +10,8 @@
 
 namespace vesper {
 
-/// The client's arrays as passed to add or rebind; they remain the client's memory.
+/// The client's arrays, as passed to the functions that add or rebind a property. The memory
+/// belongs to the client.
 struct Arrays {
   void* data;
   uint64_t value_count;
@@ -26,7 +27,7 @@ struct Column {
   bool stale = false;  // must be expanded and range-checked before use
   Arrays arrays{};
   uint64_t version = 0;
-  vesper_field field{};  // for a FIELD property
+  vesper_field field{};  // the field of a FIELD property
   AlignedBuffer dense;   // expanded rows, if the client shares values through indices
 
   /// Returns the first of the dense rows; null if there are none.
@@ -39,7 +40,7 @@ struct Column {
 struct Extent {
   uintptr_t begin, end;
   uint32_t property;
-  bool written;  // by laws or by the engine
+  bool written;  // laws or the engine may write it
 };
 
 /// All columns of an engine, in prototype order. Not thread-safe.
@@ -68,10 +69,12 @@ class Columns {
   /// Returns a number that increases with every change.
   uint64_t generation() const { return generation_; }
 
-  /// Checks and updates changed columns: compares row counts, checks that arrays that laws may
-  /// write overlap no other array, expands shared values, and checks references against their range
-  /// and values against their minimum. Throws COUNT_MISMATCH, ACCESS_CONFLICT or INVALID_ARGUMENT
-  /// with property and row.
+  /// Checks and updates changed columns:
+  /// - compares the row counts of the properties of a kind;
+  /// - checks that arrays that laws may write overlap no other array;
+  /// - expands shared values;
+  /// - checks references against their range, and values against their minimum.
+  /// Throws COUNT_MISMATCH, ACCESS_CONFLICT or INVALID_ARGUMENT with property and row.
   void Refresh();
   /// Range-checks all references, also unchanged ones.
   void CheckReferences();
@@ -85,7 +88,7 @@ class Columns {
 
   const Prototype& prototype_;
   std::vector<Column> columns_;
-  std::vector<uint64_t> row_counts_;  // by kind
+  std::vector<uint64_t> row_counts_;  // row counts by kind
   uint64_t generation_ = 1;
   uint64_t refreshed_ = 0;
   std::vector<Extent> extents_;  // reused to avoid allocations

@@ -13,7 +13,8 @@
 namespace vesper {
 namespace {
 
-/// A column of a use, converted to the law's unit, and its values before the law ran; or a field.
+/// A column of a use that is converted to the law's unit, with its values before the law ran. For a
+/// FIELD property, a converted field instead.
 struct Converted {
   std::unique_ptr<ConvertedField> function;
   vesper_field field{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runner of a law whose units differ from the prototype's in scale.
+// Runner of a law whose units differ in scale from the units of the prototype.
 #pragma once
 
 #include <memory>

@@ -21,8 +21,8 @@ class CustomProvider {
   CustomProvider(const vesper_provider_callbacks& callbacks, const Prototype& prototype);
 
   /// Queries all properties if the provider's version has changed, and binds the answers. Throws if
-  /// the provider fails or its answer is invalid; then nothing is bound, and the next call queries
-  /// again.
+  /// the provider fails or an answer is invalid. In this case it binds nothing, and the next call
+  /// queries again.
   void Refresh(Columns& columns, const Check& check);
 
  private:
@@ -38,7 +38,7 @@ class CustomProvider {
 
   vesper_provider_callbacks callbacks_;
   const Prototype& prototype_;
-  std::vector<Answer> answers_;  // in prototype order
+  std::vector<Answer> answers_;  // answers in prototype order
   bool asked_ = false;
   uint64_t version_ = 0;
 };

@@ -54,8 +54,8 @@ void DeferredWrites::After(const ScheduledLaw& law) {
     if (!Defers(*matched.use)) {
       Written(property);
     } else if (law.law->targets[i].data != columns_[property].data()) {
-      law.law->runner->Synchronize(i);  // this law's share of a sum that the engine is about to
-                                        // compute
+      law.law->runner->Synchronize(i);  // writes this law's share of a sum, which the engine
+                                        // computes next
     } else {
       State& state = properties_[property];
       state.holder = law;

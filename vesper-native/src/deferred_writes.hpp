@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tracking of stale arrays: those whose newest values are only in a law's own memory, such as a
-// GPU.
+// Tracking of stale arrays. An array is stale if its newest values are only in a law's own memory,
+// such as the memory of a GPU.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@
 
 namespace vesper {
 
-/// Tracks arrays that are stale because a law deferred its writes. A law holds a property if it was
-/// the last writer of the property, through a DEFERRED use. The hold ends when the law's
-/// `synchronize` has written the array, or when the client declares the array valid by touch or
-/// rebind.
+/// Tracks arrays that are stale because a law deferred its writes. A law *holds* a property if it
+/// was the last writer of the property, through a DEFERRED use. The hold ends when the law's
+/// `synchronize` has written the array. It also ends when the client declares the array valid by
+/// touch or rebind.
 ///
-/// A library with DEFERRED uses of a property has a copy, which it made from the array at some
-/// version. Any write to the array by others increases the version that these uses receive, but not
-/// while the property is held. Therefore a new version means that the array is valid, and an
-/// unchanged version means that the copy is valid. Not thread-safe.
+/// A library with DEFERRED uses of a property has a copy of the array, which it made at some
+/// version of the property. Any write to the array by others increases the version that these uses
+/// receive, but not while a law holds the property. Therefore a new version means that the array is
+/// valid, and an unchanged version means that the copy is valid. Not thread-safe.
 class DeferredWrites {
  public:
   explicit DeferredWrites(Columns& columns) : columns_(columns), properties_(columns.size()) {}
@@ -31,12 +31,12 @@ class DeferredWrites {
   /// Returns the version that a use of the property receives in `bind`.
   uint64_t Version(uint32_t property, const vesper_property_use& use) const;
 
-  /// Call before a law runs: synchronizes the arrays that it reads, except those that its own
-  /// library holds.
+  /// Synchronizes the arrays that the law reads, except those that its own library holds. Must be
+  /// called before the law runs.
   void Before(const ScheduledLaw& law, uint32_t stage);
-  /// Call after a law has run: records what it wrote or deferred.
+  /// Records which properties the law wrote or deferred. Must be called after the law has run.
   void After(const ScheduledLaw& law);
-  /// Records that the whole array was written by others, so that no law holds it.
+  /// Records that the engine or the client has written the whole array, so that no law holds it.
   void Written(uint32_t property);
 
   /// If a law holds the property, makes it write the array. On failure throws, naming that law.
@@ -66,7 +66,7 @@ class DeferredWrites {
   void FetchInputs(const ScheduledLaw& law, uint32_t stage);
 
   Columns& columns_;
-  std::vector<State> properties_;  // in prototype order
+  std::vector<State> properties_;  // states in prototype order
   bool none_ = true;
 };
 

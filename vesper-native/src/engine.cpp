@@ -59,14 +59,14 @@ class vesper_engine::Turn {
   const vesper_engine& engine_;
 };
 
-/// What a series of changes started from.
+/// The state of the engine at the begin of a series of changes, from which Undo restores it.
 struct vesper_engine::Changes {
   struct Place {
     vesper_library_id library;
-    std::vector<uint32_t> intervals;  // of each law
+    std::vector<uint32_t> intervals;  // interval of each law
   };
 
-  /// Takes the library of a place from those that were unloaded, or from `loaded`.
+  /// Returns the library of a place, moved out of the unloaded libraries or out of `loaded`.
   std::unique_ptr<vesper::LawLibrary> Take(
       const Place& place, std::vector<std::unique_ptr<vesper::LawLibrary>>& loaded) {
     for (auto* libraries : {&unloaded, &loaded}) {
@@ -77,7 +77,7 @@ struct vesper_engine::Changes {
     return nullptr;
   }
 
-  std::vector<Place> places;  // in load order
+  std::vector<Place> places;  // places in load order
   std::vector<std::unique_ptr<vesper::LawLibrary>> unloaded;
   std::vector<std::unique_ptr<vesper::LawLibrary>> restored;  // reserved, so that Undo allocates
                                                               // nothing
@@ -90,7 +90,7 @@ vesper_engine::vesper_engine(const vesper::Config& config, const vesper_prototyp
 }
 
 vesper_engine::~vesper_engine() {
-  busy_ = true;  // set, because laws may log during their destruction
+  busy_ = true;  // laws may log during their destruction, and the log must not call the engine
   while (!libraries_.empty()) libraries_.pop_back();
   changes_.reset();
 }
@@ -579,7 +579,7 @@ void vesper_engine::FaultIfFails(Body&& body) {
   } catch (const Failure& failure) {
     Fault(failure.error().library_id);
     throw;
-  } catch (...) {  // for example out of memory: a step is incomplete, and no library caused it
+  } catch (...) {  // for example out of memory: the step is incomplete, and no library is the cause
     Fault(VESPER_NO_LIBRARY);
     throw;
   }
@@ -638,7 +638,8 @@ uint64_t vesper_engine::StateHash() {
   return vesper::HashState(clock_.steps, columns_);
 }
 
-/// Returns the state to save, with descriptions that must be equal when it is loaded.
+/// Returns the state to save. Its descriptions of prototype and laws must be equal when the state
+/// is loaded.
 vesper::EngineState vesper_engine::State() const {
   vesper::EngineState state{clock_, prototype_.name(), {}};
   for (const auto& library : libraries_) {

@@ -22,9 +22,9 @@ struct vesper_provider {
   vesper_engine& engine;
 };
 
-/// Implementation of engine.h. Each member function implements one C function and throws
-/// `vesper::Failure` where that function returns a status. Except for the getters, a member
-/// function throws BUSY while another one runs.
+/// Implementation of engine.h. Each member function implements one C function. It throws
+/// `vesper::Failure` if the C function returns an error. Every member function except the getters
+/// throws BUSY while another member function runs.
 struct vesper_engine {
  public:
   vesper_engine(const vesper::Config& config, const vesper_prototype& prototype);
@@ -85,18 +85,20 @@ struct vesper_engine {
   void RefuseFieldOfLibrary(uint32_t property) const;
   const vesper::LoadedLaw& FindLaw(vesper_library_id id, uint32_t index) const;
   void RefuseLoadedName(const char* name) const;
-  /// Creates the laws of a library and checks them against those of all loaded ones.
+  /// Creates the laws of a library and checks that they are compatible with all loaded laws.
   std::unique_ptr<vesper::LawLibrary> Build(vesper_library_id id, const vesper_law_library& table,
                                             const vesper_parameter* parameters, uint32_t count);
-  /// Removes the library at a place, and its fields. Plan must follow.
+  /// Removes the library at a place in the load order, and unbinds its fields. The caller must call
+  /// Plan afterwards.
   std::unique_ptr<vesper::LawLibrary> TakeOut(size_t place);
-  /// Inserts a library at a place, and binds its fields. Plan must follow.
+  /// Inserts a library at a place in the load order, and binds its fields. The caller must call
+  /// Plan afterwards.
   void PutIn(size_t place, std::unique_ptr<vesper::LawLibrary> library);
-  /// Keeps a library that was removed, if changes are in progress that began with it.
+  /// Keeps a removed library if a series of changes is in progress at whose begin it was loaded.
   void SetAside(std::unique_ptr<vesper::LawLibrary> removed);
   /// Updates all parts that depend on the set of laws.
   void Plan();
-  /// Restores what BeginChanges found.
+  /// Restores the state of the engine at BeginChanges.
   void Undo(Changes& changes);
   /// Passes the current columns to all laws. Throws FAULTED if SCRATCH or deferred values are
   /// undefined.
@@ -117,7 +119,7 @@ struct vesper_engine {
   vesper::Columns columns_{prototype_};
   std::unique_ptr<vesper::CustomProvider> custom_;  // null: the client registers arrays
   vesper::ThreadPool pool_;
-  std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // in load order
+  std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // libraries in load order
   std::unique_ptr<Changes> changes_;                            // null: none are in progress
   vesper::Schedule schedule_{columns_, pool_};
   std::unique_ptr<vesper::Ledger> ledger_;  // null: the ledger is off

@@ -40,7 +40,7 @@ void CallForeign(const std::string& caller, Call&& call) {
   if (status != VESPER_OK) throw ForeignFailure(caller, status, error);
 }
 
-/// Like above, for a call without a status; ignores its exceptions.
+/// Runs a call that returns no status, under default floating-point modes. Ignores its exceptions.
 template <class Call>
 void CallForeignQuietly(Call&& call) noexcept {
   try {

@@ -6,9 +6,10 @@
 #include <cstddef>
 #include <cstring>
 
-// Compiles a second version for CPUs with AVX2, selected when the library is loaded. Each value is
-// processed independently, so both versions give the same bits. (Not with sanitizers, which cannot
-// run code at that time.)
+// Compiles a second version of a function for CPUs with AVX2. The loader selects the version when
+// the library is loaded. Each value is processed independently, so both versions give the same
+// bits. Builds with sanitizers have one version only, because sanitizers cannot run code at that
+// time.
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define VESPER_STREAMING [[gnu::target_clones("avx2", "default")]]
 #else
@@ -34,7 +35,7 @@ struct Bits<double> {
   using Type = uint64_t;
   static constexpr Type kExponent = 0x7ff0000000000000u, kOne = 0x0010000000000000u;
   static constexpr Type kTop = 0x8000000000000000u;
-  static constexpr Type kImmense = kTop - (Type{1023 + 333} << 52);  // from 2^333 on
+  static constexpr Type kImmense = kTop - (Type{1023 + 333} << 52);  // marks values from 2^333 on
   static constexpr Type kUnwritten = 0x7ffce5be11000000u;
 };
 
@@ -45,8 +46,8 @@ typename Bits<Real>::Type BitsAt(const void* values, uint64_t index) {
   return bits;
 }
 
-/// Returns a word whose top bit is set if the exponent is so large that adding `carry` to it
-/// carries into the sign.
+/// Returns the exponent bits plus `carry`. The sum sets the top bit (the mark) if the exponent is
+/// so large that the addition carries into the sign bit.
 template <class Real>
 typename Bits<Real>::Type Mark(typename Bits<Real>::Type bits, typename Bits<Real>::Type carry) {
   return (bits & Bits<Real>::kExponent) + carry;

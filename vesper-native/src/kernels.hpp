@@ -17,13 +17,13 @@ double ValueAt(vesper_scalar_type type, const void* values, uint64_t index);
 /// Returns the index of the first NaN or infinity, or kNotFound. Integer types are always finite.
 uint64_t FindNonFinite(vesper_scalar_type type, const void* values, uint64_t count);
 
-/// Like FindNonFinite, but also finds f64 magnitudes of 2^333 (1.7e100) or more.
+/// Returns the same as FindNonFinite, but also finds f64 magnitudes of 2^333 (1.7e100) or more.
 uint64_t FindImmense(vesper_scalar_type type, const void* values, uint64_t count);
 
 /// Computes sum[i] += addend[i].
 void Add(vesper_scalar_type type, void* sum, const void* addend, uint64_t count);
 
-/// Factor and divisor that convert a value from a unit of scale `multiply` to one of scale
+/// Factor and divisor that convert a value from a unit of scale `multiply` to a unit of scale
 /// `divide`.
 struct UnitRatio {
   double multiply = 1;
@@ -34,7 +34,7 @@ struct UnitRatio {
 };
 /// Computes to[i] = from[i] * multiply / divide in f64. Leaves integers unchanged.
 void Convert(vesper_scalar_type type, void* to, const void* from, UnitRatio ratio, uint64_t count);
-/// Like Convert, but only where the bits of from[i] and before[i] differ.
+/// Converts as Convert does, but only the values whose bits differ in `from` and `before`.
 void ConvertChanged(vesper_scalar_type type, void* to, const void* from, const void* before,
                     UnitRatio ratio, uint64_t count);
 

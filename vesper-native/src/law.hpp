@@ -14,8 +14,8 @@ namespace vesper {
 /// the law.
 class Law {
  public:
-  /// Stores `desc`, which must outlive the object; does not call the law yet. `running` shows the
-  /// law to observers during each call.
+  /// Stores `desc`, which must outlive the object. Does not call the law. During each call of the
+  /// law, `running` shows observers that the law is running.
   Law(const vesper_law_desc& desc, const Running& running);
   ~Law();
   Law(const Law&) = delete;
@@ -49,7 +49,7 @@ class Law {
   const vesper_law_desc& desc_;
   Running running_;
   std::string label_;
-  std::vector<bool> deferred_;  // by use
+  std::vector<bool> deferred_;  // whether each use is DEFERRED
   vesper_law* law_ = nullptr;
   uint64_t calls_ = 0;
   uint64_t nanoseconds_ = 0;

@@ -23,13 +23,13 @@ namespace vesper {
 struct MatchedUse {
   bool IsScratch() const { return use->access == VESPER_SCRATCH; }
 
-  uint32_t property;  // kNone for scratch, and for an optional use that the prototype lacks
+  uint32_t property;  // kNone for scratch, and for an optional property that the prototype lacks
   const vesper_property_use* use;
   AlignedBuffer share{};  // the law's accumulated values, where they are separate from the total
-  UnitRatio to_law{};     // from the property's unit to the unit that the law declares
+  UnitRatio to_law{};     // conversion from the property's unit to the law's unit
   uint32_t scratch_kind = 0;
   ScratchColumn scratch{};
-  std::optional<double> minimum = {};  // of the property, if the law writes it
+  std::optional<double> minimum = {};  // minimum of the property, if the law writes it
 };
 
 /// A field of a library, and the property of the prototype that it is matched with.
@@ -51,7 +51,8 @@ struct LoadedLaw {
   bool Writes(uint32_t property) const;
   /// Returns true if one of its uses is DEFERRED.
   bool Defers() const;
-  /// Runs the law on its targets; in a step between those of its interval, adds nothing instead.
+  /// Runs the law on its targets. In steps in which its interval skips the law, zeroes its
+  /// contributions instead.
   void Run(const vesper_step& step);
   /// Throws ACCESS_CONFLICT if the law cannot have an interval other than 1.
   void RequireInterval(const LawLibrary& library, uint32_t wanted) const;
@@ -83,11 +84,12 @@ class LawLibrary {
   /// Takes ownership of `prepared`; the mapped file is closed when this object is destroyed.
   void Take(vesper_prepared_library* prepared) { prepared_.reset(prepared); }
 
-  /// Takes over the SCRATCH values of a library that this one replaces, where they have the same
-  /// layout. The scratch of `old` is undefined afterwards.
+  /// Takes over the SCRATCH values of `old`, the library that this library replaces, for uses with
+  /// the same layout. The SCRATCH values of `old` are undefined afterwards.
   void TakeScratch(LawLibrary& old) noexcept;
 
-  /// Keeps the log lines of its laws from now on, until they are passed to the log or dropped.
+  /// Makes the library keep the log lines of its laws from now on. Later they are passed to the log
+  /// or dropped.
   void HoldLog() { hold_log_ = true; }
   void ReleaseLog();
   void DropLog();

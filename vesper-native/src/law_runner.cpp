@@ -34,14 +34,14 @@ uint64_t FindNonFinite(ThreadPool& pool, const vesper_property& property) {
   return FindNonFinite(pool, property.scalar_type, property.data, ValueCount(property));
 }
 
-/// Returns the index of the first value that no law may write, or kNotFound.
+/// Returns the index of the first value that is not finite or, if `limited`, immense; or kNotFound.
 uint64_t FindWrong(ThreadPool& pool, const vesper_property& property, bool limited) {
   return limited ? FindImmense(pool, property.scalar_type, property.data, ValueCount(property))
                  : FindNonFinite(pool, property);
 }
 
-/// Returns true if the law may write the values of the rows in [begin, end); rows past the last are
-/// ignored.
+/// Returns true if the rows in [begin, end) contain no value that FindWrong finds. Ignores rows
+/// past the last row.
 bool IsRight(const vesper_property& property, bool limited, uint64_t begin, uint64_t end) {
   end = std::min(end, property.row_count);
   if (begin >= end) return true;
@@ -95,8 +95,8 @@ bool IsWritten(const Law& law, const Targets& targets, size_t use) {
   return targets[use].access != VESPER_READ && !law.Defers(use);
 }
 
-/// Throws if a property that the law only reads contains NaN or infinity. The client wrote it then,
-/// because the engine checks what a law has written before the next law runs.
+/// Throws if a property that the law only reads contains NaN or infinity. The client must have
+/// written such a value, because the engine checks the values of each law before the next law runs.
 void CheckInputs(const Law& law, ThreadPool& pool, const Targets& seen) {
   for (const vesper_property& property : seen) {
     if (property.access != VESPER_READ || IsField(property.scalar_type)) continue;
@@ -111,8 +111,8 @@ void CheckInputs(const Law& law, ThreadPool& pool, const Targets& seen) {
   }
 }
 
-/// Returns true if the law may write all values that it wrote. All its columns are scanned in one
-/// pass, because each pass synchronizes the threads.
+/// Returns true if the columns that the law wrote contain no value that FindWrong finds. Scans all
+/// these columns in one pass, because each pass synchronizes the threads.
 bool WroteRight(const Law& law, ThreadPool& pool, const Targets& seen, bool limited) {
   uint64_t rows = 0, values = 0;
   for (size_t i = 0; i < seen.size(); ++i) {
@@ -235,8 +235,8 @@ class GuardedRunner final : public LawRunner {
     }
   }
 
-  /// Throws if the law wrote outside its arrays, or to an array that it declared READ or DEFERRED,
-  /// except to that of the use `synchronized`.
+  /// Throws if the law wrote outside of its arrays, or to an array that it declared READ or
+  /// DEFERRED. The law may write to the array of the use `synchronized`.
   void CheckKeptWord(size_t synchronized = SIZE_MAX) const {
     for (size_t i = 0; i < seen_.size(); ++i) {
       const vesper_property& seen = seen_[i];

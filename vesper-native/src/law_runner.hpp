@@ -21,10 +21,9 @@ class LawRunner {
   /// Passes `targets` to the law; they must outlive the next Bind.
   virtual void Bind(const Targets& targets) = 0;
   /// Zeroes the arrays that the law accumulates into, and applies the law. Throws LAW_MISBEHAVED if
-  /// the law wrote NaN, infinity or a value beyond `vesper_engine_config.limit_values`, or
-  /// INVALID_ARGUMENT if one of its read-only inputs contains one. The targets contain the results
-  /// after success only; otherwise they are undefined. A use that the law defers is neither checked
-  /// nor written.
+  /// the law wrote NaN, infinity or a value that `vesper_engine_config.limit_values` forbids.
+  /// Throws INVALID_ARGUMENT if a read-only input of the law contains NaN or infinity. After a
+  /// failure, the targets are undefined. A use that the law defers is neither checked nor written.
   virtual void Advance(const vesper_step& step) = 0;
   /// Makes the law write the array of a DEFERRED use. Throws LAW_MISBEHAVED if the values contain
   /// NaN or infinity.

@@ -12,8 +12,8 @@ namespace vesper {
 /// Maximum number of laws, uses or parameters in a library; detects uninitialised counts.
 inline constexpr uint32_t kMaxTableEntries = 256;
 
-/// The tables of a library, converted to the structs of this build from those of any minor version.
-/// Names and functions remain in the library.
+/// The tables of a library. They are converted from the structs of any minor version to the structs
+/// of this build. Names and functions remain in the library.
 class LawTable {
  public:
   /// Reads the tables. Throws ABI_MISMATCH if the major version differs (then only the first two
@@ -33,7 +33,7 @@ class LawTable {
   vesper_law_library library_{};
   std::vector<vesper_law_desc> laws_;
   std::vector<vesper_field_desc> fields_;
-  std::vector<std::vector<vesper_property_use>> uses_;  // for each law
+  std::vector<std::vector<vesper_property_use>> uses_;  // uses of each law
   std::vector<std::vector<vesper_parameter_desc>> parameters_;
 };
 

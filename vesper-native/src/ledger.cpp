@@ -129,8 +129,8 @@ double Ledger::PotentialEnergy(const Account& account) {
   }
 }
 
-/// Allocates space for the present number of bodies. If that number has changed, discards the last
-/// forces, because rows stand for other bodies than before.
+/// Allocates space for the present number of bodies. If this number has changed, discards the
+/// forces of the last stage, because they may belong to other bodies than the present rows.
 void Ledger::Resize() {
   const size_t size = 3 * bodies_.count();
   if (channels_[kForces].begin.size() != size) ForgetForces();
@@ -193,8 +193,8 @@ Vector Ledger::Rate(size_t channel, uint64_t row) const {
   return channel == kForces ? bodies_.Velocity(row) : bodies_.AngularVelocity(row);
 }
 
-/// Returns true if the body can move (or rotate), so that the impulse counts for it and not for the
-/// ground.
+/// Returns true if the body can move (or rotate). Its impulses then belong to the body, and
+/// otherwise to the ground.
 bool Ledger::Yields(size_t channel, uint64_t row) const {
   return channel == kForces ? bodies_.Moves(row) : bodies_.Turns(row);
 }
@@ -250,8 +250,8 @@ void Ledger::Gather(Account& account, size_t channel, uint32_t stage) {
   push.has_last = true;
 }
 
-/// Records the impulses of a whole step, and their work, computed with the mean velocity of the
-/// step.
+/// Records the impulses of a whole step, and their work. The work is computed with the mean
+/// velocity of the step.
 void Ledger::Settle(Account& account, size_t channel) {
   if (Share(account, channel).data == nullptr) return;
   Balance taken, ground;
@@ -268,9 +268,9 @@ void Ledger::Settle(Account& account, size_t channel) {
   Book(account, channel, taken, ground);
 }
 
-/// Books `taken`, the part of the integrator's change of the bodies that this account's forces
-/// caused, for this account instead of the integrator's. Books `ground`, the impulses on immovable
-/// bodies, for the ground.
+/// Moves `taken` from the account of the integrator to this account. `taken` is the part of the
+/// integrator's change of the bodies that the forces of this account caused. Books `ground`, the
+/// impulses on immovable bodies, for the ground.
 void Ledger::Book(Account& account, size_t channel, const Balance& taken, const Balance& ground) {
   account.pending += taken + ground;
   channels_[channel].integrator->pending -= taken;

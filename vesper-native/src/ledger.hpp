@@ -19,7 +19,7 @@ struct PotentialEnergies {
   double present = 0;
 };
 
-/// Sums of magnitudes, with which the sums of vectors are compared.
+/// Sums of magnitudes, to which sums of vectors are compared, for example to find rounding errors.
 struct ImpulseSizes {
   double impulse = 0;          // [kg*m/s]
   double angular_impulse = 0;  // [kg*m^2/s], about the origin
@@ -72,7 +72,8 @@ class Ledger {
   /// Returns the sum of the contributions of unloaded laws.
   const Balance& unloaded() const { return unloaded_; }
   /// Returns the measured change of all bodies from the beginning of the first advance to the end
-  /// of the last one, which is the sum of all lines. Requirements and failures are those of Law.
+  /// of the last advance. It equals the sum of all lines. Requirements and failures are those of
+  /// Law.
   LedgerLine Total() const;
 
  private:
@@ -95,8 +96,8 @@ class Ledger {
     ImpulseSizes booked_sizes, pending_sizes;
     std::optional<double> initial_potential;  // [J], when the ledger first read the law's arrays
   };
-  /// A property that sums forces, with the velocity that it changes; or one that sums torques, with
-  /// the angular velocity.
+  /// The property that sums forces, with the velocity that they change; or the property that sums
+  /// torques, with the angular velocity.
   struct Channel {
     uint32_t sum, rate;              // indices of the two properties, or kNone
     Account* integrator = nullptr;   // account of the law that writes `rate`
@@ -122,7 +123,7 @@ class Ledger {
   const Prototype& prototype_;
   const Columns& columns_;
   Bodies bodies_;
-  std::vector<std::shared_ptr<Account>> laws_;  // in load order
+  std::vector<std::shared_ptr<Account>> laws_;  // accounts in load order
   Account client_;
   Account ground_;
   Balance unloaded_;

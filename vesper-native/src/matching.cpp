@@ -64,7 +64,8 @@ void CheckUse(const vesper_law_desc& law, const vesper_property_use& use, const 
   }
 }
 
-/// Matches a SCRATCH use: memory of the law with one entry for each row of a kind of the prototype.
+/// Matches a SCRATCH use, which is memory of the law with one entry for each row of a kind, with a
+/// kind of the prototype.
 MatchedUse MatchScratch(const vesper_law_desc& law, const vesper_property_use& use,
                         const Prototype& prototype) {
   const uint32_t kind = prototype.FindKind(use.kind);

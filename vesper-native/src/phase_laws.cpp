@@ -84,8 +84,9 @@ void PhaseLaws::RunInWaves(ThreadPool& pool, LawCalls* calls, const vesper_step&
   std::rethrow_exception(failure);
 }
 
-/// Runs a wave. After a failure, runs no law that comes later in load order. Laws that come earlier
-/// still run, because they may be in a later wave and fail, too.
+/// Runs a wave. After a failure, runs no law that is later in load order than the failed law. Laws
+/// that are earlier in load order may be in a later wave. They still run, because they may fail,
+/// too, and the first failure in load order counts.
 void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, LawCalls* calls,
                         const vesper_step& step) {
   const auto try_for = [&](uint32_t place, auto&& action) {
@@ -105,8 +106,8 @@ void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, Law
   }
 }
 
-/// Runs an action for a law, unless it has failed, or a law before it in load order has failed in
-/// an earlier wave.
+/// Runs an action for a law. Does nothing if this law has failed, or if a law before it in load
+/// order has failed in an earlier wave.
 template <class Action>
 void PhaseLaws::Try(uint32_t place, Action&& action) {
   if (place > first_failed_ || failures_[place] != nullptr) return;

@@ -32,7 +32,7 @@ struct ScheduledLaw {
   }
 };
 
-/// Actions before and after the call of each law, on the calling thread, while no law runs.
+/// Actions before and after the call of each law. They run on the calling thread while no law runs.
 class LawCalls {
  public:
   /// Runs before the law; an exception counts as a failure of the law.
@@ -44,14 +44,15 @@ class LawCalls {
   ~LawCalls() = default;
 };
 
-/// The laws of one phase, in waves. Laws collide if one writes what the other reads or writes, or
-/// if they belong to one library, since they may share its suite. A wave contains laws that do not
-/// collide. A law belongs to the first wave after those of all earlier laws with which it collides.
-/// A task graph would not be faster than waves, because a phase has few laws, and most of them
-/// collide with no other law (they accumulate) or with all (they integrate).
+/// The laws of one phase, in waves. Two laws collide if one law writes a property that the other
+/// law reads or writes. Laws of the same library also collide, because they may share its suite. A
+/// wave contains laws that do not collide, and these laws run concurrently. Each law is in the
+/// first wave after the waves of all earlier laws with which it collides. A task graph would not be
+/// faster than waves, because a phase has few laws. Most laws collide with no other law (they
+/// accumulate) or with all laws (they integrate).
 ///
-/// The result is that of sequential execution in load order, whatever the number of threads: the
-/// same bits, the same failure, the same lines in the log.
+/// The result equals that of sequential execution in load order, whatever the number of threads:
+/// the same bits, the same failure, the same lines in the log.
 class PhaseLaws {
  public:
   void Clear();

@@ -40,7 +40,7 @@ Failure TooLarge(const std::string& source, uint64_t size) {
 constexpr std::string_view kTextEnding = ".law";
 constexpr std::string_view kPythonEnding = ".py";
 
-/// Refuses a file of laws in Python; only vesper-host opens these.
+/// Refuses a file of laws in Python, because only vesper-host opens such files.
 void RefusePython(const std::string& source) {
   if (!source.ends_with(kPythonEnding)) return;
   throw LoadFailure(source, "a law in Python runs only in the engine's process, vesper-host");
@@ -73,7 +73,7 @@ std::string ShortPath(const std::string& path) {
   return path.size() <= kLength ? path : "..." + path.substr(path.size() - kLength);
 }
 
-/// Opens without blocking, so that a FIFO cannot block the caller.
+/// Opens a regular file, in non-blocking mode, because opening a FIFO would block the caller.
 Descriptor OpenRegularFile(const std::string& path, const std::string& source,
                            struct stat& status) {
   const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -181,8 +181,8 @@ MappedLibrary::MappedLibrary(const Config& config, SealedCopy copy) : copy_(std:
 MappedLibrary::~MappedLibrary() {
   const FloatingPointGuard guard;
   dlclose(handle_);
-  // Some libraries stay mapped after they are closed. Their private name is then never used again,
-  // so that the loader does not confuse a later library with them.
+  // Some libraries stay mapped after they are closed. The private name of such a library must never
+  // be used again, because the loader would return the old library for a new file of this name.
   if (void* kept = dlopen(copy_.path().c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD)) {
     dlclose(kept);
     copy_.Abandon();

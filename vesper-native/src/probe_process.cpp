@@ -53,13 +53,14 @@ struct Pipe {
   Descriptor write_end;
 };
 
-/// Duplicates a descriptor above the probe's descriptor numbers, so that setting up these numbers
-/// does not overwrite it.
+/// Duplicates a descriptor to a number above those of the probe. So the setup of the probe's
+/// descriptors does not overwrite it.
 Descriptor DuplicateForProbe(int fd) {
   return Descriptor(fcntl(fd, F_DUPFD_CLOEXEC, kProbeReportFd + 1), "descriptor for the probe");
 }
 
-/// Descriptors and attributes of the probe process: default signals, its own process group.
+/// Descriptors and attributes of the probe process. It has default signal handling and its own
+/// process group.
 class SpawnSetup {
  public:
   SpawnSetup(int library, int report) {
@@ -92,8 +93,8 @@ class SpawnSetup {
   posix_spawnattr_t attributes_;
 };
 
-/// Returns only the environment variables of the dynamic loader, because others may contain
-/// secrets.
+/// Returns the environment of the probe. It contains only the variables of the dynamic loader,
+/// because other variables may contain secrets.
 std::vector<char*> LoaderEnvironment() {
   std::vector<char*> variables;
   for (char** variable = environ; variable != nullptr && *variable != nullptr; ++variable) {

@@ -8,8 +8,8 @@
 
 namespace vesper {
 
-/// Loads the library in a separate process, checks its tables there and unloads it. Returns on
-/// success. Otherwise throws a failure with the process's report, or saying how it ended or that it
+/// Loads the library in a separate process, checks its tables there and unloads it. If this fails,
+/// throws a failure. Its message is the report of the process, how the process ended, or that it
 /// exceeded its deadline.
 void ProbeLibrary(const Config& config, const SealedCopy& copy);
 

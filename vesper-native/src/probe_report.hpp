@@ -14,8 +14,8 @@ inline constexpr int kProbeReportFd = 4;
 
 enum class ProbeStage : int32_t { kLoading, kCallingEntry, kReadingTable, kUnloading, kDone };
 
-/// Report of the probe, written before each stage and at the end. Small enough to be written to a
-/// pipe atomically.
+/// Report of the probe, written before each stage and at the end. It is so small that the kernel
+/// writes it to a pipe atomically.
 struct ProbeReport {
   ProbeStage stage;
   vesper_error error;  // a status other than OK: the reason to refuse the library

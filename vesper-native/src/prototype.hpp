@@ -25,7 +25,7 @@ struct PropertySpec {
   uint32_t refers_to;                  // kind, or kNone
   uint32_t initial_from;               // property, or kNone
   size_t row_size;                     // bytes
-  std::optional<double> minimum = {};  // of every component
+  std::optional<double> minimum = {};  // minimum of every component
 
   bool IsAccumulator() const { return (law_access & VESPER_ACCUMULATE) != 0; }
 };

@@ -85,7 +85,8 @@ class Line {
     }
     return text_.substr(begin, name.size());
   }
-  /// "->" ends a name; a '-' within a name does not.
+  /// Returns true if the next character continues a name that starts at `begin`. The sign "->" ends
+  /// a name; a '-' within a name does not.
   bool IsNameCharacter(size_t begin) const {
     const char c = text_[at_];
     if (c == '-') return at_ > begin && text_.substr(at_, 2) != "->";

@@ -24,7 +24,7 @@ struct Header {
   char magic[8];
   uint32_t version;
   uint32_t scratch_count;
-  uint64_t size;  // of the whole state [bytes], including the checksum at the end
+  uint64_t size;  // size of the whole state [bytes], including the checksum at the end
   StepClock clock;
 };
 
@@ -159,7 +159,8 @@ Header BlankHeader(uint32_t scratch_count, const StepClock& clock) {
   return header;
 }
 
-/// Completes a state that already has a header: writes its size and its checksum.
+/// Completes a state that already has a header. Writes its size into the header and appends the
+/// checksum.
 std::vector<std::byte> Finish(Writer& writer) {
   const uint64_t size = writer.bytes().size() + sizeof(uint64_t);
   std::memcpy(writer.bytes().data() + offsetof(Header, size), &size, sizeof size);

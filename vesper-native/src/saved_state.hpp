@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Serialisation of state that only the engine holds: step count, time, and SCRATCH of laws.
+// Serialisation of the state that only the engine has: step count, time, and SCRATCH values of
+// laws.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +14,8 @@
 
 namespace vesper {
 
-/// The scratch of one law and its description, e.g. "hooke_spring/hooke_spring 1.0.0/sum: f64 x 1
-/// per body". Scratch can be restored only to scratch with the same description.
+/// The values of one SCRATCH use and their description, e.g. "hooke_spring/hooke_spring 1.0.0/sum:
+/// f64 x 1 per body". They can be restored only to a SCRATCH use with the same description.
 struct NamedScratch {
   std::string name;
   ScratchColumn* column;
@@ -26,8 +27,8 @@ struct EngineState {
   std::vector<NamedScratch> scratch;
 };
 
-/// Returns a header with a version, the state, and a checksum over both. Numbers have the byte
-/// order of this machine.
+/// Returns the bytes of a saved state: a header with a version, the state, and a checksum over
+/// both. Numbers have the byte order of this machine.
 std::vector<std::byte> SaveState(const EngineState& state);
 
 /// Fills the columns of `state` with the values that were saved under the same descriptions, and

@@ -27,7 +27,7 @@ class Schedule final : private LawCalls {
   void Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries);
   /// Makes the next Bind pass all arrays to all laws, also unchanged ones.
   void Forget();
-  /// Passes the current columns to all laws whose arrays changed. Throws NOT_FOUND if one is
+  /// Passes the current columns to all laws whose arrays changed. Throws NOT_FOUND if an array is
   /// missing, or the failure of a law. Columns must be current.
   void Bind();
   /// Passes the arrays that were written since the last call to the laws with DEFERRED uses.
@@ -65,7 +65,7 @@ class Schedule final : private LawCalls {
   uint32_t stage_count_ = 1;
   std::vector<Accumulation> accumulations_;  // one for each accumulator of the prototype
   Ledger* ledger_ = nullptr;
-  Targets targets_;  // of the law that is being bound; a member only to avoid allocations
+  Targets targets_;  // arrays of the law that is being bound; kept to avoid allocations
   uint64_t bound_generation_ = 0;
 };
 

@@ -13,8 +13,8 @@ class ScratchColumn {
  public:
   explicit ScratchColumn(size_t row_size = 0) : row_size_(row_size) {}
 
-  /// Changes the number of rows. Remaining rows keep their values, new ones are zero. May move the
-  /// memory.
+  /// Changes the number of rows. Remaining rows keep their values, and new rows are zero. May move
+  /// the memory.
   void Resize(uint64_t row_count);
   /// Moves row `from` to row `to` <= `from`, and zeroes row `from`. A row beyond the end counts as
   /// zero.

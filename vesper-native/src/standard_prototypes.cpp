@@ -30,7 +30,7 @@ constexpr vesper_property_descriptor Describe(vesper_scalar_type type, uint32_t 
           0};
 }
 
-/// Returns a descriptor of a property that laws read and whose values cannot be below 0.
+/// Returns the descriptor of a property that laws only read and whose minimum is 0.
 constexpr vesper_property_descriptor NotNegative(vesper_scalar_type type, uint32_t components,
                                                  const char* kind, const char* name,
                                                  vesper_unit unit, const char* doc) {

@@ -8,8 +8,8 @@
 
 namespace vesper {
 
-/// Returns XXH3-64 over the step count, then the bound columns in prototype order, rows in row
-/// order, -0 as +0. Columns must be current.
+/// Returns a hash (XXH3-64) of the step count and the bound columns. The columns are in the order
+/// of the prototype, their rows in row order, and -0 counts as +0. Columns must be current.
 uint64_t HashState(uint64_t step_count, const Columns& columns);
 
 }  // namespace vesper

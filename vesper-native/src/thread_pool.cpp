@@ -56,9 +56,9 @@ class Wait {
 };
 
 /** A loop whose chunks are divided into shares, one for each thread. A thread gets about the
- *  same rows in every loop, so that they stay in its processor's caches. Moving rows to another
- *  processor's cache takes about as long as a short loop. Therefore a thread takes chunks of
- *  another thread's share only after a wait, if that thread has begun it. */
+ *  same rows in every loop, so that these rows stay in its processor's caches. Moving rows to
+ *  another processor's cache takes about as long as a short loop. Therefore, if another thread has
+ *  begun its share, a thread waits for a while before it takes chunks of this share. */
 class Loop {
  public:
   Loop(uint64_t count, uint64_t grain, RangeBody body, void* user, uint32_t threads)
@@ -94,7 +94,8 @@ class Loop {
  private:
   static constexpr std::chrono::microseconds kPatience{30};
 
-  /// Not initialised here, because a loop may use only some of them.
+  /// The chunks of one thread. The constructor initialises nothing, because a loop may use only
+  /// some of the shares.
   class alignas(64) Share {
    public:
     void Fill(uint64_t begin, uint64_t end) {
@@ -127,11 +128,11 @@ class Loop {
   std::array<Share, kMaxThreads> shares_;
 };
 
-/** The place where a helper thread waits for its next loop. The thread that runs a loop offers the
- *  loop to the helper here, and withdraws it at the end. */
+/** The object through which a helper thread gets its next loop. The thread that runs a loop offers
+ *  the loop to the helper, and withdraws the offer at the end. */
 class alignas(64) Seat {
  public:
-  /// Offers the loop to the helper; returns true if the helper is waiting here.
+  /// Offers the loop to the helper; returns true if the helper is waiting for a loop.
   bool Offer(Loop& loop) {
     loop_ = &loop;
     return Change(State::kFree, State::kOffered);
@@ -141,8 +142,8 @@ class alignas(64) Seat {
     loop_ = &loop;
     state_ = State::kOffered;
   }
-  /// Ends the offer: returns when no helper works on the loop any more; a helper that has not begun
-  /// will not begin.
+  /// Ends the offer, so that a helper that has not begun the loop will not begin it. Returns when
+  /// no helper works on the loop.
   void Withdraw() {
     if (Change(State::kOffered, State::kFree)) return;
     for (Wait wait; Is(State::kTaken);) wait.Moment();
@@ -161,7 +162,7 @@ class alignas(64) Seat {
         state_ = State::kFree;
         until = Clock::now() + look;
       } else if (Clock::now() >= until) {
-        // In state kTaken, this helper was dismissed and another one has taken the loop.
+        // State kTaken means that this helper was dismissed and another helper has taken the loop.
         if (Change(State::kFree, State::kAway) || Is(State::kTaken)) return;
       }
     }
@@ -179,8 +180,8 @@ class alignas(64) Seat {
 
 }  // namespace
 
-/** Helper threads of TBB. After a loop they wait a short time for the next one, so the short
- *  loops of a step find them awake. */
+/** Helper threads, which belong to TBB. After a loop, a helper stays awake for a short time and
+ *  waits for the next loop. So the short loops of a step need not wake it. */
 class ThreadPool::Team {
  public:
   explicit Team(uint32_t threads) : seats_(threads), arena_(static_cast<int>(threads)) {
@@ -221,7 +222,7 @@ class ThreadPool::Team {
   }
 
   void RunEach(uint64_t count, void (*body)(void* user, uint64_t i), void* user) {
-    // If busy, a law's own thread is running a loop, whose seats stay unchanged.
+    // If `busy_` is set, the thread of a law is running a loop, and its seats must not change.
     const bool alone = !busy_.test_and_set(std::memory_order_acquire);
     if (alone) Dismiss();
     char begin = 0, end = 0;  // tags for the thread sanitizer
@@ -240,9 +241,9 @@ class ThreadPool::Team {
   }
 
  private:
-  /// How long a helper waits for the next loop before it sleeps: longer than the gap between two
-  /// loops in a step of a small world, but not longer than it takes to put a thread to sleep and
-  /// wake it.
+  /// Time that a helper waits for the next loop before it sleeps. It is longer than the gap between
+  /// two loops in a step of a small world. It is not longer than putting a thread to sleep and
+  /// waking it takes.
   static constexpr std::chrono::microseconds kLook{50};
 
   void Call(uint32_t share, Loop& loop) {
@@ -252,7 +253,7 @@ class ThreadPool::Team {
       arena_.enqueue(called_.defer([this, share, &seat] { seat.Help(share, look_); }));
     } catch (const std::bad_alloc&) {
       seat.Withdraw();
-      seat.Dismiss();  // without this helper; the other threads do its share
+      seat.Dismiss();  // no helper was started, so the other threads process its share
     }
   }
 

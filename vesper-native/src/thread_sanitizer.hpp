@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Annotations for the thread sanitizer, which does not see the synchronization inside TBB, because
-// Debian's library is not built for it. Therefore the only file that uses TBB is compiled without
-// the sanitizer, and declares by these functions the order that TBB guarantees. All code outside
-// TBB, including laws, is still checked.
+// Annotations for the thread sanitizer. The sanitizer does not see the synchronization inside TBB,
+// because Debian's TBB library is built without it. Therefore the only file that uses TBB is
+// compiled without the sanitizer. It calls these functions to declare the order of actions that TBB
+// guarantees. All code outside of TBB, including laws, is still checked.
 #pragma once
 
 #if defined(VESPER_THREAD_SANITIZER)

@@ -20,7 +20,8 @@ constexpr size_t kMaxText = 255;
 constexpr int kMaxDepth = 16;
 constexpr int kMaxExponent = 127;
 
-/// An intermediate result. The scale is a fraction, so that exact scales stay exact: g/ms is kg/s.
+/// An intermediate result. Its scale is a fraction, so that exact scales stay exact: for example,
+/// g/ms gives exactly kg/s.
 struct Quantity {
   std::array<int, 7> exponent{};
   double numerator = 1;
@@ -36,7 +37,8 @@ struct NamedUnit {
 constexpr bool k_yes = true;
 constexpr bool k_no = false;
 
-// Generated from units/units.csv, from which the world store in Java has its units, too.
+// The table is generated from units/units.csv. The units of the world store in Java are generated
+// from the same file.
 constexpr NamedUnit kUnits[] = {
 #include "units.inc"
 };
@@ -73,7 +75,7 @@ const NamedUnit* FindUnit(std::string_view symbol) {
   return nullptr;
 }
 
-/// Recursive descent over
+/// A recursive-descent parser of this grammar:
 ///   product = power { ("*" | "·" | "/") power };  power = atom [ "^" integer | raised digits ];
 ///   atom = symbol | number | "(" product ")"
 class Parser {

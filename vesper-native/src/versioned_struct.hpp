@@ -15,8 +15,8 @@
 
 namespace vesper {
 
-/// Minimum size of the struct [bytes]: that in the first version of the contract that contained it.
-/// These numbers never change.
+/// Minimum size of the struct [bytes]. It is the size of the struct in the first version of the
+/// contract that contains it. These numbers never change.
 template <class T>
 inline constexpr uint32_t kFirstSize = 0;
 template <>
@@ -84,8 +84,8 @@ T ReadStruct(const T& source, const char* what) {
   return known;
 }
 
-/// Converts an array of such structs; the stride of the source is the `struct_size` of its first
-/// element.
+/// Converts an array of structs as ReadStruct does. The stride of the source is the `struct_size`
+/// of its first element.
 template <class T>
 std::vector<T> ReadStructs(const T* first, uint32_t count, const char* what) {
   std::vector<T> known;

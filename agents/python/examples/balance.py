@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Learns to balance the pole of worlds/cart-pole in lock-step with the world, by trial and error.
 
-The agent pushes the cart by a weighted sum of its observations. It finds good weights by the
-cross-entropy method (R. Rubinstein, 1999): it tries random weights, keeps the best, and tries new
-ones near these. The last line on standard output is a JSON summary.
+The agent pushes the cart with a force that is a weighted sum of its observations. It finds good
+weights by the cross-entropy method (R. Rubinstein, 1999): it tries random weights, keeps the best,
+and tries new weights near these. The last line on standard output is a JSON summary.
 
     python3 balance.py --launcher ./reve
 """

@@ -2,11 +2,11 @@
 """Explores a world: goes to the most interesting item, pushes it until it moves, then takes the
 next.
 
-An item is interesting if its symbol `interest` is high. Among items of equal `interest`, one that
-differs from the others is more interesting: the fewer items share the value of a symbol, the more
-it counts. An item that was pushed counts as boring for a while. If the agent's body has an action
-`roll`, the agent moves to the item and runs against it. If the item has an action `push`, the agent
-uses that. The last line on standard output is a JSON summary.
+An item is interesting if its symbol `interest` is high. Among items of equal `interest`, an item is
+more interesting if it differs from the others. The fewer items share the value of a symbol, the
+more this value counts. An item that was pushed counts as boring for a while. If the agent's body
+has an action `roll`, the agent moves to the item and runs against it. If the item has an action
+`push`, the agent performs this action. The last line on standard output is a JSON summary.
 
     ./reve serve worlds/playground --port 7777 &
     python3 curious.py --port 7777 --seconds 30
@@ -53,8 +53,8 @@ def interest(item: reve.Item, items: Sequence[reve.Item]) -> Tuple[float, float,
 
 
 def along(start: Vector, end: Vector, length: float) -> List[float]:
-    """Returns a vector of the given length in the direction from start to end; along x if both are
-    equal."""
+    """Returns a vector of the given length in the direction from start to end. If both are equal,
+    the vector is along x."""
     distance = math.dist(start, end)
     if distance == 0.0:
         return [length, 0.0, 0.0]

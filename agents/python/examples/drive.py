@@ -2,10 +2,10 @@
 """Drives a car through gates in a circle, by pure pursuit.
 
 The agent perceives where the chassis and the posts of the gates are. It steers the front wheels so
-that an arc leads to the middle of the next gate: R. C. Coulter, Implementation of the pure pursuit
-path tracking algorithm, CMU-RI-TR-92-01, 1992. Both wheels of an axle roll about the same centre,
-so the inner one is steered more and driven slower. The last line on standard output is a JSON
-summary.
+that the car follows an arc to the middle of the next gate. The method is from R. C. Coulter,
+Implementation of the pure pursuit path tracking algorithm, CMU-RI-TR-92-01, 1992. Both wheels of an
+axle move on circles about the same centre, so the inner wheel is steered more and driven slower.
+The last line on standard output is a JSON summary.
 
     ./reve serve worlds/car --port 7777 &
     python3 drive.py --port 7777
@@ -23,13 +23,13 @@ import reve
 
 Vector = Tuple[float, float, float]
 
-_BASE = 0.7  # between the axles [m]
-_TRACK = 0.62  # between the wheels of an axle [m]
-_RADIUS = 0.15  # of the wheels [m]
-_SPEED = 1.5  # of the car [m/s]
+_BASE = 0.7  # distance between the axles [m]
+_TRACK = 0.62  # distance between the wheels of an axle [m]
+_RADIUS = 0.15  # radius of the wheels [m]
+_SPEED = 1.5  # speed of the car [m/s]
 _STEER = 0.6  # largest angle of a front wheel [rad]
 _TORQUE = {"steer": 30.0, "axle": 15.0}  # [N m]
-_NEAR = 0.5  # a gate is passed if the car was so near to its middle [m]
+_NEAR = 0.5  # distance from the middle of a gate at which the gate counts as passed [m]
 _ROUNDS = 60 * 40  # frames after which the agent gives up
 
 
@@ -63,13 +63,13 @@ def gates(perception: reve.Perception) -> List[Vector]:
 
 
 def curvature(place: Vector, turn: Sequence[float], target: Vector) -> float:
-    """Returns the curvature of the arc from the rear axle to a place, positive to the left [1/m]."""
+    """Returns the curvature of the arc from the rear axle to a place [1/m], left is positive."""
     forward = rotated((1.0, 0.0, 0.0), turn)
     length = math.hypot(forward[0], forward[2])
     ahead = (forward[0] / length, forward[2] / length)
     rear = (place[0] - 0.5 * _BASE * ahead[0], place[2] - 0.5 * _BASE * ahead[1])
     way = (target[0] - rear[0], target[2] - rear[1])
-    # Left of the direction x z is z -x, because the axes are right-handed and +Y is up.
+    # The direction to the left of (x, z) is (z, -x), because the axes are right-handed with +Y up.
     left = way[0] * ahead[1] - way[1] * ahead[0]
     return 2.0 * left / max(way[0] ** 2 + way[1] ** 2, 0.01)
 

@@ -2,10 +2,11 @@
 """Moves the hand of a robot arm to balls, one after the other, and pushes them off their posts.
 
 The agent perceives where the hand, the joints and the balls are. From these locations it computes
-the Jacobian (how fast each joint moves the hand) and the speeds of the joints that move the hand
-towards the ball, by damped least squares: C. W. Wampler, Manipulator inverse kinematic solutions
-based on vector formulations and damped least-squares methods, IEEE Trans. Systems, Man and
-Cybernetics 16 (1986) 93. The last line on standard output is a JSON summary.
+the Jacobian, which states how fast each joint moves the hand. From the Jacobian it computes, by
+damped least squares, the speeds of the joints that move the hand towards the ball. The method is
+from C. W. Wampler, Manipulator inverse kinematic solutions based on vector formulations and damped
+least-squares methods, IEEE Trans. Systems, Man and Cybernetics 16 (1986) 93. The last line on
+standard output is a JSON summary.
 
     ./reve serve worlds/robot-arm --port 7777 &
     python3 reach.py --port 7777
@@ -24,7 +25,7 @@ import reve
 Vector = Tuple[float, float, float]
 
 _UP = (0.0, 1.0, 0.0)
-_SPEED = 0.6  # of the hand [m/s]
+_SPEED = 0.6  # speed of the hand [m/s]
 _DAMPING = 0.1  # limits the speeds of joints where the arm is stretched [m]
 _MAX = {"waist": 2.0, "shoulder": 2.0, "elbow": 3.0}  # speeds of the joints [rad/s]
 _TORQUE = {"waist": 80.0, "shoulder": 80.0, "elbow": 40.0}  # [N m]
@@ -58,7 +59,7 @@ def rotated(v: Sequence[float], q: Sequence[float]) -> Vector:
 def joint_speeds(columns: Sequence[Vector], velocity: Vector) -> List[float]:
     """Returns the speeds s = Jᵀ (J Jᵀ + d² 1)⁻¹ v of three joints [rad/s].
 
-    columns: how the hand moves for 1 rad/s of each joint [m]; velocity: of the hand [m/s].
+    columns: velocity of the hand for 1 rad/s of each joint [m]; velocity: that of the hand [m/s].
     """
     m = [
         [sum(c[i] * c[j] for c in columns) + (_DAMPING**2 if i == j else 0.0) for j in range(3)]
@@ -72,7 +73,7 @@ def joint_speeds(columns: Sequence[Vector], velocity: Vector) -> List[float]:
 
 
 class Arm:
-    """Where the parts of the arm are, from one perception."""
+    """The places of the parts of the arm, from one perception."""
 
     def __init__(self, perception: reve.Perception) -> None:
         def place(name: str) -> Vector:
@@ -102,7 +103,8 @@ class Arm:
 
 
 def above(place: Sequence[float]) -> Vector:
-    """Returns the place over which the hand approaches, so that it passes over the other balls."""
+    """Returns a place above and before a ball, from which the hand approaches it. So the hand
+    passes over the other balls."""
     return (0.75 * place[0], place[1] + 0.2, 0.75 * place[2])
 
 

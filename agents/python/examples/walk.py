@@ -2,10 +2,10 @@
 """Walks a robot with four legs straight ahead, with diagonal pairs of legs in turn (a trot).
 
 Each foot moves along a closed path below its hip: backwards on the ground, then forwards in the
-air. The angles of hip and knee follow from the place of the foot by inverse kinematics of the two
-links, and the servos of the joints move there. The agent perceives where the trunk is and where it
-points; the legs of one side make longer steps to steer it back to its line. The last line on
-standard output is a JSON summary.
+air. The agent computes the angles of hip and knee from the place of the foot, by inverse kinematics
+of the two links. The servos move the joints to these angles. The agent perceives the place and the
+direction of the trunk. If the trunk leaves its line, the legs of one side make longer steps, which
+steer it back. The last line on standard output is a JSON summary.
 
     ./reve serve worlds/walker --port 7777 &
     python3 walk.py --port 7777
@@ -21,15 +21,15 @@ from typing import Dict, Sequence, Tuple
 
 import reve
 
-_LINK = 0.2  # of thigh and of shank [m]
+_LINK = 0.2  # length of thigh and of shank [m]
 _STAND = -2.0 * math.atan2(0.12, 0.16)  # angles of hip and knee at their zero, from straight legs
-_HEIGHT = 0.32  # of the hips above the feet, standing [m]
+_HEIGHT = 0.32  # height of the hips above the feet of the standing robot [m]
 _STEP = 0.12  # length of a step [m]
 _LIFT = 0.05  # height of a foot in the air [m]
 _RATE = 2.0  # steps of each leg per second [1/s]
 _GROUND = 0.55  # share of the time of a step in which the foot is on the ground
 _TORQUE = 30.0  # largest torque of a servo [N m]
-_FRAMES = 60  # per second of the world
+_FRAMES = 60  # frames per second of world time
 _LEGS = {"front left": 0.0, "front right": 0.5, "hind left": 0.5, "hind right": 0.0}  # phases
 
 
@@ -42,7 +42,7 @@ def angles(x: float, y: float) -> Tuple[float, float]:
 
 
 def foot(phase: float, step: float, lift: float) -> Tuple[float, float]:
-    """Returns where a foot is relative to its hip at a phase of its step, from 0 to 1 [m]."""
+    """Returns the place of a foot relative to its hip [m] at a phase of its step, from 0 to 1."""
     if phase < _GROUND:
         return step * (0.5 - phase / _GROUND), -_HEIGHT
     air = (phase - _GROUND) / (1.0 - _GROUND)
@@ -51,7 +51,7 @@ def foot(phase: float, step: float, lift: float) -> Tuple[float, float]:
 
 
 def heading(q: Sequence[float], start: Sequence[float]) -> float:
-    """Returns the angle about +Y by which an orientation xyzw is turned from that at the start [rad].
+    """Returns the angle about +Y from the orientation at the start to an orientation xyzw [rad].
 
     It is positive to the left.
     """
@@ -64,8 +64,8 @@ def heading(q: Sequence[float], start: Sequence[float]) -> float:
 def targets(time: float, left: float, turned: float) -> Dict[str, float]:
     """Returns the angle of each joint in a frame [rad].
 
-    time is that since the start [s], left the distance from the line to the left [m], and turned
-    the heading to the left [rad].
+    time: time since the start [s]; left: distance of the trunk to the left of its line [m]; turned:
+    heading to the left [rad].
     """
     start = min(1.0, time)  # the steps grow in the first second
     steer = max(-0.5, min(0.5, 2.0 * turned + 0.8 * left))

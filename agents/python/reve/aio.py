@@ -73,7 +73,7 @@ async def connect(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Agent:
-    """Like `reve.connect`, as a coroutine."""
+    """Joins a world as `reve.connect` does, as a coroutine."""
     if role == protocol.CONTROL:
         raise ValueError('connect() joins agents and observers; use control() for role "control"')
     greeting = protocol.hello(
@@ -94,7 +94,7 @@ async def control(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Control:
-    """Like `reve.control`, as a coroutine."""
+    """Joins a world as `reve.control` does, as a coroutine."""
     greeting = protocol.hello(name, role=protocol.CONTROL, token=token, world=world)
     boss = Control((host, port), greeting, timeout, tls)
     await boss._begin()
@@ -322,16 +322,17 @@ class Agent(Client):
         return await self._ask(lambda id: protocol.look(id, sensor), Image)
 
     async def step(self, *acts: Act) -> Perception:
-        """In lock-step: does the acts in the next frame and returns the perception after it."""
+        """In lock-step: performs the acts in the next frame; returns the perception after it."""
         self.ready(*acts)
         return await self.observe()
 
     def ready(self, *acts: Act) -> None:
-        """In lock-step: does the acts in the next frame; the world stops waiting for this agent."""
+        """In lock-step: sends the acts for the next frame, and ends this agent's round."""
         self._send(self._talk.ready(acts))
 
     async def observe(self, frame: int = 0) -> Perception:
-        """In lock-step: waits for the next unobserved perception, of that frame or a later one."""
+        """In lock-step: waits for the next perception that was not returned yet, of the given frame
+        or a later one."""
         patience = self._timeout + self._talk.patience()
         while not self._talk.has_observation(frame):
             if self._talk.must_say_ready():
@@ -349,7 +350,7 @@ class Control(Client, Commands[Awaitable[Result], Awaitable[Report]]):
         return self
 
     async def foresee(self, frames: int, *changes: Mapping[str, object]) -> Perception:
-        """Returns the perception of a copy of the world that many frames from now, without acts."""
+        """Returns the perception of a copy of the world after `frames` more frames without acts."""
         return await self._answer(self._talk.fork(frames, changes), self._talk.foreseen)
 
     def _report(self, t: str, **fields: object) -> Awaitable[Report]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A blocking client. A thread of its own reads, so the client answers pings while the agent
+"""A blocking client. A separate thread reads messages, so the client answers pings while the agent
 computes."""
 
 from __future__ import annotations
@@ -81,18 +81,20 @@ def connect(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Agent:
-    """Joins the world at that address as agent `name`, and returns when the agent has a body.
+    """Joins the world at an address as agent `name`, and returns when the agent has a body.
 
     `world` names one of the server's worlds; required only if the server has several.
-    `body` names an item that the world lends to agents; without it the world chooses one.
+    `body` names an item that the world grants to agents; without it the world chooses one.
     With `role` "observer" the client perceives everything and cannot act.
     `encoding` "msgpack" is faster and needs the package msgpack.
     With a `time` (a LockStep) the world waits for the agent, see `Agent.step`; without it, the
-    world runs in real time. `grace` [s] is how long the server keeps the body when the connection
-    breaks. The client reconnects automatically, and calls that wait for an answer continue to wait.
-    `token` is the token that the server requires, if any. `tls` encrypts the connection: True
-    trusts the authorities of this machine, a file name only the certificates in the file. `timeout`
-    [s] limits this call and every later wait for an answer.
+    world runs in real time.
+    `grace` [s] is the time for which the server keeps the body after the connection has broken. The
+    client reconnects automatically, and calls that wait for an answer continue to wait.
+    `token` is the token that the server requires, if any.
+    `tls` encrypts the connection. True trusts the authorities of this machine; a file name trusts
+    only the certificates in the file.
+    `timeout` [s] limits this call and every later wait for an answer.
 
     Raises OSError if no server listens at the address, and Disconnected with the server's code if
     the agent may not join.
@@ -134,7 +136,7 @@ class Client:
         self._address = address
         self._timeout = timeout
         self._tls = tls
-        self._sending = threading.Lock()  # acquired before `_changed`, if both are
+        self._sending = threading.Lock()  # a thread that needs both locks acquires this one first
         self._changed = threading.Condition()
         self._wire, welcome = self._open(greeting)
         self._talk = Conversation(greeting, welcome)
@@ -381,26 +383,27 @@ class Agent(Client):
     # ---- lock-step ----
 
     def step(self, *acts: Act) -> Perception:
-        """In lock-step: does the acts in the next frame and returns the perception after it.
+        """In lock-step: performs the acts in the next frame, and returns the perception after it.
 
-        If a round has several frames, it is the perception at the end of the round. Its `results`
-        are those of the acts.
+        If a round has several frames, returns the perception at the end of the round. `results` of
+        the perception are the results of the acts.
         """
         self.ready(*acts)
         return self.observe()
 
     def ready(self, *acts: Act) -> None:
-        """In lock-step: does the acts in the next frame; the world stops waiting for this agent."""
+        """In lock-step: sends the acts for the next frame, and ends this agent's round."""
         with self._sending:
             with self._changed:
                 lines = self._talk.ready(acts)
             self._send(lines)
 
     def observe(self, frame: int = 0) -> Perception:
-        """In lock-step: waits for the next unobserved perception, of that frame or a later one.
+        """In lock-step: waits for the next perception that was not returned yet, of the given frame
+        or a later one.
 
-        After that frame the world waits for this agent. The first perception is that of the frame
-        in which the agent joined.
+        The world waits for this agent after the frame of the perception. The first perception is
+        that of the frame in which the agent joined.
         """
         patience = self._timeout + self._talk.patience()
         while True:
@@ -425,8 +428,8 @@ class Control(Client, Commands[Result, Report]):
         return self
 
     def foresee(self, frames: int, *changes: Mapping[str, object]) -> Perception:
-        """Returns the perception of a copy of the world that many frames from now, without acts;
-        `changes` are made first.
+        """Returns the perception of a copy of the world after `frames` more frames without acts.
+        `changes` are made in the copy first.
 
         Raises ReveError with the server's code if it refuses a prediction of so many frames.
         """
@@ -435,8 +438,7 @@ class Control(Client, Commands[Result, Report]):
     def begin_edits(self, edits: Sequence[Tuple[str, str, Argument]]) -> Callable[[], List[Result]]:
         """Sends edits for the next frame; each is an item, a property and a value, as in `edit`.
 
-        Returns when the server has received all of them; the returned function waits for the
-        results.
+        Returns when the server has received all edits. The returned function waits for the results.
         """
         with self._sending:
             with self._changed:

@@ -10,14 +10,14 @@ from typing import Generic, Optional, TypeVar, Union
 from .protocol import Argument, Item
 
 R = TypeVar("R")
-"""A Result, or an awaitable one."""
+"""The type of a result: Result, or an awaitable Result in the asyncio client."""
 Q = TypeVar("Q")
-"""A Report, or an awaitable one."""
+"""The type of a report: Report, or an awaitable Report in the asyncio client."""
 
 
 class Commands(ABC, Generic[R, Q]):
-    """The commands of the role control, each of which returns a result, and questions about the
-    world.
+    """The commands of the role control, and questions about the world. Each command returns a
+    result.
 
     While the world is paused, `edit`, `load_law`, `unload_law` and `picture` wait until its next
     frame.
@@ -28,8 +28,8 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("pause")
 
     def step(self, frames: int = 1) -> R:
-        """Lets a paused world make that many frames; the result contains the number of the last
-        one."""
+        """Lets a paused world make `frames` frames. The result contains the number of the last
+        frame."""
         return self._command("step", frames=frames)
 
     def run(self) -> R:
@@ -37,11 +37,11 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("run")
 
     def speed(self, factor: float) -> R:
-        """Sets the world time per time of the clock: 0.5 is half the speed, 2 is double."""
+        """Sets the speed of the world, as world time per time of the clock: 2 is double speed."""
         return self._command("speed", factor=factor)
 
     def snapshot(self, image: str) -> R:
-        """Keeps the state of the world under that name until the server ends, for `rewind`.
+        """Keeps the state of the world under a name until the server ends, for `rewind`.
 
         The result contains the frame of the state.
         """
@@ -56,8 +56,8 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("rewind", **({} if image is None else {"image": image}))
 
     def save(self, file: str) -> R:
-        """Saves the state of the world as a world file of that name, in the server's folder for
-        files.
+        """Saves the state of the world as a world file with the name `file`, in the server's folder
+        for files.
         """
         return self._command("save", file=file)
 
@@ -68,8 +68,8 @@ class Commands(ABC, Generic[R, Q]):
     def add(
         self, *items: Mapping[str, object], prefabs: Optional[Mapping[str, object]] = None
     ) -> R:
-        """Adds items, all or none, each described as in a world file, also with `like` and the name
-        of a prefab.
+        """Adds items, all or none. Each item is described as in a world file, where `like` may name
+        a prefab.
 
         For example `add({"name": "ball", "physical": {"shape": "sphere", "radius": "5 cm"}})`.
         """
@@ -95,16 +95,17 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("rule", name=name, rule=rule)
 
     def batch(self, *changes: Mapping[str, object]) -> R:
-        """Makes changes in their order, all or none. Each is a message without id, for example
-        `{"t": "remove", "item": "ball"}`."""
+        """Makes changes in their order, all or none. Each change is a message without id, for
+        example `{"t": "remove", "item": "ball"}`."""
         return self._command("batch", changes=list(changes))
 
     def release(self, library: str) -> R:
-        """Permits a law library again that the server has quarantined after a failure."""
+        """Ends the quarantine of a law library, which may then be loaded again. The server
+        quarantines libraries that fail."""
         return self._command("release", library=library)
 
     def profile(self) -> R:
-        """Returns, as the value of the result, on what the frames spent their time."""
+        """Returns, as the value of the result, the times of the parts of the frames."""
         return self._command("profile")
 
     def changes(self) -> R:
@@ -137,10 +138,11 @@ class Commands(ABC, Generic[R, Q]):
         swap: Optional[str] = None,
         **parameters: float,
     ) -> R:
-        """Loads a law library that the server knows by that name, or a law as text, which replaces
-        a loaded text of the same name; parameters are in SI units. With a text, `library` names it
-        in messages. `swap` is "shadow", if the text first acts in a copy of the world, or
-        "at-once".
+        """Loads a law library that the server knows by its name, or a law as text.
+
+        A text replaces a loaded text of the same name; `library` names it in messages. Parameters
+        are in SI units. With `swap` "shadow", the text first acts in a copy of the world; with
+        "at-once" it acts in the world at once.
         """
         fields: dict[str, Argument] = {} if library is None else {"library": library}
         if text is not None:
@@ -150,8 +152,8 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("load-law", **fields, parameters=parameters)
 
     def set_law(self, library: str, *, swap: Optional[str] = None, **parameters: float) -> R:
-        """Changes parameters of a loaded law library, in SI units; the others keep their values.
-        With `swap="shadow"`, they first act in a copy of the world.
+        """Changes parameters of a loaded law library, in SI units. Other parameters keep their
+        values. With `swap="shadow"`, the new values first act in a copy of the world.
         """
         fields: dict[str, Argument] = {} if swap is None else {"swap": swap}
         return self._command("set-law", library=library, **fields, parameters=parameters)
@@ -164,10 +166,11 @@ class Commands(ABC, Generic[R, Q]):
         then: Optional[str] = None,
         every: Optional[int] = None,
     ) -> R:
-        """Sets the computing time that a loaded law library may take in a frame, and what happens
-        if it takes more in `frames` frames in a row: `then` is "warn", "unload", or "skip-steps",
-        which evaluates force laws in every `every`-th step only. Without `milliseconds`, the
-        library has no budget any more.
+        """Sets the computing time that a loaded law library may take in a frame (its budget).
+
+        `then` is the reaction if the library takes more time in `frames` successive frames: "warn",
+        "unload", or "skip-steps", which evaluates force laws in every `every`-th step only. Without
+        `milliseconds`, removes the budget of the library.
         """
         fields = {"milliseconds": milliseconds, "frames": frames, "then": then, "every": every}
         given: dict[str, Argument] = {
@@ -185,7 +188,7 @@ class Commands(ABC, Generic[R, Q]):
     def state(self) -> Q:
         """Returns the state of the frame loop, its times, the snapshots and the clients.
 
-        The roles observer and control may ask this, `inspect` and `laws`.
+        The roles observer and control may call `state`, `inspect` and `laws`.
         """
         return self._report("state")
 
@@ -199,8 +202,8 @@ class Commands(ABC, Generic[R, Q]):
         return self._report("laws")
 
     def ledger(self, open: Optional[bool] = None) -> Q:
-        """Returns the energy and the momentum that each law added since the ledger (an account per
-        law) was opened. `open` True opens or restarts it, False closes it.
+        """Returns the ledger: the energy and the momentum that each law added since the ledger was
+        opened. `open` True opens or restarts the ledger, False closes it.
         """
         return self._report("ledger", **({} if open is None else {"open": open}))
 

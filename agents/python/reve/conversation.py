@@ -41,10 +41,10 @@ _T = TypeVar("_T")
 
 
 def welcome_in(message: Optional[ServerMessage]) -> Optional[Welcome]:
-    """Returns the welcome, or None if the client must read on.
+    """Returns the welcome, or None if the client must read further messages.
 
-    Before the welcome the server may only ping, refuse the hello or end the connection. The message
-    is None at the end of the connection.
+    Before the welcome, the server may only send pings, refuse the hello or end the connection. The
+    argument is None at the end of the connection.
     """
     if message is None:
         raise Disconnected("lost", "the server closed the connection before its welcome")
@@ -86,8 +86,8 @@ class Conversation:
         self._observed_frame = -1
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
         self._frame_seen = welcome.frame - 1
-        # Frames of received events that are later than `_frame_seen`, up to which no event is
-        # missing.
+        # Frames of received events that are later than `_frame_seen`. Up to the frame
+        # `_frame_seen`, no event is missing.
         self._seen_after: List[int] = []
         self._known_already = 0
 
@@ -105,7 +105,7 @@ class Conversation:
         return number, line
 
     def fork(self, frames: int, changes: Sequence[Mapping[str, object]] = ()) -> Tuple[int, bytes]:
-        """Requests the perception after that many frames of a copy of the world."""
+        """Requests the perception of a copy of the world after `frames` more frames."""
         fields: dict[str, Any] = {"changes": list(changes)} if changes else {}
         number, line = self.question(
             lambda id: protocol.command(id, "fork", frames=frames, **fields)
@@ -145,7 +145,7 @@ class Conversation:
         return answer
 
     def drop(self, number: int) -> None:
-        """Forgets that request; its answer is ignored."""
+        """Removes a request; its answer is ignored."""
         self._waiting.pop(number, None)
         self._unanswered.pop(number, None)
         self._ahead.discard(number)
@@ -202,7 +202,7 @@ class Conversation:
     # ---- lock-step ----
 
     def ready(self, acts: Tuple[Act, ...]) -> bytes:
-        """Does the acts and ends this agent's part of the round."""
+        """Returns the bytes that send the acts and end this agent's part of the round."""
         self._require_lock_step()
         self.require_open()
         for number in self._doing:
@@ -224,9 +224,10 @@ class Conversation:
         return line
 
     def has_observation(self, frame: int) -> bool:
-        """Returns True if an unobserved perception of that frame or a later one is complete.
+        """Returns True if a perception of the given frame or a later one is complete and was not
+        returned yet.
 
-        It is complete when the results of the acts before it are known.
+        A perception is complete when the results of the acts before it are known.
         """
         self._require_lock_step()
         return (
@@ -247,10 +248,10 @@ class Conversation:
         return dataclasses.replace(self._known, results=results)
 
     def must_say_ready(self) -> bool:
-        """Returns True if a `ready` without acts is needed.
+        """Returns True if the client must send a `ready` without acts.
 
-        A round ended without this agent, and the world waits in the next round while the agent
-        still waits for results of its acts.
+        This is necessary if a round ended without this agent: the world waits for the agent in the
+        next round, while the agent still waits for results of its acts.
         """
         return (
             bool(self._doing)
@@ -265,7 +266,7 @@ class Conversation:
         return self.encode(protocol.ready(self._known.frame))
 
     def patience(self) -> float:
-        """Returns how long the server may wait for other agents before a round ends [s]."""
+        """Returns the maximum time that the server waits for other agents in a round [s]."""
         time = self.welcome.time
         return 0.0 if time is None else time.deadline + time.every / self.welcome.rate
 

@@ -42,11 +42,16 @@ Message = Dict[str, Any]
 class Limits:
     """The server's limits for a client; None if the server has no such limit.
 
-    Bytes of a line; messages per second (of the clock, or of world time if that is faster);
-    commands that wait for their result; silence [s] after which the server sends a ping; maximum
-    grace [s]; items that exist at the same time and were created by actions of this agent, and by
-    actions of all agents; bytes of events that actions of this agent raise per second of world
-    time.
+    The fields are, in their order:
+    - bytes of a line;
+    - messages per second of the clock, or of world time if world time is faster;
+    - commands that wait for their result;
+    - silence [s] after which the server sends a ping;
+    - maximum grace [s];
+    - items that exist at the same time and were created by actions of this agent;
+    - the same items, created by actions of all agents;
+    - bytes of events that actions of this agent raise, per second of world time;
+    - the same bytes, raised by actions of all agents.
     """
 
     line_bytes: int
@@ -62,8 +67,8 @@ class Limits:
 
 @dataclass(frozen=True)
 class Ticket:
-    """The token with which another connection resumes the session, within `grace_seconds` after a
-    break.
+    """The token with which a new connection resumes the session. It must do so within
+    `grace_seconds` after the old connection broke.
     """
 
     token: str
@@ -81,9 +86,9 @@ class Act:
 
 @dataclass(frozen=True)
 class LockStep:
-    """Settings of lock-step: the world waits for the agent after every `every`th frame, at most for
-    `deadline` [s]; if the agent has not answered by then, its body does the `fallback`. With
-    `relations`, the items' symbols also contain `near`, `on`, `inside` and `touching`.
+    """Settings of lock-step. The world waits for the agent after every `every`th frame, at most for
+    `deadline` [s]. If the agent has not answered by then, its body performs the act `fallback`.
+    With `relations`, the items' symbols also contain `near`, `on`, `inside` and `touching`.
     """
 
     every: int = 1
@@ -119,8 +124,8 @@ class Welcome:
 class Parameter:
     """A parameter of an action.
 
-    The fields after the type are for "number" only: how many numbers, their unit, and the bounds of
-    each, if any.
+    The fields after the type are for "number" only: the count of numbers, their unit, and the
+    bounds of each number, if there are any.
     """
 
     type: str
@@ -134,10 +139,10 @@ class Parameter:
 class Item:
     """One item as perceived.
 
-    `location` is x, y, z [m] in the world's frame, and `orientation` a unit quaternion x, y, z, w.
-    `location` is None for an item without a place, or if no sensor reaches it. `needs` contains,
-    for each action that requires any, the capabilities that a body must have; `capabilities` are
-    the item's own.
+    `location` is x, y, z [m] in the world's reference frame, and `orientation` a unit quaternion x,
+    y, z, w. `location` is None for an item without a place, or if no sensor reaches it. `needs`
+    contains the capabilities that the acting body must have, for each action that requires any.
+    `capabilities` are the capabilities of the item itself.
     """
 
     name: str
@@ -153,7 +158,7 @@ class Item:
 class Perception:
     """All items that the client perceives in one frame; `time` is the world time [s].
 
-    In lock-step, `results` are those of the acts in the round before, in order.
+    In lock-step, `results` are the results of the acts of the previous round, in order.
     """
 
     id: Optional[int]
@@ -209,9 +214,9 @@ class Update:
 
 @dataclass(frozen=True)
 class Result:
-    """The outcome of an act: the frame in which it took effect, or a code and a reason for its
-    refusal. As a truth value, it is True if the act was accepted. After a question, `value` is the
-    answer.
+    """The result of an act: the frame in which it took effect, or a code and a reason for its
+    refusal. As a truth value, a result is True if the act was accepted. After a question, `value`
+    is the answer.
     """
 
     id: int
@@ -382,8 +387,8 @@ def act(id: int, item: str, action: str, arguments: Mapping[str, Argument]) -> M
 
 
 def ready(frame: Optional[int] = None) -> Message:
-    """Returns the message `ready`; `frame` is that of the perception on which the agent's decision
-    is based."""
+    """Returns the message `ready`. `frame` is the frame of the perception on which the agent's
+    decision is based."""
     return {"t": "ready"} if frame is None else {"t": "ready", "frame": frame}
 
 
@@ -473,8 +478,8 @@ class Incoming:
         return None if line is None else decode(line)
 
     def _length(self) -> int:
-        """Returns the length of the next message behind its prefix; too small a number if the
-        prefix is incomplete."""
+        """Returns the length of the next message behind its prefix. If the prefix is incomplete,
+        the number is too small, and `_take` waits for more bytes."""
         return int.from_bytes(self._bytes[self._start : self._start + 4], "big")
 
     def _take(self, end: int) -> Optional[bytes]:

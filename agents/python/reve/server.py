@@ -22,7 +22,7 @@ def serve(
     *options: str,
     launcher: Union[str, "os.PathLike[str]"] = "./reve",
 ) -> Iterator[Tuple[str, int]]:
-    """Runs `./reve serve WORLD` on a free port; yields host and port, and ends the server
+    """Runs `./reve serve WORLD` on a free port. Yields host and port, and ends the server
     afterwards.
 
     The server makes frames as fast as its agents in lock-step allow. In each round it waits for an
@@ -75,9 +75,9 @@ def experiment(
 ) -> Dict[str, Any]:
     """Runs `./reve experiment FILE` to its end and returns its result, the document of `--json`.
 
-    The result says with `identical` whether it equals the earlier results in the folder, if there
-    are any; each of its `runs` has a `state`. `options` are further options of the command,
-    `launcher` is the project's launcher. Raises ReveError with the command's output if the
+    The field `identical` of the result states whether it equals the earlier results in the folder,
+    if there are any. Each of its `runs` has a `state`. `options` are further options of the
+    command, `launcher` is the project's launcher. Raises ReveError with the command's output if the
     experiment cannot be run.
     """
     command = [os.fspath(launcher), "experiment", os.fspath(file), "--json", *options]

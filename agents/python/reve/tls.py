@@ -12,8 +12,8 @@ from typing import Union
 from .errors import Disconnected
 
 Tls = Union[bool, str, ssl.SSLContext]
-"""True for the authorities that this machine trusts, or a file of certificates (PEM) to trust
-instead.
+"""The trusted certificates: True for the authorities that this machine trusts, or a file of
+certificates (PEM) that are trusted instead.
 """
 
 _CHUNK = 64 * 1024
@@ -78,7 +78,7 @@ class TlsSocket:
                         "the server closed the connection before it was private"
                     ) from None
             except ssl.SSLError:
-                self._flush()  # sends the TLS alert, which tells the server why
+                self._flush()  # sends the TLS alert with the reason to the server
                 raise
         self._flush()
 

@@ -11,7 +11,8 @@
 namespace vesper::cli {
 namespace {
 
-/// Destination of the numbers below a column name; skipped columns have no property.
+/// The column of a scene into which the numbers below one column name of the file are written.
+/// `property` is null if the file's column is skipped.
 struct Target {
   const vesper_property_descriptor* property = nullptr;
   uint32_t component = 0;

@@ -8,10 +8,10 @@
 
 namespace vesper::cli {
 
-/// Adds the rows of the kind and the columns named in the first line of `text`, the content of
-/// `file`: `mass`, `position.x`, …, with all components of a property. Skips the columns frame,
-/// time and row. If the file contains several frames, reads the last one. Throws SceneError with
-/// the place in the file.
+/// Adds the rows of a kind to the scene. `text` is the content of `file`. Its first line contains
+/// the names of the columns, such as `mass` and `position.x`, with all components of a property.
+/// Skips the columns frame, time and row. If the file contains several frames, reads the last
+/// frame. Throws SceneError with the place in the file.
 void ReadCsvRows(std::string text, const std::string& file, const std::string& kind, Scene& scene);
 
 }  // namespace vesper::cli

@@ -24,14 +24,14 @@ struct Paint {
   double low = 0, high = 1;
 };
 
-/// A draw line of a scene: how rows of a kind are drawn. For each row, the last line that names it
-/// applies.
+/// A line `draw` of a scene, which sets how rows of a kind are drawn. If several lines name a row,
+/// the last of them applies.
 struct DrawLine {
   std::string kind;
   std::vector<uint64_t> rows;  // empty: all rows of the kind
   Paint paint;
-  std::optional<double> radius;  // for rows drawn as balls [m]
-  std::optional<double> width;   // for rows drawn as lines [px]
+  std::optional<double> radius;  // radius of rows drawn as balls [m]
+  std::optional<double> width;   // width of rows drawn as lines [px]
   bool unlit = false;            // no lighting, no shadow
   Place place;
 };
@@ -42,13 +42,13 @@ struct Camera {
 };
 
 struct Ground {
-  double height = 0;  // of the ground [m]
+  double height = 0;  // height of the ground [m]
   Colour colour;
 };
 
 struct Drawing {
   uint32_t width = 960, height = 540;  // [px]
-  std::optional<Camera> camera;        // none: a view of all rows as they are at the start
+  std::optional<Camera> camera;        // none: shows all rows at their places at the start
   Colour top{255, 255, 255, 255}, bottom{226, 230, 235, 255};  // background colours
   std::optional<Ground> ground;
   std::vector<DrawLine> lines;  // none: every kind that can be drawn

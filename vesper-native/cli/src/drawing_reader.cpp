@@ -43,7 +43,7 @@ Colour ReadColour(SceneReader& reader) {
           static_cast<uint8_t>(rgb & 255), 255};
 }
 
-/// COLOUR, or COLOUR COLOUR… by PROPERTY LOW HIGH
+/// Reads a paint: COLOUR, or COLOUR COLOUR… by PROPERTY LOW HIGH
 Paint ReadPaint(SceneReader& reader, const Scene& scene, const std::string& kind) {
   Paint paint{{ReadColour(reader)}, {}};
   while (IsColour(reader.Peek())) paint.colours.push_back(ReadColour(reader));
@@ -64,7 +64,7 @@ Paint ReadPaint(SceneReader& reader, const Scene& scene, const std::string& kind
 
 }  // namespace
 
-/// image WIDTH HEIGHT
+/// Reads the line: image WIDTH HEIGHT
 void ReadImage(SceneReader& reader, Scene& scene) {
   const uint64_t width = reader.Count("the picture's width in pixels", 1);
   const uint64_t height = reader.Count("the picture's height in pixels", 1);
@@ -75,7 +75,7 @@ void ReadImage(SceneReader& reader, Scene& scene) {
   scene.drawing.height = static_cast<uint32_t>(height);
 }
 
-/// camera from P at P [fov DEGREES]
+/// Reads the line: camera from P at P [fov DEGREES]
 void ReadCamera(SceneReader& reader, Scene& scene) {
   Camera camera;
   reader.Expect("from");
@@ -91,20 +91,20 @@ void ReadCamera(SceneReader& reader, Scene& scene) {
   scene.drawing.camera = camera;
 }
 
-/// background TOP [BOTTOM]
+/// Reads the line: background TOP [BOTTOM]
 void ReadBackground(SceneReader& reader, Scene& scene) {
   scene.drawing.top = ReadColour(reader);
   scene.drawing.bottom = reader.AtEnd() ? scene.drawing.top : ReadColour(reader);
 }
 
-/// ground HEIGHT [COLOUR]
+/// Reads the line: ground HEIGHT [COLOUR]
 void ReadGround(SceneReader& reader, Scene& scene) {
   Ground ground{reader.Number("the ground's height"), {236, 238, 241, 255}};
   if (!reader.AtEnd()) ground.colour = ReadColour(reader);
   scene.drawing.ground = ground;
 }
 
-/// draw KIND [ROW…] [radius R] [width PX] [colour PAINT] [unlit]
+/// Reads the line: draw KIND [ROW…] [radius R] [width PX] [colour PAINT] [unlit]
 void ReadDraw(SceneReader& reader, Scene& scene) {
   DrawLine line;
   line.place = reader.LineStart();

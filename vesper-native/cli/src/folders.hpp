@@ -15,9 +15,11 @@ std::string FromFolderOf(const std::string& file, const std::string& path);
 /// file's name, if it cannot be read.
 std::string ReadFile(const std::string& file, const std::string& shown);
 inline std::string ReadFile(const std::string& file) { return ReadFile(file, file); }
-/// Returns false if the file exists with another beginning: an option named it by mistake.
+/// Returns whether a command may write to the file. Returns false if the file exists and does not
+/// begin with `beginning`, the first bytes of the command's own output. The file then contains
+/// other data, and an option named it by mistake.
 bool MayReplace(const std::string& file, const std::string& beginning);
-/// The end of the message about such a file.
+/// The end of the message about a file that a command may not replace.
 inline constexpr char kNotReplaced[] =
     ": exists, and this command has not written it; name another file, or remove it";
 /// Returns the folders in the environment variable VESPER_LAW_PATH (separated by ':'). If it is not

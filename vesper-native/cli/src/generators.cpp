@@ -34,7 +34,8 @@ void RequirePairs(SceneReader& reader, const AnyColumn& column) {
   reader.FailLast("makes pairs of rows, but " + NameOf(column) + " has none");
 }
 
-/// Expands a value to one number for each component; a single number is used for all.
+/// Expands a value to one number for each component of the column. A single number is used for all
+/// components.
 Value Spread(SceneReader& reader, Value value, const AnyColumn& column) {
   const uint32_t components = column.descriptor().components;
   if (value.size() == 1) value.resize(components, value[0]);
@@ -51,13 +52,13 @@ std::array<uint64_t, 3> ReadExtent(SceneReader& reader) {
   return extent;
 }
 
-/// all VALUE
+/// Fills a column by the generator: all VALUE
 void FillAll(SceneReader& reader, const Scene&, AnyColumn& column) {
   const Value value = ReadRow(reader, column);
   for (uint64_t row = 0; row < column.rows(); ++row) SetRow(reader, column, row, value);
 }
 
-/// line FROM TO
+/// Fills a column by the generator: line FROM TO
 void FillLine(SceneReader& reader, const Scene&, AnyColumn& column) {
   const Value from = ReadRow(reader, column), to = ReadRow(reader, column);
   for (uint64_t row = 0; row < column.rows(); ++row) {
@@ -69,7 +70,8 @@ void FillLine(SceneReader& reader, const Scene&, AnyColumn& column) {
   }
 }
 
-/// grid NX NY NZ spacing S [origin P]: x runs fastest.
+/// Fills a column by the generator: grid NX NY NZ spacing S [origin P]. The index along x changes
+/// fastest.
 void FillGrid(SceneReader& reader, const Scene&, AnyColumn& column) {
   RequireVector(reader, column);
   const auto [nx, ny, nz] = ReadExtent(reader);
@@ -85,7 +87,8 @@ void FillGrid(SceneReader& reader, const Scene&, AnyColumn& column) {
   }
 }
 
-/// web RINGS SPOKES radius R: the centre, then ring by ring outwards, in the plane z = 0.
+/// Fills a column by the generator: web RINGS SPOKES radius R. The first row is the centre; the
+/// others follow ring by ring outwards, in the plane z = 0.
 void FillWeb(SceneReader& reader, const Scene&, AnyColumn& column) {
   RequireVector(reader, column);
   const uint64_t rings = reader.Count("the number of rings", 1);
@@ -103,7 +106,8 @@ void FillWeb(SceneReader& reader, const Scene&, AnyColumn& column) {
   }
 }
 
-/// random LOW HIGH seed N: evenly distributed in [LOW, HIGH).
+/// Fills a column by the generator: random LOW HIGH seed N. The numbers are evenly distributed in
+/// [LOW, HIGH).
 void FillRandom(SceneReader& reader, const Scene&, AnyColumn& column) {
   if (!column.is_real()) reader.FailLast("makes reals, but " + NameOf(column) + " has integers");
   const Value low = Spread(reader, reader.ReadValue("the lower limit"), column);
@@ -128,7 +132,7 @@ void SetPairs(SceneReader& reader, AnyColumn& column,
   }
 }
 
-/// chain: each row to the next one.
+/// Fills a column of pairs by the generator: chain. It connects each row to the next row.
 void FillChain(SceneReader& reader, const Scene&, AnyColumn& column) {
   RequirePairs(reader, column);
   for (uint64_t row = 0; row < column.rows(); ++row) {
@@ -136,7 +140,8 @@ void FillChain(SceneReader& reader, const Scene&, AnyColumn& column) {
   }
 }
 
-/// grid-edges NX NY NZ: neighbours along x, then along y, then along z.
+/// Fills a column of pairs by the generator: grid-edges NX NY NZ. It connects neighbours along x,
+/// then along y, then along z.
 void FillGridEdges(SceneReader& reader, const Scene&, AnyColumn& column) {
   RequirePairs(reader, column);
   const auto [nx, ny, nz] = ReadExtent(reader);
@@ -155,7 +160,8 @@ void FillGridEdges(SceneReader& reader, const Scene&, AnyColumn& column) {
   SetPairs(reader, column, pairs);
 }
 
-/// web-edges RINGS SPOKES: the spokes from the centre outwards, then the rings.
+/// Fills a column of pairs by the generator: web-edges RINGS SPOKES. It connects the rows of the
+/// spokes from the centre outwards, then those of the rings.
 void FillWebEdges(SceneReader& reader, const Scene&, AnyColumn& column) {
   RequirePairs(reader, column);
   const uint64_t rings = reader.Count("the number of rings", 1);
@@ -169,8 +175,8 @@ void FillWebEdges(SceneReader& reader, const Scene&, AnyColumn& column) {
   SetPairs(reader, column, pairs);
 }
 
-/// distance [FACTOR]: FACTOR times the distance between the two rows to which a row refers, such as
-/// a spring's bodies.
+/// Fills a column by the generator: distance [FACTOR]. A value is FACTOR times the distance between
+/// the two rows to which its row refers, such as the bodies of a spring.
 void FillDistance(SceneReader& reader, const Scene& scene, AnyColumn& column) {
   const AnyColumn *endpoints = scene.Find("endpoints"), *position = scene.Find("position");
   if (!column.is_real() || column.descriptor().components != 1 || endpoints == nullptr ||

@@ -17,7 +17,7 @@ struct LawOptions {
 /// and returns the exit code.
 int CheckLaw(const LawOptions& options);
 
-/// Writes a law as text as the C++ source of a law library, and returns the exit code.
+/// Translates a law as text to the C++ source of a law library, and returns the exit code.
 int LawToCpp(const LawOptions& options);
 
 }  // namespace vesper::cli

@@ -223,7 +223,8 @@ class Curve {
   const std::vector<Point>& points() const { return points_; }
   LawScene& scene() { return scene_; }
 
-  /// Chooses the component with the largest force, so that a force across the axis is shown, too.
+  /// Chooses the component with the largest force. So a plot also shows a force that is
+  /// perpendicular to the axis.
   void Choose() {
     std::array<double, 3> most{};
     for (const Vector& force : forces_) {
@@ -291,7 +292,7 @@ int PrintPlot(const LawPlotOptions& options) {
   return kDone;
 }
 
-/// Runs a command on a law, and explains its failure.
+/// Runs a command on a law. If it fails, prints the reason and returns the exit code.
 template <class Options>
 int Explained(const Options& options, int (*command)(const Options&)) {
   try {

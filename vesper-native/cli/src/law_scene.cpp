@@ -60,7 +60,8 @@ LawScene::LawScene(const std::string& file, uint64_t bodies,
   for (const PropertyValue& each : given) Set(each);
 }
 
-/// Makes a property of the law's own one of the scene, so that the law uses the scene's values.
+/// Adds a property that only the law declares to the scene, so that the law uses the scene's
+/// values.
 void LawScene::Declare(const PropertyValue& given) {
   const auto named = [&](const auto& each) { return each.name == given.name; };
   if (std::ranges::any_of(properties_, named)) return;
@@ -125,7 +126,7 @@ void LawScene::Arrange() {
     const uint64_t place[] = {i % side, i / side % side, i / side / side};
     for (uint64_t k = 0; k < 3; ++k) {
       Column("position")[3 * i + k] = 1.2 * length_ * static_cast<double>(place[k]);
-      // Velocities up to a tenth of a length per second, without a pattern.
+      // Gives the bodies irregular velocities of at most 0.1 `length_` per second.
       Column("velocity")[3 * i + k] =
           0.1 * length_ * std::sin(12.9898 * static_cast<double>(3 * i + k) + 1);
     }

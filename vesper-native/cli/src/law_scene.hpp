@@ -19,18 +19,20 @@ struct PropertyValue {
   std::vector<double> components;
 };
 
-/// A law file and the properties that a scene gives it, in SI units and double precision.
+/// A law file with the values that its properties have in a scene, in SI units and double
+/// precision.
 class LawScene {
  public:
-  /// Prepares `bodies` bodies of 1 kg and ±1 µC in a cubic grid, and a spring between each body and
-  /// the next one if the law uses springs or is an integrator. `given` replaces the scene's values
-  /// of properties, and gives values to properties of a text's own. Nothing is loaded yet. Throws
-  /// std::invalid_argument if a given value fits no property.
+  /// Prepares `bodies` bodies of 1 kg and ±1 µC in a cubic grid. If the law uses springs or is an
+  /// integrator, a spring connects each body to the next body. `given` replaces the scene's values
+  /// of properties, and gives values to properties that only a law as text declares. Loads no law
+  /// yet. Throws std::invalid_argument if a given value fits no property.
   LawScene(const std::string& file, uint64_t bodies, const std::vector<PropertyValue>& given);
 
   const vesper_law_desc& law() const { return *law_; }
   bool Uses(const std::string& property) const;
-  /// Returns the smallest length among the law's parameters, or 1 m: the distance of neighbours.
+  /// Returns the distance of neighbours in the grid [m]: the smallest length among the law's
+  /// parameters, or 1 m if no parameter is a length.
   double length() const { return length_; }
   uint64_t bodies() const { return bodies_; }
   /// Returns the column of a property: (rows x components).
@@ -41,7 +43,7 @@ class LawScene {
   /// Loads another law by its name.
   void LoadMore(const std::string& name);
   void Advance(double dt, uint32_t steps) { engine_->Advance(dt, steps); }
-  /// Returns the potential energy of all loaded laws [J]; nothing if none reports one.
+  /// Returns the potential energy of all loaded laws [J]; nothing if no law reports an energy.
   std::optional<double> PotentialEnergy();
 
  private:

@@ -88,7 +88,8 @@ Json Describe(const vesper_law_desc& law) {
           {"parameters", parameters}};
 }
 
-/// Returns each law once: in double precision, or in single precision if it exists in that only.
+/// Returns each law of a library once: in double precision, or in single precision if the library
+/// contains it in single precision only.
 std::vector<const vesper_law_desc*> DistinctLaws(const LawFile& library) {
   std::vector<const vesper_law_desc*> laws = library.Laws(VESPER_F64);
   for (const vesper_law_desc* law : library.Laws(VESPER_F32)) {
@@ -121,7 +122,7 @@ std::vector<std::string> LibrariesIn(const std::string& folder) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::filesystem::path& path = entry.path();
-    // If a compiled law and a text have the same name, the name means the compiled law.
+    // A compiled law takes precedence over a text of the same name.
     const auto compiled = path.parent_path() / ("libvesper_law_" + path.stem().string() + ".so");
     if (path.extension() == ".so" ||
         (path.extension() == ".law" && !std::filesystem::exists(compiled)))

@@ -30,8 +30,8 @@ std::string Numbers(const double* v, double largest) {
          ")";
 }
 
-/// A column of comparable cells: `size` returns the number of a line by which cells are compared,
-/// `print` its text.
+/// Returns the cells of one column of the report. `size` returns the number of a line, by which the
+/// cells are compared; `print` returns the text of the cell.
 template <class Size, class Print>
 std::vector<std::string> Cells(const std::vector<LedgerLine>& lines, Size size, Print print) {
   double largest = 0, largest_of_laws = 0;

@@ -42,8 +42,9 @@ bool Write(const std::filesystem::path& path, const char* text, const std::strin
   return static_cast<bool>(file);
 }
 
-/// Returns the folder with Vesper's CMake files that belongs to this program, in a build, a release
-/// or an installation. Empty if there is none and CMake has to search.
+/// Returns the folder with the CMake files of Vesper that belongs to this program, in a build, a
+/// release or an installation. Returns an empty path if no such folder exists; CMake then searches
+/// for the files.
 std::filesystem::path ConfigFolder() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);

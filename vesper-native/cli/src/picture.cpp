@@ -15,9 +15,8 @@ constexpr std::array<uint32_t, 2> kAllTriangles{0, 0};
 constexpr uint32_t kSamples = 4, kShadows = 1, kPerspective = 0;
 constexpr double kFitFov = 34;      // vertical field of view of a fitted camera [degrees]
 constexpr double kFitFill = 0.82;   // maximum fraction of the picture that a fitted box fills
-constexpr double kGroundSide = 60;  // side of the ground, in sides of the box; it may be large,
-                                    // because
-                                    // the ground fades
+constexpr double kGroundSide = 60;  // side of the ground, in sides of the box; its edge is not
+                                    // visible, because the ground fades
 constexpr double kBallsPerSide = 60;
 constexpr double kLineWidth = 1.0 / 200;  // fraction of the picture's height
 constexpr Colour kBallColour{52, 152, 219, 255}, kLineColour{110, 118, 130, 255},
@@ -37,7 +36,7 @@ const AnyColumn* Positions(const Scene& scene) {
 }
 
 /// Returns the column of a kind whose values are references to two or three rows with positions;
-/// null if none does.
+/// null if the kind has no such column.
 const AnyColumn* References(const Scene& scene, const std::string& kind) {
   const AnyColumn* positions = Positions(scene);
   if (positions == nullptr) return nullptr;
@@ -57,8 +56,8 @@ void PutRepeated(Message& message, const T& value, size_t count) {
   for (size_t i = 0; i < count; ++i) message.Put(value);
 }
 
-/// Begins an INSTANCES message for instances that are not rotated and have the same size along all
-/// axes.
+/// Returns the beginning of an INSTANCES message. Its instances are not rotated and have the same
+/// size along all axes.
 Message Instances(uint32_t shape, uint32_t mesh, const std::vector<Point>& positions,
                   const std::vector<float>& sizes, const std::vector<Colour>& colours,
                   uint32_t flags) {
@@ -161,8 +160,8 @@ std::vector<PictureWriter::Layer> PictureWriter::MakeLayers() const {
   if (lines.empty()) {
     throw std::runtime_error(scene_.file + ": there is nothing to draw; expected 'position'");
   }
-  std::map<std::string, std::vector<size_t>> line_of_row;  // by kind, then row: the draw line that
-                                                           // applies, counted from 1; 0: none
+  std::map<std::string, std::vector<size_t>> line_of_row;  // for each kind, the draw line of each
+                                                           // row, counted from 1; 0: none
   for (size_t i = 0; i < lines.size(); ++i) {
     auto& line_of = line_of_row[lines[i].kind];
     line_of.resize(scene_.rows.at(lines[i].kind));

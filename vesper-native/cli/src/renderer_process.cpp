@@ -25,8 +25,8 @@ constexpr uint32_t kLargestAnswer = 1 << 16;  // [byte]; small, because pictures
 
 enum AnswerStatus : uint32_t { kOk = 0, kOutput = 2 };
 
-/// Runs `program` with `socket` as its standard input and output, in its own process group: so
-/// Ctrl-C reaches only this process, which completes its frame and picture first.
+/// Runs `program` with `socket` as its standard input and output. The program has its own process
+/// group, so Ctrl-C reaches only this process, which then completes its frame and picture.
 int Spawn(const std::string& program, int socket, pid_t& pid) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
@@ -71,7 +71,7 @@ RendererProcess::RendererProcess(const std::string& program) : RendererProcess()
 RendererProcess::~RendererProcess() {
   if (socket_ >= 0) close(socket_);
   if (pid_ < 0) return;
-  kill(pid_, SIGKILL);  // no picture is in progress that is still needed
+  kill(pid_, SIGKILL);  // no caller needs the picture in progress, if any
   waitpid(pid_, nullptr, 0);
 }
 

@@ -24,7 +24,7 @@
 namespace vesper::cli {
 namespace {
 
-constexpr unsigned kFramePatience = 2;  // for the end of the current frame after a signal [s]
+constexpr unsigned kFramePatience = 2;  // maximum time to end the current frame after a signal [s]
 constexpr int kFirstSignal = 128;       // an exit code of this and more stands for a signal
 
 volatile std::sig_atomic_t interrupted = 0;  // the signal, or 0
@@ -43,8 +43,8 @@ void OnAlarm(int) {
   _exit(kFirstSignal + interrupted);
 }
 
-/// Makes Ctrl-C and SIGTERM end the run after its frame, or in the middle of a frame that takes
-/// longer.
+/// Makes Ctrl-C and SIGTERM end the run after its current frame. If this frame takes longer than
+/// kFramePatience, they end the run in the middle of the frame.
 void EndOnSignals() {
   struct sigaction action{};
   action.sa_handler = OnSignal;
@@ -101,7 +101,7 @@ class SceneRun {
     if (csv_) csv_->Close();
   }
 
-  /// Prints the cause of a failed frame and returns the exit code: for a failed law, or for the
+  /// Prints the cause of a failed frame. Returns the exit code for a failed law or for a faulty
   /// scene.
   int Explain(const Error& error) const {
     if (error.status() == VESPER_LAW_FAILED || error.status() == VESPER_LAW_MISBEHAVED) {
@@ -121,7 +121,7 @@ class SceneRun {
   }
 
  private:
-  /// Adds columns for sums of forces, which start at zero and which scenes do not contain.
+  /// Adds columns of zeros for the sums of forces, because scenes do not contain these columns.
   void AddSums() {
     const auto& prototype = *scene_.prototype;
     for (const auto& property : std::span(prototype.properties, prototype.property_count)) {

@@ -212,7 +212,7 @@ class SceneParser {
     if (kind_ == "world" && scene_.rows[kind_] != 1) reader_.FailLast("the world has 1 row");
   }
 
-  /// at ROW…: PROPERTY VALUE
+  /// Reads the line: at ROW…: PROPERTY VALUE
   void ReadAt() {
     if (kind_.empty()) reader_.FailLast("must come after 'rows'");
     const auto rows = reader_.RowNumbers(scene_.rows.at(kind_), kind_);

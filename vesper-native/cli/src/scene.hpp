@@ -28,8 +28,8 @@ struct Scene {
   double dt = 0;                                 // [the prototype's unit of time]
   uint32_t steps = 1;                            // steps per frame
   std::vector<SceneLaw> laws;
-  std::map<std::string, uint64_t> rows;      // of each kind
-  std::map<std::string, AnyColumn> columns;  // by property
+  std::map<std::string, uint64_t> rows;      // number of rows of each kind
+  std::map<std::string, AnyColumn> columns;  // columns by property
   std::map<std::string, Place> places;       // the place where each property was set
   std::vector<std::string> csv;              // properties, all of one kind
   Drawing drawing;

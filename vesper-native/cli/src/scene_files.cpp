@@ -50,7 +50,8 @@ bool IsWithin(const fs::path& folder, const fs::path& file) {
   return std::ranges::mismatch(folder, file).in1 == folder.end();
 }
 
-/// Returns whether the file is regular. Files of the kernel, as in /proc, are not.
+/// Returns whether the file is a regular file on a disk. Returns false for files of the kernel,
+/// such as those in /proc.
 bool IsRegular(int fd) {
   struct stat file{};
   struct statfs system{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files that a scene names. A scene may be the work of a stranger, so it reads only files of
-// its own folder unless the operator trusts it.
+// The files that a scene names. The operator may not know the author of a scene. Therefore a scene
+// reads only files in its own folder, unless the operator trusts it.
 #pragma once
 
 #include <string>

@@ -40,7 +40,7 @@ class SceneReader {
   /// Reads all following row numbers and ranges A..B; all numbers must be below `rows`.
   std::vector<uint64_t> RowNumbers(uint64_t rows, const std::string& kind);
   /// Sets the unit of the quantities in this line; `what` names them in messages. If the line ends
-  /// with another unit, quantities are converted from it to `unit`.
+  /// with a different unit, quantities are converted from the line's unit to `unit`.
   void UseUnit(const vesper_unit& unit, const std::string& what);
   /// Throws if the line ends with a unit.
   void RefuseUnit(const std::string& reason) const;

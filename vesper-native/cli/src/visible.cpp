@@ -9,12 +9,13 @@
 namespace vesper::cli {
 namespace {
 
-constexpr char32_t kNoCharacter = 0xfffd;  // for bytes that are no UTF-8
+constexpr char32_t kNoCharacter = 0xfffd;  // represents bytes that are no UTF-8
 
 struct Range {
   char32_t first, last;
 };
-/// Unicode's controls, format characters without the two joiners, separators and private use.
+/// The characters that Visible escapes: Unicode's controls, separators, characters for private use,
+/// and format characters except the two joiners.
 constexpr Range kUnsafe[] = {
     {0, 0x09},          {0x0b, 0x1f},     {0x7f, 0x9f},     {0xa0, 0xa0},     {0xad, 0xad},
     {0x0600, 0x0605},   {0x061c, 0x061c}, {0x06dd, 0x06dd}, {0x070f, 0x070f}, {0x1680, 0x1680},

@@ -9,9 +9,11 @@
  * the same engine returns VESPER_BUSY.
  * Errors: every call that can fail returns a status and fills the optional `error`. Misuse, such as
  * a null argument, also returns a status, in release builds too. Out-parameters are unchanged on
- * failure. Memory: the engine borrows arrays from add or rebind until remove, rebind or destroy. It
- * copies strings and structs that it receives. A returned `const char*` is static, or lives as long
- * as the engine or library that it describes.
+ * failure.
+ * Memory: the engine borrows an array from the call that adds or rebinds it. It stops using the
+ * array when the client removes or rebinds the property or destroys the engine. The engine copies
+ * the strings and structs that it receives. A returned `const char*` is static, or lives as long as
+ * the engine or library that it describes.
  */
 #ifndef VESPER_ENGINE_H_
 #define VESPER_ENGINE_H_
@@ -40,9 +42,9 @@ typedef struct vesper_provider vesper_provider;
 /** A library that was opened and checked, but not yet loaded into an engine. */
 typedef struct vesper_prepared_library vesper_prepared_library;
 
-/** The answer of the client's own provider about one property: arrays as in
- *  `vesper_provider_add_physical_property`, borrowed until the next answer about the same property.
- *  */
+/** The answer of the client's own provider about one property. The engine borrows the arrays until
+ *  the next answer about the same property. They have the form described at
+ *  `vesper_provider_add_physical_property`. */
 typedef struct vesper_provided_property {
   uint32_t struct_size;
   uint32_t reserved;
@@ -50,7 +52,7 @@ typedef struct vesper_provided_property {
   uint64_t value_count;    /**< Number of values in `data`. */
   const uint32_t* indices; /**< (object_count), or null: row i is value i. */
   uint64_t object_count;   /**< Number of rows of the kind. */
-  uint64_t version;        /**< Increase it after values were edited in place; see
+  uint64_t version;        /**< The client increases it after it edited values in place; see
                               `vesper_provider_touch`. */
   vesper_field field;      /**< For a FIELD property, instead of arrays. */
 } vesper_provided_property;
@@ -61,9 +63,9 @@ typedef struct vesper_provider_callbacks {
   uint32_t struct_size;
   uint32_t reserved;
   void* user; /**< First argument of each callback. */
-  /** Fills `out` (zeroed, struct_size set) with the named property; returns NOT_FOUND if the
-   *  client has no such property. Any other status fails the engine call that needed the
-   *  property; that call returns the message of the provider. */
+  /** Fills `out`, which the engine has zeroed except struct_size, with the named property. Returns
+   *  NOT_FOUND if the client has no such property. With any other error, the engine call that
+   *  needed the property fails and returns the message of the provider. */
   vesper_status (*find)(void* user, const char* name, vesper_provided_property* out,
                         vesper_error* error);
   /** Returns a number that changes whenever the answer of `find` changes for any property. The
@@ -87,23 +89,27 @@ typedef struct vesper_engine_config {
   /** Receives log lines of engine and laws, on the calling thread. Null: lines are discarded. */
   void (*log)(void* user, uint32_t level, const char* message);
   void* log_user; /**< First argument of `log`. */
-  /** Handling of DEFERRED writes: values that a law keeps elsewhere, for example on a GPU, until
-   *  they are needed (see law.h). 0: `advance` synchronizes all arrays before it returns and reads
-   *  them again at its next call, so the client can ignore deferred writes. 1: `advance` leaves
-   *  deferred arrays stale. The client calls `vesper_engine_synchronize` before it reads, copies,
-   *  moves or edits an array, and touches each array that it edited. Since 1.1. */
+  /** Selects how DEFERRED writes reach the arrays. A law that writes DEFERRED keeps the values
+   *  elsewhere, for example on a GPU, until another law or the client needs them (see law.h).
+   *  0: `advance` synchronizes all arrays before it returns and reads them again at its next call,
+   *  so the client can ignore deferred writes.
+   *  1: `advance` leaves deferred arrays stale. The client calls `vesper_engine_synchronize` before
+   *  it reads, copies, moves or edits an array, and touches each array that it edited. Since
+   *  1.1. */
   uint32_t deferred;
-  /** 1: the client touches every array that it edited, so laws may keep what they derived from
-   *  the other arrays (copies on a device, reordered springs). `deferred` 1 requires the same.
-   *  0: any array may have been edited between two calls. Since 1.1. */
+  /** 1: the client calls `vesper_provider_touch` for every array that it edited. Laws may then keep
+   *  data that they derived from the other arrays, such as copies on a device. `deferred` 1
+   *  requires the same.
+   *  0: the client may have edited any array between two calls. Since 1.1. */
   uint32_t touches;
-  /** (threads), or null: where the engine writes which law each thread is calling, for a client
-   *  that observes it from another thread or process. A word is 0, or the library's id in the
-   *  upper and 1 + the law's index in the lower 32 bits. Borrowed until destroy. Since 1.1. */
+  /** (threads), or null. The engine writes here which law each thread is calling, one word per
+   *  thread. A client can observe the words from another thread or process. A word is 0 if the
+   *  thread calls no law. Otherwise its upper 32 bits are the id of the library, and its lower 32
+   *  bits are 1 + the index of the law. Borrowed until destroy. Since 1.1. */
   uint64_t* running;
   /** 1: a law that writes a magnitude of 2^333 (1.7e100) or more to an f64 property fails as if it
-   *  had written infinity, so that it fails itself, and not the law that computes with the value.
-   *  Since 1.2. */
+   *  had written infinity. Without this limit, another law that computes with the value may
+   *  overflow and be blamed. Since 1.2. */
   uint32_t limit_values;
   uint32_t reserved; /**< 0. */
 } vesper_engine_config;
@@ -146,20 +152,21 @@ typedef struct vesper_ledger_entry {
   double initial_potential_energy; /**< [J], when the ledger first recorded this law. */
   double potential_energy;         /**< [J], in the present state. */
   double impulse_size; /**< Sum of the magnitudes of the impulses that the law's forces gave to each
-                            body in each step [kg*m/s]; says how exact `momentum` can be. 0 for
-                            lines that belong to no law. Since 1.2. */
-  double angular_impulse_size; /**< Likewise of the moments about the origin, of forces and torques,
-                                    in each stage [kg*m^2/s]. Since 1.2. */
+                            body in each step [kg*m/s]. The rounding error of `momentum` grows with
+                            this sum. 0 for lines that belong to no law. Since 1.2. */
+  double angular_impulse_size; /**< Sum of the magnitudes of the angular impulses about the origin
+                                    that the law's forces and torques gave to each body in each
+                                    stage [kg*m^2/s]. Since 1.2. */
 } vesper_ledger_entry;
 
 /** Ledger lines that belong to no law; see `vesper_engine_ledger`. */
-#define VESPER_LEDGER_CLIENT 0u   /**< appliedForce, and changes by the client between calls. */
+#define VESPER_LEDGER_CLIENT 0u   /**< The property appliedForce, and edits by the client. */
 #define VESPER_LEDGER_GROUND 1u   /**< Momentum that immovable bodies absorbed, negated. */
 #define VESPER_LEDGER_UNLOADED 2u /**< Laws that have been unloaded. */
 #define VESPER_LEDGER_TOTAL 3u    /**< Measured change of all bodies: the sum of all lines. */
 
-/** One row of the layout table: size of a struct of the contract in this build, or size and offset
- *  of one of its fields. */
+/** One row of the layout table. It contains the size of a struct of the contract in this build, or
+ *  the size and offset of one of its fields. */
 typedef struct vesper_layout_entry {
   const char* struct_name; /**< e.g. "vesper_error" */
   const char* field;       /**< Null: the row gives the size of the struct. */
@@ -182,8 +189,8 @@ VESPER_API const vesper_prototype* vesper_prototype_standard(const char* name) V
 
 /** Reads a prototype from a file; the caller frees `*out`. One line declares one property:
  *      body temperature: real x1 [K] read_write "Temperature of the whole body."
- *  docs/properties-and-units.md describes the format. NOT_FOUND if the file cannot be read; other
- *  messages contain file:line:column, what was found and what was expected. */
+ *  docs/properties-and-units.md describes the format. Returns NOT_FOUND if the file cannot be read.
+ *  The messages of other errors contain file:line:column, what was found and what was expected. */
 VESPER_API vesper_status vesper_prototype_load(const char* path, vesper_prototype** out,
                                                vesper_error* error) VESPER_NOEXCEPT;
 /** Reads a prototype from text. `source` names the text in messages. */
@@ -194,10 +201,11 @@ VESPER_API vesper_status vesper_prototype_parse(const char* text, const char* so
 VESPER_API void vesper_prototype_free(vesper_prototype* prototype) VESPER_NOEXCEPT;
 
 /** Parses a unit such as "N/m", "kg*m^2/s^2", "km/h", "m^3/(kg*s^2)", "deg" or "1". The text is
- *  UTF-8: products and quotients, evaluated from left to right, of powers with integer
- *  exponents. It may contain parentheses, the units and prefixes listed in
+ *  UTF-8. It consists of products and quotients of powers with integer exponents, evaluated from
+ *  left to right. It may contain parentheses, the units and prefixes listed in
  *  docs/properties-and-units.md, and numbers above 0. The symbol of `out` is the text, or empty
- *  if the text is longer than 15 bytes. INVALID_ARGUMENT names the column in bytes. */
+ *  if the text is longer than 15 bytes. For a wrong text, returns INVALID_ARGUMENT with a message
+ *  that contains the column, counted in bytes. */
 VESPER_API vesper_status vesper_unit_parse(const char* text, vesper_unit* out,
                                            vesper_error* error) VESPER_NOEXCEPT;
 
@@ -205,9 +213,9 @@ VESPER_API vesper_status vesper_unit_parse(const char* text, vesper_unit* out,
  *  client's build. Since 1.1. */
 VESPER_API void vesper_engine_config_init_sized(vesper_engine_config* config,
                                                 uint64_t size) VESPER_NOEXCEPT;
-/** Fills the 48 bytes of the 1.0 struct with defaults; for programs that were compiled with version
- *  1.0. In source code, `vesper_engine_config_init(&config)` is the macro below, which passes the
- *  size. */
+/** Fills the 48 bytes of the struct of version 1.0 with defaults. Only programs that were compiled
+ *  with version 1.0 call this function. In source code, `vesper_engine_config_init(&config)` is the
+ *  macro below, which passes the size. */
 VESPER_API void vesper_engine_config_init(vesper_engine_config* config) VESPER_NOEXCEPT;
 /** Fills `config` with defaults and passes the size of the client's struct. */
 #define vesper_engine_config_init(config) \
@@ -223,12 +231,12 @@ VESPER_API void vesper_engine_destroy(vesper_engine* engine) VESPER_NOEXCEPT;
 /** Returns the property provider of the engine; borrowed, lives as long as the engine. */
 VESPER_API vesper_provider* vesper_engine_property_provider(vesper_engine* engine) VESPER_NOEXCEPT;
 
-/** Makes the engine query the client for arrays, instead of using registered ones. The engine
+/** Makes the engine query the client for arrays, instead of using registered arrays. The engine
  *  queries every property of the prototype at the next load, advance, find or hash, and again
- *  whenever the callback `version` returns a different number. It copies the callbacks. Refused
- *  with ALREADY_EXISTS while arrays are registered; afterwards the functions that add, rebind and
- *  remove arrays are refused with ACCESS_CONFLICT. `callbacks` null: unbinds all properties, and
- *  arrays can be registered again. */
+ *  whenever the callback `version` returns a different number. The engine copies the callbacks.
+ *  Refused with ALREADY_EXISTS while arrays are registered. While callbacks are set, the functions
+ *  that add, rebind and remove arrays return ACCESS_CONFLICT. `callbacks` null: unbinds all
+ *  properties, and arrays can be registered again. */
 VESPER_API vesper_status vesper_engine_set_property_provider(
     vesper_engine* engine, const vesper_provider_callbacks* callbacks,
     vesper_error* error) VESPER_NOEXCEPT;
@@ -257,25 +265,25 @@ VESPER_API vesper_status vesper_provider_remove_physical_property(
 VESPER_API vesper_status
 vesper_provider_find_physical_property(const vesper_provider* provider, const char* name,
                                        vesper_property* out, vesper_error* error) VESPER_NOEXCEPT;
-/** Marks values as edited in place: the engine increases the properties' versions, checks
- *  references again and expands indexed values again, and laws rebuild their caches. Not needed for
- *  values that laws read in each step, unless the property is a reference or indexed, or
- *  `config.deferred` is 1. `names` null: all properties. */
+/** Marks values as edited in place. The engine then increases the properties' versions, checks
+ *  references again and expands indexed values again, and laws rebuild their caches. The call is
+ *  not needed for values that laws read in each step, unless the property is a reference or
+ *  indexed, or `config.deferred` is 1. `names` null: all properties. */
 VESPER_API vesper_status vesper_provider_touch(vesper_provider* provider, const char* const* names,
                                                uint32_t count, vesper_error* error) VESPER_NOEXCEPT;
 
-/** Opens a law library without an engine, on any thread. Searches a bare name `x` as
- *  `libvesper_law_x.so`, then as `x.law`, in each folder of `config->law_path`, and a name `x.law`
- *  as this file; uses a name that contains '/' as a path. A file whose name ends in `.law` is a
- *  text, see docs/laws-as-text.md. Otherwise
- *  checks that the ELF file is complete and copies it to a private file named by its content.
- *  Opens the copy in a separate probe process, then in this process, and checks its tables. */
+/** Opens a law library without an engine, on any thread. A name that contains '/' is a path. Any
+ *  other name is searched in each folder of `config->law_path`: a name `x.law` as this file, a bare
+ *  name `x` as `libvesper_law_x.so`, then as `x.law`. A file whose name ends in `.law` is a text,
+ *  see docs/laws-as-text.md. Any other file must be a complete ELF file. It is copied to a private
+ *  file named by its content. The copy is opened in a separate probe process, then in this process,
+ *  and its tables are checked. */
 VESPER_API vesper_status vesper_library_prepare(const vesper_engine_config* config,
                                                 const char* library, vesper_prepared_library** out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
-/** Opens a law library from its bytes, which are copied, in the same way. `source` names the
- *  library in messages. Unless it ends with `.so`, bytes that are not a shared object are read as a
- *  text, as in vesper_library_prepare_text. Since 1.1. */
+/** Opens a law library from its bytes, in the same way as vesper_library_prepare. The bytes are
+ *  copied. `source` names the library in messages. Bytes that are not a shared object are read as a
+ *  text, as in vesper_library_prepare_text, unless `source` ends with `.so`. Since 1.1. */
 VESPER_API vesper_status vesper_library_prepare_bytes(const vesper_engine_config* config,
                                                       const void* bytes, uint64_t size,
                                                       const char* source,
@@ -288,10 +296,10 @@ VESPER_API vesper_status vesper_library_prepare_bytes(const vesper_engine_config
 VESPER_API vesper_status vesper_library_prepare_text(const char* source, const char* text,
                                                      uint64_t size, vesper_prepared_library** out,
                                                      vesper_error* error) VESPER_NOEXCEPT;
-/** Makes a prepared library of laws whose table another program part has built, for example from a
- *  file in another language. `table` is copied at once; the data that it points to must live until
- *  the library is unloaded or discarded, when `release(user)` is called. `release` may be null, and
- *  is not called if this function fails. Since 1.2. */
+/** Makes a prepared library from a table that another part of the program has built, for example
+ *  from a file in another language. `table` is copied at once. The data that it points to must live
+ *  until the engine calls `release(user)`, which happens when the library is unloaded or discarded.
+ *  `release` may be null, and is not called if this function fails. Since 1.2. */
 VESPER_API vesper_status vesper_library_prepare_table(const vesper_law_library* table,
                                                       void (*release)(void* user), void* user,
                                                       vesper_prepared_library** out,
@@ -303,17 +311,17 @@ VESPER_API vesper_status vesper_library_table(vesper_prepared_library* prepared,
                                               const vesper_prototype* prototype,
                                               const vesper_law_library** out,
                                               vesper_error* error) VESPER_NOEXCEPT;
-/** Checks a text against a prototype and writes all problems to `report` (capacity), with the lines
- *  concerned, NUL-terminated and truncated to `capacity` bytes. Empty if the text is right. Since
- *  1.2. */
+/** Checks a text against a prototype and writes all problems, with the lines concerned, to
+ *  `report` (capacity). The report is NUL-terminated and truncated to `capacity` bytes. It is empty
+ *  if the text has no problem. Since 1.2. */
 VESPER_API vesper_status vesper_text_check(const vesper_prototype* prototype, const char* source,
                                            const char* text, uint64_t size, char* report,
                                            uint64_t capacity, vesper_error* error) VESPER_NOEXCEPT;
-/** Writes a text as the C++ source of a law library that gives the same results, NUL-terminated, to
- *  `cpp` (capacity bytes), and its length without the NUL to `length`. `prototype` and `source` as
- *  for vesper_text_check. Fails with LIBRARY_LOAD_FAILED and the first problem of a wrong text;
- * with INVALID_ARGUMENT if the source needs more than `capacity` bytes, after `length` is written.
- *  Since 1.2. */
+/** Translates a text to the C++ source of a law library that gives the same results. Writes the
+ *  source, NUL-terminated, to `cpp` (capacity bytes), and its length without the NUL to `length`.
+ *  `prototype` and `source` as for vesper_text_check. For a wrong text, fails with
+ *  LIBRARY_LOAD_FAILED and the first problem. If the source needs more than `capacity` bytes,
+ *  writes `length` and fails with INVALID_ARGUMENT. Since 1.2. */
 VESPER_API vesper_status vesper_text_to_cpp(const vesper_prototype* prototype, const char* source,
                                             const char* text, uint64_t size, char* cpp,
                                             uint64_t capacity, uint64_t* length,
@@ -324,7 +332,7 @@ VESPER_API void vesper_library_discard(vesper_prepared_library* prepared) VESPER
  *  library loaded from it. */
 VESPER_API const char* vesper_library_name(const vesper_prepared_library* prepared) VESPER_NOEXCEPT;
 
-/** Activates a prepared library between frames, without delay. Takes ownership of `prepared` on
+/** Activates a prepared library between two frames, without delay. Takes ownership of `prepared` on
  *  success only. */
 VESPER_API vesper_status vesper_engine_load_prepared(vesper_engine* engine,
                                                      vesper_prepared_library* prepared,
@@ -341,42 +349,45 @@ VESPER_API vesper_status vesper_engine_load_physics_law(vesper_engine* engine, c
 VESPER_API vesper_status vesper_engine_unload_physics_law(vesper_engine* engine,
                                                           vesper_library_id library,
                                                           vesper_error* error) VESPER_NOEXCEPT;
-/** Replaces a loaded library by a prepared one, between two frames and without delay. The new
- * library takes the id and the place of the old one; its interval is 1, and parameters that are not
- * given have their defaults. A SCRATCH use keeps its values if the law of the same name had a use
- * of the same name, kind, type and number of components; others begin with zeros. The new laws are
- *  checked against all libraries except the old one. If one is refused or cannot be created,
- *  nothing has changed and the caller still owns `prepared`. NOT_FOUND if the library is not
- *  loaded, ALREADY_EXISTS if another library has the name, FAULTED after a failed step. Since
- *  1.2. */
+/** Replaces a loaded library by a prepared library, between two frames and without delay. The new
+ *  library takes the id and the place in the load order of the old library. Its interval is 1, and
+ *  parameters that are not given have their defaults. A SCRATCH use keeps its values if the old law
+ *  of the same name had a use of the same name, kind, type and number of components. Other SCRATCH
+ *  uses begin with zeros. The new laws are checked against all libraries except the old one. If a
+ *  new law is refused or cannot be created, nothing has changed and the caller still owns
+ *  `prepared`. Errors: NOT_FOUND if the library is not loaded; ALREADY_EXISTS if another library
+ *  has the name; FAULTED after a failed step. Since 1.2. */
 VESPER_API vesper_status vesper_engine_replace_library(
     vesper_engine* engine, vesper_library_id library, vesper_prepared_library* prepared,
     const vesper_parameter* parameters, uint32_t count, vesper_error* error) VESPER_NOEXCEPT;
 /** Begins a series of changes, such as loading and unloading, that can be undone as a whole. Until
  *  vesper_engine_end_changes, the engine keeps the libraries that are unloaded, without calling
- *  their laws. Between frames. ALREADY_EXISTS if a series has begun; FAULTED after a failed step.
- *  Since 1.2. */
+ *  their laws. Call it between frames. Errors: ALREADY_EXISTS if a series has begun; FAULTED after
+ *  a failed step. Since 1.2. */
 VESPER_API vesper_status vesper_engine_begin_changes(vesper_engine* engine,
                                                      vesper_error* error) VESPER_NOEXCEPT;
-/** Ends a series of changes. `keep` 1: frees the libraries that were unloaded. 0: restores what
- *  vesper_engine_begin_changes found: the libraries with their ids, order, parameters and
- * intervals, step count, time and SCRATCH values. It opens no library and creates no law. The
- * client restores its arrays. The ledger keeps what an unloaded library had added in its line
- * `unloaded`. NOT_FOUND if no series has begun. Since 1.2. */
+/** Ends a series of changes. `keep` 1: frees the libraries that were unloaded. `keep` 0: restores
+ *  the state of the engine at vesper_engine_begin_changes: the libraries with their ids, order,
+ *  parameters and intervals, the step count, the time and the SCRATCH values. It opens no library
+ *  and creates no law. The client restores its arrays. The contributions of an unloaded library to
+ *  the ledger stay in the ledger's line `unloaded`. Returns NOT_FOUND if no series has begun. Since
+ *  1.2. */
 VESPER_API vesper_status vesper_engine_end_changes(vesper_engine* engine, uint32_t keep,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Sets in which steps the laws of a library are called: in those whose number (see
+/** Sets in which steps the laws of a library are called: in every step whose number (see
  *  `vesper_engine_step_count`) is a multiple of `interval`. In these steps, the engine multiplies
- *  what the laws add to accumulators by `interval`; in all others, they add nothing. So their
- *  impulse over `interval` steps stays the same (the impulse method of r-RESPA). 1: in every step,
- *  as after loading. 0: never. More than 1 is refused with ACCESS_CONFLICT unless all laws of the
- *  library run in the phase FORCE and write no property. Anything but 1 is refused if one of them
- *  writes a DEFERRED use. Between frames; also while the engine is FAULTED. Since 1.2. */
+ *  the contributions of the laws to accumulators by `interval`. In all other steps, the laws
+ *  contribute nothing. Therefore their impulse over `interval` steps stays the same (the impulse
+ *  method of r-RESPA). 1: the laws are called in every step; this is the default after loading.
+ *  0: the laws are never called. More than 1 is refused with ACCESS_CONFLICT unless all laws of the
+ *  library run in the phase FORCE and write no property. Any value except 1 is refused if a law of
+ *  the library writes a DEFERRED use. Call it between frames, also while the engine is FAULTED.
+ *  Since 1.2. */
 VESPER_API vesper_status vesper_engine_set_interval(vesper_engine* engine,
                                                     vesper_library_id library, uint32_t interval,
                                                     vesper_error* error) VESPER_NOEXCEPT;
-/** Fills `out` with the i-th law of a loaded library, in the engine's precision. NOT_FOUND past
- *  the last law. */
+/** Fills `out` with law `index` of a loaded library, in the engine's precision. Returns NOT_FOUND
+ *  past the last law. */
 VESPER_API vesper_status vesper_engine_law_info(const vesper_engine* engine,
                                                 vesper_library_id library, uint32_t index,
                                                 vesper_law_info* out,
@@ -386,12 +397,16 @@ VESPER_API vesper_status vesper_engine_law_info(const vesper_engine* engine,
  *  If a step fails, the engine is FAULTED, its time is unchanged, and written arrays are undefined.
  *  Restore them and call `vesper_engine_clear_fault`, or unload the library named in `error`. The
  *  status for NaN or infinity shows the source: LAW_MISBEHAVED if a law wrote it, INVALID_ARGUMENT
- *  with property and row but no library if a law only read it. An error found before the first step
- *  is not a fault. Nothing was written, and the call can be repeated once the cause is removed.
- *  Such errors are a bad `dt`; arrays that disagree on their number of rows (COUNT_MISMATCH), or
- *  share memory that laws may write (ACCESS_CONFLICT); a reference out of range (INVALID_ARGUMENT);
- *  a property that a law needs but that is not bound (NOT_FOUND); a law that refuses its arrays
- *  (LAW_FAILED); a failure of the client's provider. */
+ *  with property and row but no library if a law only read it.
+ *  An error found before the first step is not a fault. Nothing was written, and the call can be
+ *  repeated once the cause is removed. Such errors are:
+ *  - a `dt` that is not finite or not above 0 (INVALID_ARGUMENT);
+ *  - arrays that disagree on their number of rows (COUNT_MISMATCH);
+ *  - arrays that share memory that laws may write (ACCESS_CONFLICT);
+ *  - a reference out of range (INVALID_ARGUMENT);
+ *  - a property that a law needs but that is not bound (NOT_FOUND);
+ *  - a law that refuses its arrays (LAW_FAILED);
+ *  - a failure of the client's provider. */
 VESPER_API vesper_status vesper_engine_advance(vesper_engine* engine, double dt, uint32_t steps,
                                                vesper_error* error) VESPER_NOEXCEPT;
 /** Clears the fault of a failed step. The client must have restored the arrays. */
@@ -400,33 +415,34 @@ VESPER_API vesper_status vesper_engine_clear_fault(vesper_engine* engine,
 /** Writes deferred values back to the named arrays; `names` null: to all arrays. Has an effect
  *  only if `vesper_engine_config.deferred` is 1. Unload, find, state_hash and save_state
  *  synchronize the arrays that they need; destroy does not. If the call fails, or a law delivers
- *  values that are not finite, the engine is FAULTED as after a failed step, but the steps stay
- *  counted: load a saved state. An array that the client touches or rebinds is valid as it is,
- *  and deferred values of it are discarded. */
+ *  values that are not finite, the engine is FAULTED as after a failed step. The steps stay
+ *  counted, so the client must also load a saved state. If the client touches or rebinds an array,
+ *  its content is valid, and the engine discards the deferred values of this array. */
 VESPER_API vesper_status vesper_engine_synchronize(vesper_engine* engine, const char* const* names,
                                                    uint32_t count,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Call this when row `from` of a kind moves to row `to` <= `from`, whose item was removed, for
- *  example when the last row fills a gap. SCRATCH values of the laws move with the row, and row
- *  `from` is reset. `from == to`: the item of that row was removed. Call it only if a row now
- *  stands for another item; the engine detects rows that were added or removed at the end. */
+/** Announces that row `from` of a kind moves to row `to` <= `from`, whose item was removed. An
+ *  example is the last row that fills a gap. The SCRATCH values of the laws move with the row, and
+ *  those of row `from` are reset. `from == to`: the item of that row was removed. Call it only if a
+ *  row now belongs to another item. The engine itself detects rows that were added or removed at
+ *  the end. */
 VESPER_API vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind,
                                                 uint64_t from, uint64_t to,
                                                 vesper_error* error) VESPER_NOEXCEPT;
-/** Returns in `out` the number of bytes that save_state would write now. The saved state
- *  contains what is in the engine and in no array of the client: step count, time, and the
- *  SCRATCH values of laws. Together with the arrays it continues a run with identical bits, in
- *  this process or another one on the same type of machine. */
+/** Returns in `out` the number of bytes that save_state would write now. The saved state contains
+ *  the data that only the engine has: step count, time, and the SCRATCH values of laws. The saved
+ *  state and the client's arrays together continue a run with identical bits. The run may continue
+ *  in another process on the same type of machine. */
 VESPER_API vesper_status vesper_engine_state_size(vesper_engine* engine, uint64_t* out,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 /** Writes the state to `out`, with a version and a checksum. `size` is the result of state_size,
  *  in bytes. */
 VESPER_API vesper_status vesper_engine_save_state(vesper_engine* engine, void* out, uint64_t size,
                                                   vesper_error* error) VESPER_NOEXCEPT;
-/** Restores a saved state; the client restores the matching arrays. INVALID_ARGUMENT if the
- *  state is damaged. ACCESS_CONFLICT if it belongs to another prototype, or to other laws or law
- *  versions than the loaded ones; the message names them. On failure nothing changes. A fault
- *  remains until it is cleared. */
+/** Restores a saved state; the client restores the matching arrays. Returns INVALID_ARGUMENT if the
+ *  state is damaged. Returns ACCESS_CONFLICT if it belongs to another prototype, or to other laws
+ *  or law versions than the loaded ones; the message names them. If it fails, nothing changes. A
+ *  fault remains until it is cleared. */
 VESPER_API vesper_status vesper_engine_load_state(vesper_engine* engine, const void* state,
                                                   uint64_t size,
                                                   vesper_error* error) VESPER_NOEXCEPT;
@@ -445,29 +461,32 @@ VESPER_API vesper_status vesper_engine_set_step_count(vesper_engine* engine, uin
 /** Returns the number of steps since create, including those from set_step_count or load_state. */
 VESPER_API uint64_t vesper_engine_step_count(const vesper_engine* engine) VESPER_NOEXCEPT;
 
-/** Computes XXH3-64 over the step count and then the bound properties in prototype order, with rows
- *  in row order and -0 as +0. For an indexed property, the expanded rows are hashed. */
+/** Computes a hash (XXH3-64) of the step count and the bound properties. The properties are in the
+ *  order of the prototype, their rows in row order, and -0 counts as +0. For an indexed property,
+ *  the expanded rows are hashed. */
 VESPER_API vesper_status vesper_engine_state_hash(vesper_engine* engine, uint64_t* out,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 
 /** Switches the ledger on (1) or off (0). From the next advance on, the ledger records the
- *  momentum, angular momentum and energy that each law gives to the bodies; this costs a few
- *  passes over their columns in each step. Switching it on again resets it; while it is off, it
+ *  momentum, angular momentum and energy that each law gives to the bodies. This costs a few passes
+ *  over their columns in each step. Switching the ledger on again resets it. While it is off, it
  *  costs nothing. The ledger needs the properties mass, position and velocity of the standard
  *  prototypes, all of one kind. It also uses externalForce, torque, orientation, angularVelocity
- *  and inertia where they exist. NOT_FOUND, TYPE_MISMATCH or UNIT_MISMATCH name what the prototype
- *  lacks. `advance` returns NOT_FOUND if one of the first three is not bound. */
+ *  and inertia if they exist. Returns NOT_FOUND, TYPE_MISMATCH or UNIT_MISMATCH if the prototype
+ *  lacks a needed property; the message names it. `advance` returns NOT_FOUND if mass, position or
+ *  velocity is not bound. */
 VESPER_API vesper_status vesper_engine_set_ledger(vesper_engine* engine, uint32_t on,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 /** Fills `out` with the ledger line of a law of a loaded library, as of the last successful
- *  advance. If `library` is VESPER_NO_LIBRARY, `law` is one of VESPER_LEDGER_…. The caller sets
- *  struct_size first. NOT_FOUND if the line does not exist or the ledger is off; FAULTED after a
- *  failed step if the line includes potential energy. */
+ *  advance. `line` is the index of the law, or one of VESPER_LEDGER_… if `library` is
+ *  VESPER_NO_LIBRARY. The caller sets struct_size first. Returns NOT_FOUND if the line does not
+ *  exist or the ledger is off. Returns FAULTED after a failed step if the line includes potential
+ *  energy. */
 VESPER_API vesper_status vesper_engine_ledger(vesper_engine* engine, vesper_library_id library,
                                               uint32_t line, vesper_ledger_entry* out,
                                               vesper_error* error) VESPER_NOEXCEPT;
 /** Computes the potential energy [J] of the forces of a law in the present state, whether the
- *  ledger is on or off. NOT_FOUND if the law reports none. */
+ *  ledger is on or off. Returns NOT_FOUND if the law reports no potential energy. */
 VESPER_API vesper_status vesper_engine_potential_energy(vesper_engine* engine,
                                                         vesper_library_id library, uint32_t law,
                                                         double* out,

@@ -13,9 +13,13 @@
  * of one library never run concurrently, so a suite needs no locks. Results equal those of
  * sequential execution in load order, whatever the number of threads.
  *
- * Rules for laws: no threads, no signals, no exit or abort, no exception may leave the law, no
- * change of floating-point modes that outlives a call. Access only rows `[0, row_count)`. Equal
- * inputs give equal bits: sums have a fixed order, whatever the number of threads.
+ * Rules for laws:
+ * - A law starts no threads, uses no signals, and calls neither exit nor abort.
+ * - No exception leaves the law.
+ * - No change of floating-point modes outlives a call.
+ * - A law accesses only rows `[0, row_count)`.
+ * - Equal inputs give equal bits. Therefore sums have a fixed order, whatever the number of
+ * threads.
  */
 #ifndef VESPER_LAW_H_
 #define VESPER_LAW_H_
@@ -81,21 +85,22 @@ typedef struct vesper_step {
  *  of the library wrote it.
  *  WRITE, READ_WRITE, ACCUMULATE: `advance` writes the copy only. From then on the array is
  *  stale. The engine calls `synchronize` to write the array before any other law or the client
- *  reads it. Only DEFERRED uses of the same library can access the copy. An accumulated copy also
- *  starts at zero; if other laws accumulate too, the engine has the array written at once, to sum
- *  it. When to read the array: whenever the client or another library has written the array, `bind`
- *  is called before the next `advance` or `potential_energy`, with a different `version`. The
- *  library stores, with each copy, the version from which it was made. If `bind` passes a different
- *  version, the copy is stale and the array is valid; otherwise the copy is valid. */
+ *  reads it. Only DEFERRED uses of the same library can access the copy.
+ *  An accumulated copy also starts at zero. If other laws accumulate too, the engine calls
+ *  `synchronize` at once, because it must sum the arrays.
+ *  The library stores, with each copy, the version of the array from which the copy was made.
+ *  Whenever the client or another library has written the array, the engine calls `bind` with a
+ *  different `version` before the next `advance` or `potential_energy`. If `bind` passes a
+ *  different version, the copy is stale and the array is valid; otherwise the copy is valid. */
 #define VESPER_USE_DEFERRED 2u
 
 /** A property that a law uses. It is matched by name; kind, type, components and dimension must
  *  agree. If the unit of a real property differs in scale, the law receives a converted column
  *  of its own. The engine converts written values back; values that the law does not change keep
  *  their bits.
- *  For SCRATCH, only the kind must exist, and the law chooses the name. SCRATCH belongs to this
- *  law, is committed or rolled back with the steps of an advance, and is saved with the engine's
- *  state. */
+ *  For SCRATCH, only the kind must exist, and the law chooses the name. The values of a SCRATCH use
+ *  belong to this law. They are committed or rolled back with the steps of an advance, and saved
+ *  with the engine's state. */
 typedef struct vesper_property_use {
   uint32_t struct_size;
   vesper_scalar_type scalar_type; /**< Element type. */
@@ -164,10 +169,10 @@ typedef struct vesper_law_desc {
    *  engine checks the values for NaN and infinity as after `advance`. May be null if no written
    *  use is DEFERRED. Since 1.1. */
   vesper_status (*synchronize)(vesper_law* law, uint32_t use, vesper_error* error);
-  /** For the ledger, from INTEGRATE laws: 1 + `stages` weights whose sum is 1. In a step, the
-   *  velocity changes by dt / mass times the weighted sum of the forces: weight [0] for those at
-   *  the end of the previous step, then one weight per stage. Null: weight [0] is 0, and all stages
-   *  have equal weights. Since 1.1. */
+  /** For INTEGRATE laws: 1 + `stages` weights whose sum is 1, which the ledger uses. In a step, the
+   *  velocity changes by dt / mass times the weighted sum of the forces. Weight [0] belongs to the
+   *  forces at the end of the previous step, and each further weight to one stage. Null: weight [0]
+   *  is 0, and all stages have equal weights. Since 1.1. */
   const double* force_weights;
   /** For INTEGRATE laws: the first stage for which the law is called, 0 or 1. Use 1 if the law
    *  has no work before the forces. Other laws use 0. Since 1.1. */
@@ -198,10 +203,10 @@ typedef struct vesper_law_library {
   uint32_t law_count;   /**< Length of `laws`. */
   uint32_t reserved;
   const vesper_law_desc* laws; /**< (law_count). */
-  /** Optional pair (both or none): creates the state that the library's laws share, once for each
-   *  engine. */
+  /** Creates the state that the library's laws share, once for each engine. Null if `close` is
+   *  null. */
   vesper_status (*open)(const vesper_host* host, vesper_suite** out, vesper_error* error);
-  /** Frees the state created by `open`, after the library's laws. */
+  /** Frees the state created by `open`, after the library's laws. Null if `open` is null. */
   void (*close)(vesper_suite* suite);
   /** Fields that are bound while the library is loaded. Since 1.1. */
   uint32_t field_count;

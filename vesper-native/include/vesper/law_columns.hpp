@@ -185,9 +185,9 @@ using ReadWrite = Column<Row, VESPER_READ_WRITE, 0>;
  *  engine sums over all laws. */
 template <class Row>
 using Accumulate = Column<Row, VESPER_ACCUMULATE, 0>;
-/** Memory that the engine keeps for this law: one Row for each row of the kind, initially zero,
- *  read and written in Advance only. It is rolled back with a failed step, saved with the
- *  engine, and moves with its row when the client moves the row. The law chooses the name. */
+/** Memory that the engine keeps for this law: one Row for each row of the kind, initially zero. The
+ *  law reads and writes it in Advance only. The engine rolls it back if a step fails, saves it with
+ *  its state, and moves each value when the client moves the row. The law chooses the name. */
 template <class Row>
 using Scratch = Column<Row, VESPER_SCRATCH, 0>;
 template <class Row>
@@ -199,11 +199,11 @@ using OptionalReadWrite = Column<Row, VESPER_READ_WRITE, VESPER_USE_OPTIONAL>;
 template <class Row>
 using OptionalAccumulate = Column<Row, VESPER_ACCUMULATE, VESPER_USE_OPTIONAL>;
 
-/** Columns of which the laws of a library keep one copy in their Suite, for example on a GPU. Bind
- *  reads the array if version() differs from the version of the copy; otherwise the copy is
+/** A column of which the laws of a library keep one copy in their Suite, for example on a GPU. Bind
+ *  reads the array if version() differs from the version of the copy. Otherwise the copy is
  *  valid and may be newer than the array. Advance works on the copy only. When the engine needs the
- *  written values, it calls law.Synchronize(column), which must fill the whole column; see
- *  VESPER_USE_DEFERRED. */
+ *  written values, it calls law.Synchronize(column), which must fill the whole column. See
+ *  VESPER_USE_DEFERRED in law.h. */
 template <class Row>
 using DeferredRead = Column<Row, VESPER_READ, VESPER_USE_DEFERRED>;
 template <class Row>

@@ -4,17 +4,17 @@
  *     const auto r = VectorAt(position, i) - centre;
  *     VectorAt(force, i) -= mass[i] * omega.cross(omega.cross(r));
  *
- * Optional: only laws that include this header need Eigen (3.4, Debian package libeigen3-dev). Maps
- * own and copy nothing. The map of a read-only column is const.
+ * Only laws that include this header need Eigen (3.4, Debian package libeigen3-dev). Maps own and
+ * copy nothing. The map of a read-only column is const.
  *
- * By default Eigen chooses the order of its sums by the target's vector unit. This header disables
- * Eigen's own vectorisation, in every Eigen header that follows it, and Eigen's threads. Therefore
- * results depend neither on the CPU nor on compiler flags; the compiler still vectorises loops
- * where this does not change the results. In builds without NDEBUG, a failed assertion of Eigen
- * throws an exception; the engine reports LAW_FAILED.
+ * By default, the order of Eigen's sums depends on the vector unit of the target CPU. This header
+ * disables Eigen's own vectorisation, in every Eigen header that follows it, and Eigen's threads.
+ * Therefore results depend neither on the CPU nor on compiler flags. The compiler still vectorises
+ * loops if this does not change the results. In builds without NDEBUG, a failed assertion of Eigen
+ * throws an exception, and the engine reports LAW_FAILED.
  *
- * Whole-column expressions allocate no memory unless Eigen needs a temporary: fixed-size vectors
- * and element-wise arithmetic need none, products of dynamic matrices do.
+ * Whole-column expressions allocate memory only if Eigen needs a temporary. Fixed-size vectors and
+ * element-wise arithmetic need none; products of dynamic matrices need one.
  */
 #ifndef VESPER_LAW_EIGEN_HPP_
 #define VESPER_LAW_EIGEN_HPP_
@@ -28,15 +28,15 @@ what makes bits depend on the CPU"
 #include <stdexcept>
 
 #ifndef EIGEN_DONT_VECTORIZE
-/** With Eigen's vectorisation, the bits of results would depend on the CPU. */
+/** Disables Eigen's vectorisation, because with it the bits of results would depend on the CPU. */
 #define EIGEN_DONT_VECTORIZE
 #endif
 #ifndef EIGEN_DONT_PARALLELIZE
-/** Laws start no threads. */
+/** Disables Eigen's threads, because laws must not start threads. */
 #define EIGEN_DONT_PARALLELIZE
 #endif
 #if !defined(NDEBUG) && !defined(eigen_assert)
-/** A failed assertion of Eigen makes the law fail instead of ending the process. */
+/** Makes a failed assertion of Eigen throw, so that the law fails and the process continues. */
 #define eigen_assert(condition) \
   ((condition) ? static_cast<void>(0) : throw std::logic_error("Eigen: expected " #condition))
 #endif

@@ -77,7 +77,7 @@ template <class... Columns>
 inline constexpr bool kAccumulates<std::tuple<Columns&...>> =
     ((Columns::kAccess == VESPER_ACCUMULATE) || ...);
 
-/** True for a column in which the law writes to memory of its own. */
+/** True for a Deferred column that the law writes: the law writes to its own copy. */
 template <class Column>
 inline constexpr bool kDefersWrite = false;
 template <class Row, vesper_access access, uint32_t flags>

@@ -13,19 +13,19 @@
 
 namespace vesper {
 
-/** Finds pairs of near rows by a grid of cells whose side is the distance. The order of the pairs
- *  depends on the positions and rows only. An object serves one thread at a time; it may be a
- *  member of a law, because it keeps nothing but memory between two searches. */
+/** A search for pairs of near rows, by a grid of cells whose side is the distance. The order of the
+ *  pairs depends on the positions and rows only. Only one thread at a time may use an object. An
+ *  object may be a member of a law, because it keeps only allocated memory between two searches. */
 template <class Real>
 class Neighbours {
  public:
   /** Reserves memory for a number of rows, so that later searches allocate none. */
   void Reserve(uint64_t rows);
 
-  /** Passes all pairs (a, b) with a < b whose distance is at most `within` > 0 [m] to
-   *  `take(count)`, in groups: the pairs are in the first `count` elements of `a` and `b`, arrays
-   *  of at least `most` elements. `positions`: (rows x 3) [m]. A row whose position is NaN has no
-   *  pairs. */
+  /** Finds all pairs (a, b) with a < b whose distance is at most `within` > 0 [m], and passes them
+   *  to `take(count)` in groups. The pairs of a group are in the first `count` elements of the
+   *  arrays `a` and `b`, which have at least `most` elements. `positions`: (rows x 3) [m]. A row
+   *  whose position is NaN has no pairs. */
   template <class Take>
   void ForEach(const Real* positions, uint64_t rows, double within, uint32_t* a, uint32_t* b,
                size_t most, Take&& take);
@@ -55,10 +55,10 @@ class Neighbours {
   static constexpr double kHalf = 524288;  // number of cells on each side of the middle
   static constexpr uint64_t kSample = 1024;
 
-  // Returns the side of the cells: `within`, or more if the rows are so far apart that there would
-  // be too many cells. `middle` becomes the median of a sample of the rows. Rows that are too far
-  // from it for a cell of their own share the outermost cells, so one distant row does not change
-  // the cells of the others.
+  // Returns the side of the cells. It is `within`, or more if the rows are so far apart that there
+  // would be too many cells. `middle` becomes the median of a sample of the rows. Rows that are
+  // very far from the middle share the outermost cells. So a single distant row does not change the
+  // cells of the other rows.
   double Cells(const Real* positions, uint64_t rows, double within, std::array<double, 3>& middle);
 
   void Sort(const Real* positions, uint64_t rows, double within);
@@ -104,8 +104,8 @@ void Neighbours<Real>::Sort(const Real* positions, uint64_t rows, double within)
     uint64_t cell = 0;
     for (size_t k = 3; k-- > 0;) {
       const double at = std::floor((static_cast<double>(positions[3 * i + k]) - middle[k]) / side);
-      // Cell numbers begin at 1, so that a neighbour's number is not below 0. NaN gets cell 1, and
-      // no neighbours.
+      // Cell numbers begin at 1, so that a neighbour's number is not below 0. A coordinate that is
+      // NaN gets number 1, and its row has no pairs.
       const auto number =
           at > -kHalf ? static_cast<uint64_t>(std::min(at, kHalf) + kHalf) + 1 : uint64_t{1};
       cell = cell << kBits | number;
@@ -139,8 +139,8 @@ void Neighbours<Real>::ForEach(const Real* positions, uint64_t rows, double with
       found = 0;
     }
   };
-  // Half of the neighbouring cells, so that each pair is found once: later cells of this line, and
-  // four lines of three cells.
+  // The search visits half of the neighbouring cells, so that it finds each pair once: the later
+  // cells of this line, and four lines of three cells.
   struct Line {
     int64_t first, last;  // first and last cell of the line, as offsets to the cell's number
     size_t begin = 0, end = 0;

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Types that the engine, its clients and the laws share.
  *
- * The C layer is the contract: fixed-width integers, no enum types, no bools and no bit fields in
- * structs. Every struct that engine and client or law exchange begins with `struct_size`, which the
- * side that fills the struct sets. Minor versions only append fields. Neither side reads or writes
- * beyond the `struct_size` of the other; a missing field counts as zero. A field that the engine
- * does not know must be zero (ABI_MISMATCH). Therefore a law or client built for a later minor
- * version works as long as it uses no new feature. The stride of an array of such structs is the
- * `struct_size` of its first element. Fields named `reserved` are zero.
+ * The C layer is the binary contract between the parts. Its structs contain fixed-width integers
+ * and no enum types, bools or bit fields. The engine exchanges structs with clients and laws. Such
+ * a struct begins with `struct_size`, which the side that fills the struct sets. Minor versions
+ * only append fields. Neither side reads or writes beyond the `struct_size` of the other; a missing
+ * field counts as zero. A field that the engine does not know must be zero; otherwise the engine
+ * returns ABI_MISMATCH. Therefore a law or client built for a later minor version works as long as
+ * it uses no new feature. The stride of an array of such structs is the `struct_size` of its first
+ * element. Fields named `reserved` are zero.
  *
- * Frozen within a major version: `vesper_error`, `vesper_unit` and `vesper_layout_entry`, which
- * contain no size; `vesper_property`, which laws receive in arrays; and `vesper_field`, which is
- * part of other structs.
+ * These structs are frozen (never change) within a major version: `vesper_error`, `vesper_unit` and
+ * `vesper_layout_entry`, which contain no size; `vesper_property`, which laws receive in arrays;
+ * and `vesper_field`, which is part of other structs.
  */
 #ifndef VESPER_TYPES_H_
 #define VESPER_TYPES_H_
@@ -65,8 +66,8 @@ typedef uint32_t vesper_access;
 #define VESPER_READ 1u       /**< The law only reads. */
 #define VESPER_WRITE 2u      /**< The law writes every row before it returns, and reads none. */
 #define VESPER_READ_WRITE 3u /**< The law reads, and may write any rows. */
-#define VESPER_ACCUMULATE                                                \
-  4u /**< Added to; the engine zeroes it and sums over laws. FORCE only. \
+#define VESPER_ACCUMULATE                                                 \
+  4u /**< The law adds; the engine zeroes and sums over laws. FORCE only. \
       */
 #define VESPER_SCRATCH                                                    \
   8u /**< Memory that the engine keeps for the law, not a property of the \
@@ -98,10 +99,9 @@ typedef struct vesper_unit {
   char symbol[16]; /**< NUL-terminated. */
 } vesper_unit;
 
-/** Description of a failure. The caller owns it, may pass null in every call, and finds it written
- *  only after a failure. Frozen: 256 bytes. `message` is one line with the name of the object, what
- *  was found, and
- *  what was expected. */
+/** Description of a failure. The caller owns it and may pass null in every call. A call writes it
+ *  only if the call fails. Frozen: 256 bytes. `message` is one line with the name of the object,
+ *  what was found, and what was expected. */
 typedef struct vesper_error {
   vesper_status status;         /**< The status that the call returned. */
   vesper_library_id library_id; /**< VESPER_NO_LIBRARY if no library caused it. */
@@ -142,15 +142,15 @@ typedef struct vesper_property_descriptor {
   vesper_access law_access; /**< Maximum access that a law may request. */
   vesper_unit unit;         /**< Unit of every component. */
   const char* refers_to;    /**< Kind whose rows this U32 column refers to, or null. */
-  const char* initial_from; /**< For accumulators: a property of the same kind, type and unit
-                                 from which the sum of each stage starts; null: it starts from
-                                 zero. */
+  const char* initial_from; /**< For accumulators: a property of the same kind, type and unit. The
+                                 sum of each stage starts from its values; null: from zero. */
   const char* doc;          /**< One line, may be null. */
   uint32_t has_minimum;     /**< 1: `minimum` is used. Only for reals that are no accumulators.
                                  Since 1.1. */
   uint32_t reserved;
-  double minimum; /**< Minimum [unit] of every component. The engine checks what laws write and, of
-                       READ properties, the arrays at add, rebind and touch. Since 1.1. */
+  double minimum; /**< Minimum [unit] of every component. The engine checks the values that laws
+                       write. It checks the arrays of READ properties at add, rebind and touch.
+                       Since 1.1. */
 } vesper_property_descriptor;
 
 /** The set of properties that an engine is created for. The engine copies it at create; types and

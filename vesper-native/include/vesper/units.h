@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Units of the standard prototypes, as constant initialisers of `vesper_unit`.
  *
- * Exponents in the order metre, kilogram, second, ampere, kelvin, mole, candela. Angles are
- * numbers: rad = 1.
+ * The order of the exponents is metre, kilogram, second, ampere, kelvin, mole, candela. Angles are
+ * numbers: the radian has the unit 1.
  */
 #ifndef VESPER_UNITS_H_
 #define VESPER_UNITS_H_

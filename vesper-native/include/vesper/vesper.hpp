@@ -8,9 +8,9 @@
  *     engine.LoadPhysicsLaw("newton_motion");
  *     engine.Advance(1.0 / 240, 4);
  *
- * A failed call throws vesper::Error. Arrays are borrowed: keep them valid and in place from add or
- * rebind until remove, rebind or the end of the engine. Threads: one call at a time, from any
- * thread.
+ * A failed call throws vesper::Error. The engine borrows arrays. The client must keep an array
+ * valid and in place until it removes or rebinds the property or destroys the engine. Threads: one
+ * call at a time, from any thread.
  */
 #ifndef VESPER_VESPER_HPP_
 #define VESPER_VESPER_HPP_
@@ -182,8 +182,8 @@ struct EngineConfig {
   std::string probe_path = {};
   /** If true, deferred writes reach the arrays only at Synchronize; see vesper_engine_config. */
   bool deferred = false;
-  /** If true, the client calls Touch for every array that it edited, so laws may keep derived data.
-   *  */
+  /** If true, the client calls Touch for every array that it edited. Laws may then keep data that
+   *  they derived from other arrays. */
   bool touches = false;
   /** Receives log lines (VESPER_LOG_..., text) on the calling thread. Must not throw. */
   std::function<void(uint32_t, const char*)> log = {};

@@ -74,7 +74,7 @@ std::string CheckTranslation(const Subject& of) {
 std::string CheckRotation(const Subject& of) {
   const LawsUnderTest subject(of);
   subject.RequireClaim(VESPER_CLAIM_ROTATION);
-  const Quaternion by{{0.1, -0.5, 0.7}, 0.5};  // of length 1
+  const Quaternion by{{0.1, -0.5, 0.7}, 0.5};  // unit quaternion
   World straight = subject.MakeWorld(kRows), turned = subject.MakeWorld(kRows);
   turned.Rotate(by);
   Run(subject, straight);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Check of the order of convergence of an integrator, on a body with a spring to the origin.
+// Check of the order of convergence of an integrator. The test problem is a body with a spring to
+// the origin.
 #include <cmath>
 #include <cstdio>
 

@@ -30,7 +30,8 @@ size_t CountEntries(const char* folder) {
   return static_cast<size_t>(std::distance(begin(entries), end(entries)));
 }
 
-/// Expects that an error names the law or, if only the input can be the cause, the input.
+/// Expects that an error names the law. If only the input can be the cause, expects that it names
+/// the input.
 void ExpectBlame(const LawsUnderTest& subject, const std::string& input, const Error& error) {
   const std::string what = error.what();
   if (error.status() == VESPER_INVALID_ARGUMENT && error.property() == input) return;
@@ -86,7 +87,8 @@ double ProcessorTime() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Returns the processor time of two steps, after a step that prepares memory [s].
+/// Returns the processor time of two steps [s]. Makes one step before them, which prepares memory
+/// and is not counted.
 double TimeOfSteps(const LawsUnderTest& subject, uint64_t rows) {
   World world = subject.MakeWorld(rows);
   PhysicsEngine engine = world.MakeEngine(subject.file());
@@ -96,15 +98,16 @@ double TimeOfSteps(const LawsUnderTest& subject, uint64_t rows) {
   return ProcessorTime() - before;
 }
 
-/// Returns whether twice the rows take about four times as long. Times below a millisecond say
-/// nothing, and laws that are as fast need no fewer rows.
+/// Returns whether twice the rows take about four times as long. Returns false if twice the rows
+/// take less than a millisecond. So short a time is inexact, and such a fast law needs no smaller
+/// number of rows.
 bool IsQuadratic(const LawsUnderTest& subject, uint64_t rows) {
   const double twice = TimeOfSteps(subject, 2 * rows);
   return twice > 0.001 && twice > 3 * TimeOfSteps(subject, rows);
 }
 
-/// Returns a number of rows of which each thread gets several chunks. Laws whose time is quadratic
-/// in the rows divide their work into small chunks, so fewer rows suffice.
+/// Returns a number of rows that gives each thread several chunks. Laws whose time is quadratic in
+/// the rows divide their work into small chunks, so fewer rows suffice for them.
 uint64_t RowsForThreads(const LawsUnderTest& subject) {
   constexpr uint64_t kFew = 2003;
   World world = subject.MakeWorld(kFew);

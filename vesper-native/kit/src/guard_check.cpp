@@ -68,8 +68,8 @@ void CatchFaults() {
   sigaction(SIGBUS, &action, nullptr);
 }
 
-/// Runs one law for one step. A memory fault jumps back here; the process ends soon after, so
-/// leaked resources do not matter.
+/// Runs one law for one step. If a memory fault occurs, its handler jumps back to this function.
+/// The process ends soon afterwards, so leaked resources do not matter.
 void RunGuarded(const vesper_law_library& library, const vesper_law_desc& desc, World& world,
                 Side side) {
   std::vector<vesper_property> properties = world.PropertiesFor(desc);

@@ -180,7 +180,7 @@ std::vector<std::string> LawFile::Imports() const {
   for (const Symbol& symbol : DynamicSymbols()) {
     if (symbol.defined) continue;
     Dl_info info{};
-    // Looks up this handle only, because the program may contain copies of a library's data.
+    // Searches this handle first, because the program may contain copies of a library's data.
     void* address = dlsym(handle_.get(), symbol.name.c_str());
     if (address == nullptr) address = dlsym(RTLD_DEFAULT, symbol.name.c_str());
     if (address == nullptr && symbol.weak) continue;
@@ -247,7 +247,7 @@ BareLaw::BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>
   Bind();
 }
 
-/// Makes a law with deferred uses read the arrays again.
+/// Binds a law with deferred uses again, so that it reads the arrays.
 void BareLaw::TakeArrays() const {
   if (std::ranges::any_of(std::span(desc_.uses, desc_.use_count), Defers)) Bind();
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks of what a law may keep and touch besides its columns: hidden state, immovable bodies,
-// output.
+// Checks that a law keeps no hidden state, does not move immovable bodies and writes no output.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -40,7 +39,7 @@ void ExpectSameBits(World& world, const Values& expected, const std::string& whe
   }
 }
 
-/// What a process writes to one of its standard files from now on.
+/// Captures the output that this process writes to one of its standard files from now on.
 class Capture {
  public:
   explicit Capture(int file) : file_(file), memory_(memfd_create("output", MFD_CLOEXEC)) {

@@ -48,7 +48,8 @@ const vesper_prototype& PrototypeOf(vesper_scalar_type real_type) {
   return StandardPrototype(real_type == VESPER_F64 ? "si-f64" : "si-f32");
 }
 
-/// Returns true for scratch, which an engine allocates; without an engine, a column replaces it.
+/// Returns true for a SCRATCH property. An engine allocates its memory; a law that runs without an
+/// engine gets a column instead.
 bool IsScratch(const vesper_property_descriptor& property) {
   return property.law_access == VESPER_SCRATCH;
 }
@@ -57,8 +58,8 @@ bool IsField(const vesper_property_descriptor& property) {
   return property.scalar_type == VESPER_FIELD;
 }
 
-/// Returns the properties of the prototype, then those that only the library declares; scratch is
-/// last.
+/// Returns the properties of the prototype, then those that only the library declares. SCRATCH
+/// properties are last.
 std::vector<vesper_property_descriptor> DescriptorsFor(
     const vesper_prototype& prototype, const std::vector<const vesper_law_desc*>& laws,
     std::span<const vesper_field_desc> brings) {

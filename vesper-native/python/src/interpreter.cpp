@@ -38,8 +38,8 @@ PyModuleDef definition = {
 
 PyObject* InitModule() { return PyModule_Create(&definition); }
 
-/// Prevents libraries for linear algebra from starting threads, whose number would change the order
-/// of sums.
+/// Makes libraries for linear algebra use one thread, because the order of their sums depends on
+/// the number of threads.
 void KeepToOneThread() {
   for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS",
                            "BLIS_NUM_THREADS", "NUMEXPR_NUM_THREADS"}) {
@@ -47,7 +47,8 @@ void KeepToOneThread() {
   }
 }
 
-/// Returns the virtual environment whose packages laws may import; empty: those of the system.
+/// Returns the virtual environment whose packages laws may import. If it is empty, laws may import
+/// the packages of the system.
 std::string Environment() {
   const char* folder = std::getenv("VESPER_PYTHON");
   return folder == nullptr ? "" : folder;
@@ -63,8 +64,8 @@ std::string HomeOf(const std::string& environment) {
   return "";
 }
 
-/// Refuses a folder that is no virtual environment of the embedded Python, whose library of modules
-/// must fit.
+/// Refuses a folder that is no virtual environment made from the embedded Python, because modules
+/// for another Python may not fit.
 void RequireEnvironment(const std::string& folder) {
   const std::filesystem::path program(VESPER_PYTHON_PROGRAM);
   const std::string home = HomeOf(folder);
@@ -76,7 +77,7 @@ void RequireEnvironment(const std::string& folder) {
                 program.c_str(), program.c_str());
 }
 
-/// Returns what to do if NumPy is missing.
+/// Returns the end of the message for a missing NumPy, which says what to do.
 std::string NeedsNumPy() {
   const std::string folder = Environment();
   return "laws in Python need NumPy" +

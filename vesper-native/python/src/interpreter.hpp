@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Python in this process: one interpreter; each call holds its lock (the GIL).
+// Python in this process. There is one interpreter, and each call holds the interpreter's lock (the
+// GIL).
 #pragma once
 
 #define PY_SSIZE_T_CLEAN
@@ -46,9 +47,9 @@ class Turn {
   PyGILState_STATE state_;
 };
 
-/// Starts Python once, with the module `vesper`: that of the virtual environment that the
-/// environment variable VESPER_PYTHON names, or Debian's. Throws LIBRARY_LOAD_FAILED if it cannot
-/// start.
+/// Starts Python with the module `vesper`; further calls do nothing. Python uses the packages of
+/// the virtual environment that the environment variable VESPER_PYTHON names, or those of the
+/// system. Throws LIBRARY_LOAD_FAILED if Python cannot start.
 void Start();
 
 /// Returns a function of the module `vesper`.

@@ -13,8 +13,8 @@ using Prepare = vesper_status (*)(const vesper_prototype* prototype, const char*
                                   uint64_t versions_size, vesper_prepared_library** out,
                                   vesper_error* error);
 
-/// RTLD_GLOBAL, because Python's extension modules look up Python's functions among the global
-/// symbols.
+/// Opens the library with RTLD_GLOBAL, because Python's extension modules search the functions of
+/// Python among the global symbols.
 void* Open() {
   static void* library = dlopen("libvesper_python.so", RTLD_NOW | RTLD_GLOBAL);
   return library;

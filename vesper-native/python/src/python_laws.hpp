@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws in Python, through libvesper_python.so, which is loaded when the first such law is opened.
+// Laws in Python. The code is in libvesper_python.so, which is loaded when the first law in Python
+// is opened.
 #pragma once
 
 #include <cstdint>

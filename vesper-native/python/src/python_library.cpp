@@ -26,7 +26,7 @@ vesper_unit UnitOf(PyObject* bytes) {
   return unit;
 }
 
-/// A law of the file: what it declares, and the Python object that creates its instances.
+/// A law of the file: its declarations, and the Python object that creates its instances.
 struct Declared {
   std::string name, version, doc;
   vesper_law_desc desc{};
@@ -36,7 +36,7 @@ struct Declared {
   PyObject* law = nullptr;  // a Python object of class vesper._Law
 };
 
-/// The laws of one file. The engine frees it, after its laws.
+/// The laws of one file. The engine frees this object after the laws.
 class Library {
  public:
   Library(const vesper_prototype& prototype, std::string source, const char* text, uint64_t size);

@@ -28,7 +28,7 @@ _declared = []  # the laws that the running file has declared so far
 
 
 class _Refused(Exception):
-    """A mistake in the law's file; shown without the name of the exception's type."""
+    """A mistake in the law's file. Messages do not contain the name of this exception's type."""
 
 
 def _unit(text):
@@ -88,8 +88,8 @@ class Accumulate(_Column):
 
 
 class Scratch(_Column):
-    """Private memory of the law: one row for each row of the kind, initially zero; the engine saves
-    it and rolls it back with the world."""
+    """Private memory of the law: one row for each row of the kind, initially zero. The engine saves
+    it and rolls it back together with the world."""
 
     access = _SCRATCH
 
@@ -247,8 +247,8 @@ class _Law:
         return argument.arg, (name, use.kind, scalar_type, components, use.access, use.unit)
 
     def forbid_rebinding(self):
-        """Refuses an assignment such as `force = …`, which would make a new array instead of
-        changing the column."""
+        """Refuses an assignment such as `force = …`, because it would make a new array and not
+        change the column."""
         columns = {name for name, _ in self.uses}
         for node in ast.walk(self.node):
             targets = node.targets if isinstance(node, ast.Assign) else []
@@ -334,8 +334,9 @@ def _imports(text):
 
 
 def _versions(text, before):
-    """Returns the versions on which the results of a file depend: of Python, NumPy, and of the
-    distributions that it imports or has imported since the modules `before`."""
+    """Returns the versions on which the results of a file depend: those of Python, of NumPy, and of
+    the distributions that the file imports. These are the imports in its text, and the modules that
+    were not in `before`."""
     found = {*_imports(text), *(_top(name) for name in set(sys.modules) - before)}
     found -= {"vesper", "_vesper", "numpy", *sys.stdlib_module_names}
     owners = importlib.metadata.packages_distributions() if found else {}
@@ -345,7 +346,8 @@ def _versions(text, before):
 
 
 def _remedy():
-    """Returns which interpreter has searched, and what to do; short, because messages are."""
+    """Returns the end of the message for a missing package: the interpreter that has searched for
+    it, and what to do. The text is short, because the length of messages is limited."""
     if sys.prefix == sys.base_prefix:
         return (
             f"; used {sys.executable} ({_PYTHON}): install it as python3-…, or name a virtual"

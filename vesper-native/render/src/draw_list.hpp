@@ -33,8 +33,8 @@ struct MeshKey {
   auto operator<=>(const MeshKey&) const = default;
 };
 
-/// `detail` in the MeshKey of loose triangles: those of a picture that belong to no mesh. The ids
-/// of meshes have 32 bits, so none is equal to it.
+/// The value of `detail` in the MeshKey of loose triangles, which belong to no mesh. The ids of
+/// meshes have 32 bits, so no id is equal to this value.
 inline constexpr uint64_t kLooseTriangles = uint64_t{1} << 32;
 
 /// Key of one draw: instances of a mesh, or of a part of its triangles, in one material.
@@ -46,7 +46,7 @@ struct DrawKey {
 
 using DrawList = std::map<DrawKey, std::vector<InstanceRecord>>;
 
-/// Returns balls around all items of the scene.
+/// Returns balls that contain the items of the scene.
 Extent Measure(const Scene& scene);
 
 /// Replaces the content of `list`; reuses its memory. The number of triangles of a sphere depends

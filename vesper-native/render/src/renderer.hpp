@@ -25,7 +25,7 @@ struct GraphicsInfo {
   int max_samples, max_side;  ///< samples per pixel; [px]
 };
 
-/// What each pixel shows: item and depth at its centre, rows from bottom to top.
+/// The item and the depth at the centre of each pixel; rows from bottom to top.
 struct Seen {
   uint32_t width = 0, height = 0;  ///< [px]
   std::vector<uint32_t> item;      ///< (height x width), 0 for no item

@@ -53,8 +53,8 @@ enum Layers : uint32_t { kColourLayer = 1, kDepthLayer = 2, kItemLayer = 4 };
 /// The reply that the sender expects after a message.
 struct Request {
   enum class Kind { kNothing, kHello, kPng, kFile, kPixels } kind = Kind::kNothing;
-  std::string path;     ///< for kFile
-  uint32_t layers = 0;  ///< for kPixels: Layers
+  std::string path;     ///< path of the file for kFile
+  uint32_t layers = 0;  ///< bits of Layers for kPixels
 };
 
 /// Decodes messages into a scene, which collects the items of a picture until it is drawn.

@@ -24,7 +24,8 @@ std::vector<Vector3f> IcosahedronCorners() {
   return corners;
 }
 
-/// Returns the 20 faces of an icosahedron: all triples of corners with an edge between each two.
+/// Returns the 20 faces of an icosahedron: all triples of corners in which each pair of corners has
+/// an edge.
 std::vector<uint32_t> IcosahedronFaces(const std::vector<Vector3f>& corners) {
   const auto adjacent = [&](uint32_t a, uint32_t b) {
     return (corners[a] - corners[b]).norm() < 1.1F;
@@ -43,7 +44,7 @@ std::vector<uint32_t> IcosahedronFaces(const std::vector<Vector3f>& corners) {
   return faces;
 }
 
-/// Splits every triangle of a sphere into four.
+/// Splits every triangle of a sphere into four triangles.
 void Refine(std::vector<Vector3f>& corners, std::vector<uint32_t>& faces) {
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
   const auto middle = [&](uint32_t a, uint32_t b) {

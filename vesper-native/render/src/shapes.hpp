@@ -34,11 +34,12 @@ TriangleMesh UnitBox();
 /// Returns a square from -0.5 to 0.5 in x and z, facing +y.
 TriangleMesh UnitPlane();
 
-/// Returns a mesh of the stream with its triangles in order. A triangle is flat if one of its
-/// corners has no normal, or the normal 0.
+/// Converts a mesh of the scene stream; the triangles keep their order. A triangle gets flat
+/// shading if one of its corners has no normal, or the normal 0.
 TriangleMesh ToTriangles(const Mesh& mesh);
 
-/// Returns loose triangles (of no mesh), all flat, with positions relative to `origin`.
+/// Converts loose triangles (triangles of no mesh). They all get flat shading, and their positions
+/// become relative to `origin`.
 TriangleMesh ToTriangles(std::span<const Triangle> triangles, const Vector3f& origin);
 
 /// Returns the linear value of an sRGB byte, 0 to 1.

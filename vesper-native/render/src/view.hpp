@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Projection of the world to the picture. All positions here are relative to the camera's target,
-// so that f32 is precise near the target, however far it is from the world's origin.
+// Projection of the world to the picture. All positions in this file are relative to the camera's
+// target. So f32 numbers are precise near the target, even if it is far from the world's origin.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +25,7 @@ struct Ball {
 /// Balls around the items of a picture, which limit its depth range and its shadow map.
 struct Extent {
   std::vector<Ball> items;    ///< items of finite size, except planes
-  std::vector<Ball> casters;  ///< those of `items` that cast shadows
+  std::vector<Ball> casters;  ///< the balls of `items` that cast shadows
   std::vector<Ball> planes;   ///< planes that do not fade
   bool fades = false;         ///< true if there are planes that fade
   /// Returns the distance [m] from the target to the far side of the farthest item; 0 without
@@ -45,11 +45,12 @@ class View {
      ///< coordinates
   float near() const { return near_; }                    ///< depth of the near plane [m]
   float target_height() const { return target_height_; }  ///< height of the view at the target [m]
-  /// Returns the distance [m] from the target at which fading begins; it ends at kFadeEnd times
+  /// Returns the distance [m] from the target at which fading begins. Fading ends at kFadeEnd times
   /// this distance.
   float fade_radius() const { return fade_radius_; }
 
-  /// Returns the eye with w = 1, or, for an orthographic view, the direction to it with w = 0.
+  /// Returns the position of the eye with w = 1. For an orthographic view, returns the direction to
+  /// the eye with w = 0.
   Vector4f Eye() const;
   /// Returns the depth of a position: its distance [m] in front of the eye, along the view
   /// direction.

@@ -19,7 +19,8 @@ class BlockCode {
   BlockCode(VectorAssembler& vectors, const Program& program)
       : vectors_(vectors), code_(vectors.code()), program_(program) {}
 
-  /// `law` is null unless the function loads the columns of other rows itself.
+  /// Emits the function and returns its label. `law` is null unless the function itself loads the
+  /// columns of other rows.
   Label Emit(const LawCode* law) {
     FuncNode* function = nullptr;
     x86::Gp uniforms = code_.newUIntPtr();
@@ -65,7 +66,7 @@ class BlockCode {
 
   uint32_t Shift() const { return vectors_.number_bytes() == 8 ? 3 : 2; }
 
-  /// Returns the memory of the current rows in a register of the program.
+  /// Returns the memory of the current rows in a register (an array of numbers) of the program.
   x86::Mem Register(uint16_t of) {
     const x86::Gp base = code_.newUIntPtr();
     code_.mov(base, x86::ptr(registers_, of * 8));
@@ -77,7 +78,8 @@ class BlockCode {
     uint32_t component;
   };
 
-  /// Returns from where the function loads a register itself, or nothing.
+  /// Returns the source from which the function itself loads a register. Returns nothing if the
+  /// caller fills the register.
   std::optional<Source> SourceOf(uint16_t to) const {
     for (size_t g = 0; g < program_.loads.size(); ++g) {
       const LoadGroup& group = program_.loads[g];
@@ -96,8 +98,9 @@ class BlockCode {
                   source->component);
   }
 
-  /// Stores results that are values of other rows, because their registers contain nothing yet.
-  /// Registers of the row itself may be its columns, which must not be written.
+  /// Stores those results that are columns of other rows, because nothing has filled their
+  /// registers. Does not store columns of the row itself: their registers may be the columns of the
+  /// world, which this function must not write.
   void StoreLoads(ProgramEmitter& emitter) {
     std::vector<uint16_t> results{program_.energy};
     for (const ResultGroup& group : program_.results) {

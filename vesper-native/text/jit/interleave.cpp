@@ -10,8 +10,9 @@ using namespace asmjit;
 namespace Inst = x86::Inst;
 using Vec = x86::Vec;
 
-// A lane of a vector has 128 bits: two numbers in f64, four in f32. Two or four rows of three
-// components fill three lanes, which are called first, second and third here.
+// A lane is a part of a vector with 128 bits: two numbers in f64, or four numbers in f32. Two rows
+// (f64) or four rows (f32) of three components fill three lanes. This file calls these lanes first,
+// second and third.
 
 Vec Emit(VectorAssembler& vectors, InstId name, const Vec& a, const Vec& b, uint32_t choice) {
   const Vec to = vectors.NewVector();
@@ -19,13 +20,13 @@ Vec Emit(VectorAssembler& vectors, InstId name, const Vec& a, const Vec& b, uint
   return to;
 }
 
-/// AVX-512: returns lanes i and j of `a`, and lanes k and l of `b`.
+/// For AVX-512: returns lanes i and j of `a`, and lanes k and l of `b`.
 Vec Lanes(VectorAssembler& vectors, const Vec& a, int i, int j, const Vec& b, int k, int l) {
   return Emit(vectors, Inst::kIdVshuff64x2, a, b,
               static_cast<uint32_t>(i | j << 2 | k << 4 | l << 6));
 }
 
-/// AVX2: returns lane i of `a` and lane j of `b`.
+/// For AVX2: returns lane i of `a` and lane j of `b`.
 Vec Lanes(VectorAssembler& vectors, const Vec& a, int i, const Vec& b, int j) {
   return Emit(vectors, Inst::kIdVperm2f128, a, b, static_cast<uint32_t>(i | (2 + j) << 4));
 }
@@ -47,7 +48,8 @@ Vec Two(VectorAssembler& vectors, const Vec& a, int i, const Vec& b, int j) {
 bool IsF64(const VectorAssembler& vectors) { return vectors.number_bytes() == 8; }
 bool IsWide(const VectorAssembler& vectors) { return vectors.vector_bytes() == 64; }
 
-/// Vectors in the order of memory, as vectors of all first, second and third lanes.
+/// Converts three vectors in the order of memory to vectors of all first, all second and all third
+/// lanes.
 VectorTriple ByLane(VectorAssembler& v, const VectorTriple& memory) {
   const auto& [a, b, c] = memory;
   if (!IsWide(v)) return {Lanes(v, a, 0, b, 1), Lanes(v, a, 1, c, 0), Lanes(v, b, 0, c, 1)};
@@ -78,7 +80,7 @@ void SetLane(VectorAssembler& vectors, const Vec& to, uint32_t lane, const x86::
   }
 }
 
-/// Loads one number of each row of a lane.
+/// Loads one number of each row into a lane.
 x86::Xmm LoadLane(VectorAssembler& vectors, const std::vector<x86::Mem>& rows) {
   x86::Compiler& code = vectors.code();
   const x86::Xmm to = code.newXmm();
@@ -126,7 +128,8 @@ VectorTriple JoinRows(VectorAssembler& v, const VectorTriple& components) {
 
 VectorTriple GatherRows(VectorAssembler& v, const std::function<x86::Mem(uint32_t)>& address_of) {
   x86::Compiler& code = v.code();
-  // The first two components of earlier and later rows of each lane, and the third ones of all.
+  // `early` and `late` contain the first two components of the earlier and the later rows of each
+  // lane; `z` contains the third components of all rows.
   const Vec early = v.NewVector(), late = v.NewVector(), z = v.NewVector();
   for (uint32_t lane = 0; lane < v.vector_bytes() / 16; ++lane) {
     std::vector<x86::Mem> rows = RowsOfLane(v, lane, address_of);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Machine code of the programs of laws as text. It computes the same bits as the evaluator, which
-// executes all programs that have none.
+// executes programs without machine code.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace vesper::text {
 
-/// Rows of a pass, and the columns of the groups of loads and results. No column is absent.
+/// The rows of a pass, and the columns of its groups of loads and results. No column is absent.
 template <class Real>
 struct RowsOfPass {
   const Real* const* loads;
@@ -30,7 +30,7 @@ struct GatheredBlock {
   Real* const* registers;
   const Real* uniforms;
   uint64_t count;
-  const Real* const* columns;   // of the groups of loads; none is absent
+  const Real* const* columns;   // columns of the groups of loads; no column is absent
   const uint32_t* const* rows;  // kBlock rows of each participant
 };
 
@@ -39,7 +39,7 @@ template <class Real>
 struct PairsOfRow {
   const Real* const* second;  // columns of the second rows: 4 for each group of loads
   Real* const* sums;          // sums of each row: 4 for each group of results
-  const Real* uniforms;       // those of the first row are valid only for its loads
+  const Real* uniforms;       // values of the first row are filled only for its loads
   uint64_t first;
   uint64_t rows;
 };
@@ -47,13 +47,14 @@ struct PairsOfRow {
 /// The functions of one program.
 template <class Real>
 struct MachineCode {
-  /// As Kernels::run of the program.
+  /// Executes the program like Kernels::run.
   void (*run)(Real* const* registers, const Real* uniforms, size_t count) = nullptr;
-  /// Evaluates rows, and stores or adds their results. Returns the row before which it stops: the
-  /// rest of the rows are fewer than those of a vector, or one of the next rows of a vector may
-  /// have a result that is NaN or infinite.
+  /// Evaluates rows, and stores or adds their results. Returns the row before which it stops. It
+  /// stops if the remaining rows do not fill a vector. It also stops if a row of the next vector
+  /// may have a result that is NaN or infinite.
   uint64_t (*rows)(const RowsOfPass<Real>* of) = nullptr;
-  /// As `run`; also loads the columns of other rows, which it leaves out of the registers.
+  /// Executes the program like `run`. Itself loads the columns of other rows, which are then not in
+  /// the registers.
   void (*gather)(const GatheredBlock<Real>* of) = nullptr;
   /// Evaluates one row with all later rows, and adds the results to the sums. Returns 0 if a result
   /// may be NaN or infinite. Only for passes over all pairs.
@@ -67,12 +68,12 @@ template <class Real>
 MachineCode<Real> Generate(const LawCode& law, const PassCode& pass, const Program& program,
                            const Kernels<Real>& kernels);
 
-/// Returns why laws as text have no machine code on this machine, or an empty text if they have.
-/// `wanted` is the value of the environment variable VESPER_TEXT_MACHINE_CODE, or null; 0 chooses
-/// the evaluator.
+/// Returns the reason why laws as text have no machine code on this machine, or an empty text if
+/// they have machine code. `wanted` is the value of the environment variable
+/// VESPER_TEXT_MACHINE_CODE, or null; the value 0 selects the evaluator.
 std::string FindWhyNoMachineCode(const char* wanted);
 
-/// Returns the same for this process.
+/// Returns the result of FindWhyNoMachineCode for the environment of this process.
 const std::string& WhyNoMachineCode();
 
 }  // namespace vesper::text

@@ -12,9 +12,10 @@ namespace {
 
 using namespace asmjit;
 
-constexpr uint32_t kGroup = kPadding;  // rows of a group: the number of partial sums of a block
+constexpr uint32_t kGroup = kPadding;  // rows of a group; equals the number of partial sums
 
-/// Bits of 16 rows that are kept or set to 0, before and behind a border.
+/// A table of masks for 16 rows. Rows before a border have one value, and rows behind it the other;
+/// the masks keep results or set them to 0.
 struct Border {
   alignas(64) std::array<uint8_t, 256> bytes;
   explicit Border(uint8_t before, uint8_t behind) {
@@ -100,12 +101,12 @@ class PairsCode {
 
  private:
   struct Result {
-    uint16_t from;               // register
-    uint16_t column;             // index of the sums
-    bool of_first;               // of the first row, or of the second rows
-    uint16_t positive;           // register of another result, of which this one is the negative
-    bool checked;                // for NaN and infinity, by the sums of first rows
-    std::vector<x86::Vec> sums;  // of the first row, in the order of Kernels::sum
+    uint16_t from;               // register of the result
+    uint16_t column;             // index of its sums
+    bool of_first;               // true: of the first row; false: of the second rows
+    uint16_t positive;           // register of the result whose negative this is, or kNothing
+    bool checked;                // true: a sum of the first row detects NaN and infinity
+    std::vector<x86::Vec> sums;  // sums of the first row, in the order of Kernels::sum
 
     uint16_t source() const { return positive != kNothing ? positive : from; }
   };
@@ -125,7 +126,8 @@ class PairsCode {
         result.sums.push_back(vectors_.NewVector());
       }
     }
-    // The negative of another result is not computed: x + (-y) and x - y have the same bits.
+    // If a result is the negative of another result, it is not computed but subtracted, because
+    // x + (-y) and x - y have the same bits.
     for (Result& result : results_) {
       const uint16_t positive = emitter.NegativeOf(result.from);
       for (const Result& other : results_) {
@@ -133,13 +135,13 @@ class PairsCode {
       }
       if (result.positive != kNothing) skipped_[result.from] = true;
     }
-    // NaN and infinity of a first row are in its sum, which is checked at the end of a block.
+    // A NaN or infinity of a first row is also in its sum, which is checked at the end of a block.
     for (Result& result : results_) {
       for (const Result& other : results_) {
         result.checked |= other.of_first && other.source() == result.source();
       }
     }
-    // Addresses of columns stay in registers if there are enough.
+    // Keeps the addresses of columns in registers, up to kMostPointers.
     for (const uint16_t column : columns_) {
       if (column != kNothing && pointers_.size() < kMostPointers) {
         pointers_.push_back({second_, column, Field(second_, column * 8)});
@@ -164,7 +166,8 @@ class PairsCode {
     return x86::ptr(Field(table, column * 8), at_, shift, offset);
   }
 
-  /// Emits one group of rows. At an edge, it sets the results of rows to 0 that are not later rows.
+  /// Emits one group of rows. At an edge of the range of second rows, sets the results of rows
+  /// outside of this range to 0.
   void EmitGroup(ProgramEmitter& emitter, bool edge) {
     x86::Gp from, to;
     if (edge) FindBorders(from, to);
@@ -193,8 +196,8 @@ class PairsCode {
     }
   }
 
-  /// Returns the addresses of masks for the group: bits of rows behind the first row of the pairs,
-  /// and bits of rows that exist.
+  /// Sets `from` and `to` to the addresses of two masks for the group. The mask `from` keeps the
+  /// rows behind the first row of the pairs; the mask `to` keeps the rows that exist.
   void FindBorders(x86::Gp& from, x86::Gp& to) {
     static const Border kFrom(0, 0xff), kTo(0xff, 0);
     const uint32_t shift = vectors_.number_bytes() == 8 ? 3 : 2;
@@ -255,7 +258,7 @@ class PairsCode {
   x86::Compiler& code_;
   const Program& program_;
   const Graph& graph_;
-  std::vector<uint16_t> columns_;  // by register of a load: index of its column
+  std::vector<uint16_t> columns_;  // index of the column of each register of a load
   std::vector<Result> results_;
   std::vector<bool> skipped_;
   std::vector<Pointer> pointers_;

@@ -22,7 +22,7 @@ void ProgramEmitter::LoadUniforms() {
       if (operand >= kUniform && operand != kNothing) ++uses[operand - kUniform];
     }
   }
-  // More would only be moved to the stack.
+  // Loads values into half of the vector registers. asmjit would move further values to the stack.
   size_t room = vectors_.vector_registers() / 2;
   for (size_t i = 0; i < uses.size() && room > 0; ++i) {
     if (uses[i] == 0 || before_[i].number) continue;

@@ -15,23 +15,24 @@ class ProgramEmitter {
   using Vec = VectorAssembler::Vec;
   using Gp = VectorAssembler::Gp;
 
-  /// `uniforms`: address of the uniform values, valid in the whole function.
+  /// Creates an emitter. `uniforms` is a register with the address of the uniform values, valid in
+  /// the whole function.
   ProgramEmitter(VectorAssembler& vectors, const Program& program, const Gp& uniforms);
 
   /// Loads the uniform values that most operations use, before a loop.
   void LoadUniforms();
   /// Emits the values of the first row of a pair that depend on its columns, before a loop.
   void ComputeOfFirst(const Graph& graph);
-  /// Emits all operations for one vector. `load` returns a register of the program that no
-  /// instruction computes; `store` receives each register of a result. The last value of registers
-  /// in `skipped` is not computed.
+  /// Emits all operations for one vector. `load` returns the value of a register of the program
+  /// that no instruction computes. `store` receives each register of a result, with its value. The
+  /// last value of registers in `skipped` is not computed.
   void Emit(const std::function<Vec(uint16_t)>& load,
             const std::function<void(uint16_t, const Vec&)>& store,
             const std::vector<bool>& skipped = {});
   /// Returns the numbers of a register after `Emit`.
   Vec Result(uint16_t of);
-  /// Returns the register whose negative a register contains at the end, or kNothing if there is
-  /// none or another operation uses the negative.
+  /// Returns the register whose negative the register `of` contains at the end. Returns kNothing if
+  /// there is no such register, or if another operation uses the negative.
   uint16_t NegativeOf(uint16_t of) const;
 
  private:
@@ -43,7 +44,7 @@ class ProgramEmitter {
   std::vector<VectorValue> before_;   // uniform values that are loaded before the loop
   std::vector<VectorValue> uniform_;  // those of the vector that is being emitted
   std::vector<VectorValue> registers_;
-  std::vector<size_t> last_;  // by register: the last operation that computes it
+  std::vector<size_t> last_;  // for each register, the last operation that computes it
   std::function<Vec(uint16_t)> load_;
 };
 

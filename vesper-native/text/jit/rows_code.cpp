@@ -87,7 +87,8 @@ class RowsCode {
     throw NoMachineCode{"a register has no value"};
   }
 
-  /// Stores the results of the current rows unless one is NaN or infinite; then jumps to `stop`.
+  /// Stores the results of the current rows. If one of them is NaN or infinite, jumps to `stop`
+  /// instead.
   void StoreResults(ProgramEmitter& emitter, const Label& stop) {
     struct Stored {
       x86::Mem to;
@@ -121,8 +122,9 @@ class RowsCode {
     for (const Stored& each : all) vectors_.Store(each.to, each.value);
   }
 
-  /// Returns the components of a result in the order of memory. Components without a result keep
-  /// their values: they become -0, which changes no number to which it is added, or the column's.
+  /// Returns the components of a result in the order of memory. Components without a result must
+  /// keep their values. If the result is added, such a component is -0, which changes no number to
+  /// which it is added. If the result is stored, it is the value of the column.
   VectorTriple Three(ProgramEmitter& emitter, const ResultGroup& group, size_t index) {
     const bool whole =
         group.from[0] != kNothing && group.from[1] != kNothing && group.from[2] != kNothing;

@@ -189,7 +189,7 @@ VectorValue VectorAssembler::Compare(x86::VCmpImm predicate, const Vec& a, const
 }
 
 VectorAssembler::Mask VectorAssembler::MaskOf(VectorValue& value) {
-  // NaN meets a condition, as in the evaluator.
+  // NaN counts as true, as in the evaluator.
   if (!value.mask) value.mask = Compare(x86::VCmpImm::kNEQ_UQ, *value.number, Zero()).mask;
   return *value.mask;
 }
@@ -246,8 +246,9 @@ VectorValue VectorAssembler::Compute(Operation operation, VectorValue* a, Vector
   const auto binary = [&](Names names) -> VectorValue {
     return {Emit(names, Number(*a), Number(*b)), std::nullopt};
   };
-  // The smaller and larger number: the instruction returns its second operand unless the first one
-  // is smaller or larger, so the operands change places.
+  // Computes the smaller or the larger number. The instruction returns its second operand unless
+  // the first operand is smaller (or larger). The operation returns its first operand in this case,
+  // so the operands are exchanged.
   const auto extreme = [&](Names names) -> VectorValue {
     if (a == b) return {Number(*a), std::nullopt};
     return {Emit(names, Number(*b), Number(*a)), std::nullopt};

@@ -27,7 +27,7 @@ class VectorAssembler {
   using Mem = asmjit::x86::Mem;
   using Gp = asmjit::x86::Gp;
   using Mask = asmjit::BaseReg;
-  /// An instruction for f64 and for f32.
+  /// The names of an instruction: for f64 and for f32.
   struct Names {
     asmjit::InstId f64;
     asmjit::InstId f32;
@@ -64,12 +64,13 @@ class VectorAssembler {
   void SetIfZero(const Gp& to, const Vec& value);
   /// Jumps if a number of a vector is NaN.
   void JumpIfNan(const Vec& value, const asmjit::Label& to);
-  /// Returns the halves of a vector, added; their last sum is the sum of all numbers.
+  /// Returns the sum of the two halves of a vector of `bytes`. Repeated for the halves, it gives
+  /// the sum of all numbers.
   Vec AddHalves(const Vec& value, uint32_t bytes);
-  /// Sets rows to 0 where a mask in memory has no bits.
+  /// Returns the vector with 0 in the rows in which a mask in memory has no bits.
   Vec KeepWhere(const Vec& value, const Mem& mask);
 
-  /// Emits one operation, with the bits of the evaluator.
+  /// Emits one operation, which gives the same bits as the evaluator.
   VectorValue Compute(Operation operation, VectorValue* a, VectorValue* b, VectorValue* c);
   /// Returns the operand as numbers.
   Vec Number(VectorValue& value);
@@ -89,7 +90,7 @@ class VectorAssembler {
   const bool is_avx512_;
   const bool is_f64_;
   const void* const function_;
-  std::optional<std::array<Mem, 3>> arguments_;  // of calls, on the stack
+  std::optional<std::array<Mem, 3>> arguments_;  // memory on the stack for arguments of calls
 };
 
 }  // namespace vesper::text

@@ -175,8 +175,8 @@ void Checker::CheckStatements(const std::vector<Statement>& statements, Effects&
     try {
       CheckStatement(statement, effects);
     } catch (const Abandon&) {
-      // Further statements are checked after an error, too, except after a failed `let`: its name
-      // would be reported as unknown.
+      // After an error, further statements are still checked. The exception is a failed `let`,
+      // because later statements that use its name would also be reported.
       if (statement.kind == StatementKind::kLet) break;
     }
   }
@@ -232,7 +232,7 @@ void Checker::CheckIf(const Statement& statement, Effects& effects) {
   const auto branch = [&](const std::vector<Statement>& statements) {
     Effects inner;
     inner.stored = effects.stored;
-    // The copy contains the sums so far, so that reading them is refused here, too.
+    // The copy contains the sums so far. So statements inside `if` cannot read these sums either.
     CheckStatements(statements, inner);
     return inner;
   };
@@ -277,7 +277,7 @@ void Checker::CheckIf(const Statement& statement, Effects& effects) {
 }
 
 void Checker::Assign(const Statement& statement, Effects& effects) {
-  // The target: property, participant.property, and perhaps a component.
+  // The target is a property, or participant.property, and either may have a component.
   const Expression* target = statement.target.get();
   std::string component;
   const auto participant_of = [&](const Expression& name) -> int {

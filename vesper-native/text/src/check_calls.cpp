@@ -8,7 +8,7 @@
 namespace vesper::text {
 namespace {
 
-/// Rule by which the unit of a function's result follows from those of its arguments.
+/// The rules for the unit of a function's result, which follows from the units of its arguments.
 enum class Units { kPlain, kSame, kSqrt, kIgnored, kAngle };
 
 struct Function {

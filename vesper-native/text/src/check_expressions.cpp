@@ -10,8 +10,8 @@
 namespace vesper::text {
 namespace {
 
-constexpr int kLargestPower = 64;  // largest exponent that is computed by multiplications; larger
-                                   // ones by logarithms
+constexpr int kLargestPower = 64;  // largest exponent that is computed by multiplications; powers
+                                   // with larger exponents are computed by logarithms
 
 std::string KindOfValue(const Value& value) {
   if (value.condition) return "a condition";
@@ -27,7 +27,7 @@ std::string KindAndUnit(const Value& value) {
   return (value.IsVector() ? "a vector in " : "") + Describe(value.dimension);
 }
 
-/// Sets `twelfths` to 12 times the exponent, and returns true, if that is a small whole number.
+/// Sets `twelfths` to 12 times the exponent. Returns false if this is not a small whole number.
 bool Twelfths(double exponent, int& twelfths) {
   const double scaled = exponent * Dimension::kWhole;
   if (!(std::abs(scaled) < 1e6) || std::abs(scaled - std::round(scaled)) > 1e-9) return false;

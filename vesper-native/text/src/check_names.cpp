@@ -321,8 +321,8 @@ void Checker::FailUnknown(const std::string& name, Span span) {
   problems_.Fail(span, "nothing here is called '" + name + "'", hint);
 }
 
-/// Returns a hint for messages: by which quantity to multiply or divide `which` to get the expected
-/// unit.
+/// Returns a hint for messages. It names the quantity by which `which` must be multiplied or
+/// divided to get the expected unit.
 std::string Checker::FactorHint(const std::string& which, const Dimension& found,
                                 const Dimension& expected) const {
   const Dimension missing = expected / found;

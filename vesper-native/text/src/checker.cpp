@@ -276,8 +276,8 @@ void Checker::FinishProperties() {
       if (output.add) {
         (use.accumulator ? use.added : use.modified) = true;
       } else {
-        // If this pass does not store all components of every row, other values stay as they are:
-        // the property is modified, not stored.
+        // If this pass does not store all components of every row, other values stay as they are.
+        // Then the property counts as modified and not as stored.
         const size_t components = static_cast<size_t>(
             std::count_if(pass.outputs.begin(), pass.outputs.end(), [&](const Output& other) {
               return other.to.property == output.to.property && !other.add;

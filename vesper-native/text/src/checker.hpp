@@ -103,11 +103,12 @@ class Checker {
   /// Returns the index of a property in the law's list; adds it to the list if it is new.
   uint16_t UseProperty(uint32_t property);
   uint16_t UseOwned(size_t owned);
-  /// Finds a property of a kind by its name or a common name for it; kNone if there is none.
+  /// Finds a property of a kind by its name or by a common name for it. Returns kNone if there is
+  /// no such property.
   uint32_t FindProperty(uint32_t kind, std::string_view name) const;
   size_t FindOwned(uint32_t kind, std::string_view name) const;
-  /// Returns the index, in the law's list, of the property `name` of a participant; fails if the
-  /// participant has no such property.
+  /// Returns the index of the property `name` of a participant in the law's list. Reports a problem
+  /// if the participant has no such property.
   uint16_t Resolve(uint16_t participant, const std::string& name, Span span);
   bool IsProperty(uint32_t kind, const std::string& name) const;
   Value ReadProperty(uint16_t participant, uint16_t property, Span span);

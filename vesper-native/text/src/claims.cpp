@@ -11,9 +11,9 @@ namespace {
 
 bool IsPosition(const PropertyCode& use) { return use.name == "position" && use.components == 3; }
 
-/// How the value of each node changes if the origin is shifted: 1 if it shifts with the origin,
-/// like a position; 0 if it does not change, like a difference of positions; nothing if it changes
-/// in another way.
+/// The change of each node's value if the origin is shifted. It is a factor of the shift: 1 for a
+/// position, and 0 for a value that does not change, such as a difference of positions. It is
+/// nothing if the value changes in another way.
 class Origins {
  public:
   explicit Origins(const LawCode& law) : law_(law) {
@@ -24,7 +24,8 @@ class Origins {
   const std::optional<double>& Of(NodeId id) const { return origins_[id]; }
 
  private:
-  /// The operands of a node have smaller ids, so their results are known.
+  /// Returns the change of one node. The operands of a node have smaller ids, so their changes are
+  /// already known.
   std::optional<double> Compute(NodeId id) const {
     const Node& node = law_.graph[id];
     if (node.operation == Operation::kLoad) {
@@ -62,7 +63,7 @@ class Origins {
   std::vector<std::optional<double>> origins_;
 };
 
-/// Writes a node as a product of a factor and `by`; kNoNode if that is not possible.
+/// Writes nodes as products of a factor and `by`. The factor is kNoNode if this is not possible.
 class Factors {
  public:
   Factors(Graph& graph, NodeId by) : graph_(graph), by_(by) {}

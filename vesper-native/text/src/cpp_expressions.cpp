@@ -8,7 +8,7 @@
 namespace vesper::text {
 namespace {
 
-// How strongly operators of C++ bind.
+// Precedence of the operators of C++; a larger number binds more strongly.
 constexpr int kChoosing = 1, kOr = 2, kAnd = 3, kEqual = 4, kLess = 5, kSum = 6, kProduct = 7,
               kUnary = 8, kPrimary = 9;
 

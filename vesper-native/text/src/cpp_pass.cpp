@@ -8,7 +8,7 @@
 namespace vesper::text {
 namespace {
 
-constexpr uint32_t kLongest = 12;  // operations in one expression; longer ones use variables
+constexpr uint32_t kLongest = 12;  // maximum number of operations in one expression
 
 }  // namespace
 
@@ -112,7 +112,7 @@ void PassWriter::AnalyseTerm(TermId id) {
     } else if (term.kind == TermKind::kStage) {
       take("stage");
     } else if (term.kind == TermKind::kLoad) {
-      // One variable for all components of a constant of the world.
+      // All components of a constant of the world share one variable.
       for (TermId other = 0; other < id && locals_[id].empty(); ++other) {
         if (terms_[other].kind == TermKind::kLoad && terms_[other].uniform &&
             terms_[other].load.property == term.load.property) {
@@ -149,7 +149,8 @@ void PassWriter::NameLocals() {
       locals_[id] = names_.Take("vector");
     }
   }
-  // If several results are stored, or one is read in the same pass, all are computed first.
+  // If several results are stored, or one of them is read in the same pass, all results are
+  // computed before the first is stored.
   const bool is_read = std::any_of(roots_.begin(), roots_.end(), [&](const Root& root) {
     return root.output != nullptr && Reads(root.output->to);
   });

@@ -15,7 +15,7 @@ struct CppMembers {
   std::vector<std::string> properties;
   std::vector<std::string> parameters;
   std::string neighbours;  // the search for pairs within a distance; empty if there is none
-  // Members with values of the last step, which an energy may depend on.
+  // Names of members with values of the last step, on which an energy may depend.
   std::string last_time, last_dt, last_stage;
 };
 
@@ -68,7 +68,8 @@ class PassWriter {
   void WriteLoop();
   void WriteLoopOverRows();
 
-  /// Returns a term as an expression for one row; in brackets if it binds less than `least`.
+  /// Returns a term as an expression for one row. The expression is in brackets if it binds less
+  /// strongly than `least`.
   std::string Row(TermId id, int least);
   /// Returns a term for a place where a plain whole number would have the wrong type.
   std::string Typed(TermId id, int least = 0);
@@ -92,10 +93,10 @@ class PassWriter {
   CppNeeds& needs_;
   Terms terms_;
   std::vector<Root> roots_;
-  std::vector<uint32_t> uses_;      // by term: how many terms and results use it; 0: not needed
-  std::vector<bool> used_in_rows_;  // by term: a row's term or result uses it
+  std::vector<uint32_t> uses_;      // number of terms and results that use each term
+  std::vector<bool> used_in_rows_;  // whether a row's term or result uses each term
   std::vector<uint32_t> sizes_;
-  std::vector<std::string> locals_;  // by term: its variable, if it has one
+  std::vector<std::string> locals_;  // variable of each term; empty: none
   std::string row_;                  // the variable of the block's row
   std::vector<std::string> participants_;
   std::string lines_;

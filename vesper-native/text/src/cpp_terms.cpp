@@ -181,8 +181,8 @@ bool Terms::IsVector(const Nodes& nodes) {
   return terms_[OfVector(nodes)].kind != TermKind::kVector;
 }
 
-/// Returns true if a named value is an operation on vectors, so that its components can be taken
-/// from it. If it is only three numbers, these are computed first.
+/// Returns true if a named value is an operation on vectors. Its components can then be taken from
+/// the vector. Otherwise the value consists of three numbers, which are computed first.
 bool Terms::IsOperation(const Nodes& nodes) {
   const auto [known, is_new] = operations_.try_emplace(nodes, false);
   if (is_new) {
@@ -219,7 +219,7 @@ void Terms::Split(const Nodes& nodes, Nodes& left, Nodes& right) const {
     left[k] = node.a;
     right[k] = node.b;
     if (k == 0 || node.operation != Operation::kAdd) continue;
-    // The operands of a sum are sorted by number, so they may be the other way round.
+    // The operands of a sum are sorted by their ids, so they may be exchanged.
     const bool straight = Alike(left[0], left[k], 0) && Alike(right[0], right[k], 0);
     if (!straight) std::swap(left[k], right[k]);
   }

@@ -29,7 +29,7 @@ enum class TermKind : uint8_t {
   kCross,
   kDot,     // a number
   kLength,  // a number
-  kVector,  // of three numbers
+  kVector,  // a vector made of three numbers
 };
 
 using TermId = uint32_t;
@@ -44,13 +44,13 @@ struct Term {
   double value = 0;
   uint32_t index = 0;
   Load load{};
-  std::string name = {};  // from the text
+  std::string name = {};  // name in the text, if there is one
 
   bool IsLeaf() const { return parts.empty(); }
 };
 
-/// The terms of one pass. Computing a term gives the same bits as computing its nodes: sums and
-/// products of two numbers are commuted at most.
+/// The terms of one pass. Computing a term gives the same bits as computing its nodes, because
+/// terms at most exchange the operands of a sum or product of two numbers.
 class Terms {
  public:
   Terms(const LawCode& law, const PassCode& pass);
@@ -69,7 +69,7 @@ class Terms {
   TermId OfComponents(const Nodes& nodes);
   bool IsWholeColumn(const Nodes& nodes) const;
   bool IsWholeParameter(const Nodes& nodes) const;
-  /// Returns true if the nodes have one form, so that they may be components of one vector.
+  /// Returns true if the nodes have the same form, so that they may be components of one vector.
   bool Alike(NodeId a, NodeId b, int depth) const;
   /// Splits sums or differences of three nodes into their left and right operands.
   void Split(const Nodes& nodes, Nodes& left, Nodes& right) const;
@@ -88,7 +88,7 @@ class Terms {
   std::map<Nodes, TermId> vectors_;
   std::map<NodeId, std::string> number_names_;
   std::map<Nodes, std::string> vector_names_;
-  std::map<NodeId, std::pair<Nodes, uint16_t>> components_;  // of named vectors
+  std::map<NodeId, std::pair<Nodes, uint16_t>> components_;  // components of named vectors
   std::map<Nodes, bool>
       operations_;  // named vectors that are known; false also while they are made
 };

@@ -319,7 +319,7 @@ class LawWriter {
   CppNeeds& needs_;
   CppNames names_;
   CppMembers members_;
-  std::vector<bool> uses_step_;  // by pass
+  std::vector<bool> uses_step_;  // whether each pass uses the step
   std::string lines_;
 };
 

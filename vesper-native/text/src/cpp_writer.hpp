@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws as text as C++ laws.
+// Translation of laws as text to C++.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace vesper::text {
 
-/// Returns the source of a law library with the same laws, to be built like any compiled law. The
-/// laws must be free of problems. `source` and `text` name and contain the laws as text.
+/// Returns the C++ source of a law library with the same laws. It is built like any compiled law.
+/// The laws must be free of problems. `text` contains the laws as text, and `source` is its name.
 std::string WriteCpp(std::string_view source, std::string_view text,
                      const std::vector<LawCode>& laws);
 

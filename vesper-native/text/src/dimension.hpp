@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The dimensions of quantities in a law text. Values are in SI units throughout.
+// The dimensions of quantities in a law text. All values are in SI units.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@
 
 namespace vesper::text {
 
-/// Exponents of m, kg, s, A, K, mol and cd, in twelfths, so that the results of roots have
-/// dimensions, too.
+/// Exponents of m, kg, s, A, K, mol and cd, in twelfths. With twelfths, the results of roots also
+/// have dimensions.
 struct Dimension {
   static constexpr int kWhole = 12;
   static constexpr int kMost = 100 * kWhole;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Elementary functions on vectors of doubles, for each Highway target that includes this file. They
-// never fuse multiplication and addition, so that all targets give the same bits. Polynomials and
-// constants: Sun Microsystems, fdlibm, 1993 (public constants of its algorithms).
+// Elementary functions on vectors of doubles. This file is included once for each target
+// (instruction set) of Highway. The functions never fuse multiplication and addition, so that all
+// targets give the same bits. Polynomials and constants are those of Sun Microsystems, fdlibm, 1993
+// (public constants of its algorithms).
 #if defined(VESPER_TEXT_ELEMENTARY) == defined(HWY_TARGET_TOGGLE)
 #ifdef VESPER_TEXT_ELEMENTARY
 #undef VESPER_TEXT_ELEMENTARY
@@ -41,7 +42,7 @@ HWY_INLINE V64<D> PowerOfTwo(D d, V64<D> k) {
 
 template <class D>
 HWY_INLINE V64<D> Exp(D d, V64<D> x) {
-  // e^x = 2^k e^r, |r| <= ln 2 / 2, and the Taylor series of e^r up to r^13.
+  // Computes e^x = 2^k e^r with |r| <= ln 2 / 2, and e^r by its Taylor series up to r^13.
   static constexpr double kSeries[] = {1,
                                        1,
                                        1. / 2,
@@ -103,7 +104,7 @@ HWY_INLINE V64<D> Ln(D d, V64<D> x) {
   return hn::IfThenElse(hn::Or(hn::Lt(x, hn::Zero(d)), hn::IsNaN(x)), nan, value);
 }
 
-/// Sine and cosine; accurate to the last digits for |x| below 1e6.
+/// Computes sine and cosine. They are accurate to the last digits for |x| below 1e6.
 template <class D>
 HWY_INLINE void SinCos(D d, V64<D> x, V64<D>& sine, V64<D>& cosine) {
   static constexpr double kSine[] = {-1.66666666666666324348e-01, 8.33333333332248946124e-03,
@@ -134,7 +135,7 @@ HWY_INLINE void SinCos(D d, V64<D> x, V64<D>& sine, V64<D>& cosine) {
   cosine = hn::IfThenElse(negative, hn::Neg(plain_cosine), plain_cosine);
 }
 
-/// Arc tangent of x >= 0.
+/// Returns the arc tangent of x >= 0.
 template <class D>
 HWY_INLINE V64<D> AtanOfPositive(D d, V64<D> x) {
   static constexpr double kAt[] = {
@@ -179,7 +180,7 @@ HWY_INLINE V64<D> Atan2(D d, V64<D> y, V64<D> x) {
   const auto far = hn::Abs(y), near = hn::Abs(x);
   const auto steep = hn::Gt(far, near);
   const auto larger = hn::Max(far, near), smaller = hn::Min(far, near);
-  // Needed because Max and Min of NaN differ between instruction sets.
+  // NaN is handled separately, because Max and Min of NaN differ between instruction sets.
   const auto nan = hn::Or(hn::IsNaN(x), hn::IsNaN(y));
   const auto ratio = hn::IfThenElse(hn::Eq(larger, zero), zero, hn::Div(smaller, larger));
   auto angle = AtanOfPositive(d, ratio);

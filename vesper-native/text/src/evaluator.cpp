@@ -105,7 +105,7 @@ void Evaluator<Real>::ExecuteOnParticipants(const Executable& program, size_t co
   std::array<const uint32_t*, kMostParticipants> rows;
   for (size_t k = 0; k < rows.size(); ++k) {
     rows[k] = place.rows[k].data();
-    // Machine code also loads the rows behind the block.
+    // Machine code also loads rows behind the end of the block, so these must be valid rows.
     std::fill(place.rows[k].begin() + static_cast<ptrdiff_t>(count), place.rows[k].end(),
               place.rows[k][0]);
   }
@@ -178,8 +178,8 @@ uint64_t Evaluator<Real>::RowsOf(const std::string& kind) const {
   return 0;
 }
 
-/// Points the registers to the memory of the workspace, and fills those that have the same value
-/// for all rows.
+/// Points the registers to the memory of the workspace, and fills the registers that have the same
+/// value for all rows.
 template <class Real>
 void Evaluator<Real>::Prepare(Place& place, const Program& program) const {
   for (size_t i = 0; i < place.registers.size(); ++i) {
@@ -424,7 +424,7 @@ template <class Real>
 std::optional<Fault> Evaluator<Real>::RunRows(Pass& pass) {
   const Executable& program = pass.program;
   const uint64_t count = RowsOf(pass.code->rows);
-  // There are at most as many chunks as workspaces.
+  // Chooses the length of chunks so that there are at most as many chunks as workspaces.
   const uint64_t blocks = (count + kPlaces * kBlock - 1) / (kPlaces * kBlock);
   const uint64_t grain = std::max(kGrain, blocks * kBlock);
   auto body = [&](uint64_t begin, uint64_t end) {
@@ -440,7 +440,8 @@ std::optional<Fault> Evaluator<Real>::RunRows(Pass& pass) {
         row = program.machine.rows(&of);
         if (row == end) break;
       }
-      // Ends where a block of the evaluator ends, so that the same faults are found.
+      // Evaluates rows up to the end of a block, so that the evaluator finds the same faults as
+      // without machine code.
       const uint64_t rest = kBlock - (row - begin) % kBlock;
       const auto rows = static_cast<size_t>(std::min<uint64_t>(rest, end - row));
       LoadRows(program, row, rows, place);

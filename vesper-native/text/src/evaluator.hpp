@@ -34,8 +34,9 @@ struct Fault {
 template <class Real>
 class Evaluator {
  public:
-  /// `source` and `text` name the text in messages; all arguments must outlive the object.
-  /// `machine_code`: programs become machine code if possible.
+  /// Creates the evaluator. `source` is the name of the text in messages, and `text` its content.
+  /// All arguments must outlive the object. With `machine_code`, programs become machine code if
+  /// possible.
   Evaluator(const LawCode& law, std::string_view source, std::string_view text,
             const vesper_host& host, const double* parameters,
             const Kernels<Real>& kernels = AvailableKernels<Real>().front(),
@@ -45,7 +46,7 @@ class Evaluator {
   /// Applies the law; returns the first value that is not finite although its operands are finite.
   std::optional<Fault> Advance(const vesper_step& step);
   double PotentialEnergy();
-  /// Returns why a pass has no machine code, or an empty text if all passes have.
+  /// Returns the reason why a pass has no machine code, or an empty text if all passes have it.
   const std::string& WhyEvaluated() const;
 
  private:
@@ -135,7 +136,8 @@ class Evaluator {
   std::optional<Fault> fault_;
 
   Neighbours<Real> neighbours_;
-  // All pairs: the components of the second row of a pair as columns, and the sums of each share.
+  // For passes over all pairs: the components of the second rows as columns, and the sums of each
+  // share of the pairs.
   std::vector<LineVector<Real>> split_;
   std::vector<LineVector<Real>> sums_;
   std::vector<const Real*> split_data_;  // addresses of the vectors above

@@ -62,7 +62,7 @@ void Evaluator<Real>::LoadFirst(const Program& program, uint64_t row, Place& pla
   }
 }
 
-/// Evaluates one row with all later rows.
+/// Evaluates the pairs of one row with all later rows.
 template <class Real>
 template <class Use>
 void Evaluator<Real>::ForEachRowOfSecond(const Executable& program, uint64_t first, uint64_t rows,
@@ -71,8 +71,8 @@ void Evaluator<Real>::ForEachRowOfSecond(const Executable& program, uint64_t fir
   const auto clear = [&](uint16_t result, size_t count) {
     if (result != kNothing) std::fill_n(place.registers[result], count, Real(0));
   };
-  // Blocks begin at cache lines, so the first block may contain rows up to `first`; the results of
-  // these are cleared.
+  // Blocks begin at cache lines, so the first block may contain rows up to `first`. The results of
+  // these rows are cleared.
   for (uint64_t begin = (first + 1) / kPadding * kPadding; begin < rows; begin += kBlock) {
     const auto count = static_cast<size_t>(std::min<uint64_t>(kBlock, rows - begin));
     for (size_t g = 0; g < program.loads.size(); ++g) {

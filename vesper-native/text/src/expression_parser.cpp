@@ -199,8 +199,8 @@ class ExpressionParser {
     return left;
   }
 
-  /// Accepts an operator in this language's spelling, and refuses its spelling in other languages
-  /// with a hint.
+  /// Consumes an operator. If it has the spelling `foreign` of other languages, reports a problem
+  /// with a hint at `ours`.
   void Spelled(std::string_view foreign, std::string_view ours) {
     const Token token = reader_.Take();
     if (token.word != foreign) return;
@@ -232,7 +232,7 @@ class ExpressionParser {
       if (word == "==") word = "=";
       ExpressionTree right = Sum();
       ExpressionTree next;
-      if (IsComparison(reader_.Peek())) {  // a < b < c: the middle is used twice
+      if (IsComparison(reader_.Peek())) {  // a < b < c uses the middle operand twice
         ExpressionTree copy = Copy(*right);
         next = Binary(word, std::move(left), std::move(right));
         left = std::move(copy);
@@ -425,7 +425,7 @@ class ExpressionParser {
     while (begin < text.size() && text[begin] == ' ') ++begin;
     const Token& next = reader_.Peek();
     if (next.span.begin != begin || next.kind == TokenKind::kEnd) return;
-    // for units such as 1/s, as in 3 1/s
+    // Skips the "1/" of units such as 1/s, as in 3 1/s.
     const size_t inverse = text.substr(begin).starts_with("1/") ? begin + 2 : begin;
     UnitScanner scanner(text, inverse);
     const size_t end = scanner.Run();
@@ -568,7 +568,7 @@ ExpressionTree ParseExpression(TokenReader& reader) {
 vesper_unit ParseUnitHere(TokenReader& reader, Span& span) {
   const size_t begin = reader.Peek().span.begin;
   if (reader.Peek().kind == TokenKind::kNumber && reader.Peek().number == 1) {
-    // "1" or "1/s"
+    // The unit is "1", or begins with "1/", such as "1/s".
     const std::string_view text = reader.text();
     size_t end = reader.Peek().span.end;
     if (end < text.size() && text[end] == '/') {

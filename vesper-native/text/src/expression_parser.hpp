@@ -18,7 +18,8 @@ class TokenReader {
   const Token& Peek(size_t ahead = 0) const;
   Token Take();
   bool Takes(std::string_view word);
-  /// Consumes a word or sign; if the next token is another one, fails: "found …, expected …".
+  /// Consumes the word or sign `word`. If the next token is different, reports the problem "found
+  /// …, expected …".
   Token Expect(std::string_view word, std::string_view where);
   Name ExpectName(std::string_view what);
   [[noreturn]] void FailHere(const std::string& expected, std::string hint = {});

@@ -114,8 +114,8 @@ NodeId Graph::Binary(Operation operation, NodeId a, NodeId b) {
       if (negated(a)) return Negate(Add(nodes_[a].a, b));
       break;
     case Operation::kMultiply:
-      // 0 times a factor that is not finite would not be 0, but such a factor is a fault that is
-      // reported elsewhere.
+      // 0 times a factor that is not finite is not 0. This case needs no result, because such a
+      // factor is a fault, which is reported elsewhere.
       if (IsConstant(a, 0) || IsConstant(b, 0)) return Constant(0);
       if (a == b && nodes_[a].operation == Operation::kSqrt) return nodes_[a].a;
       if (IsConstant(a, 1)) return b;
@@ -161,7 +161,7 @@ NodeId Graph::Select(NodeId condition, NodeId a, NodeId b) {
   if (a == b) return a;
   if (IsConstant(condition)) return nodes_[condition].value != 0 ? a : b;
   if (nodes_[condition].operation == Operation::kNot) return Select(nodes_[condition].a, b, a);
-  // Moves signs outside of products, so that equal and opposite sums are recognised.
+  // Moves signs out of products. So sums that are equal and opposite can be recognised.
   const auto negated = [&](NodeId id) { return nodes_[id].operation == Operation::kNegate; };
   if (negated(a) && (negated(b) || IsConstant(b, 0))) {
     return Negate(Select(condition, nodes_[a].a, negated(b) ? nodes_[b].a : b));
@@ -274,13 +274,13 @@ std::map<Load, NodeId> Graph::Gradient(NodeId root, const std::vector<Load>& wan
 }
 
 /// Differentiates backwards from `root`, and adds `adjoint` times its derivatives to the results.
-/// The branches of a choice are differentiated separately, so that NaN or infinity in the branch
-/// that is not taken does not affect the other one.
+/// The branches of a choice are differentiated separately. So NaN or infinity in the branch that is
+/// not taken does not affect the other branch.
 void Graph::Differentiate(NodeId root, NodeId adjoint, const std::vector<Load>& wanted,
                           std::map<Load, NodeId>& gradient, int depth) {
   if (depth > 24) throw TooLarge{};
   std::map<NodeId, NodeId> adjoints{{root, adjoint}};
-  // The nodes that depend on a wanted load; other nodes need no derivative.
+  // Finds the nodes that depend on a wanted load, because other nodes need no derivative.
   const std::vector<NodeId> order = Ordered(root);
   steps_ += order.size();
   if (steps_ > kMostSteps) throw TooLarge{};
@@ -349,7 +349,7 @@ void Graph::Differentiate(NodeId root, NodeId adjoint, const std::vector<Load>& 
       case Operation::kNegate:
         add(a, Negate(by));
         break;
-      case Operation::kSqrt:  // the derivative at 0 is set to 0: there the length of a vector has
+      case Operation::kSqrt:  // the derivative at 0 is set to 0, because a vector of length 0 has
                               // no direction
         add(a, Select(Binary(Operation::kEqual, a, Constant(0)), Constant(0),
                       Divide(Multiply(Constant(0.5), by), id)));

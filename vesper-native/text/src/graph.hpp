@@ -70,7 +70,7 @@ struct Load {
 
 /// Numbers of the participants of a block.
 inline constexpr uint16_t kOwnRow = 0;    // the row of the block
-inline constexpr uint16_t kFirst = 1;     // first row of a pair or of references; the others have
+inline constexpr uint16_t kFirst = 1;     // first row of a pair or of references; further rows have
                                           // the next numbers
 inline constexpr uint16_t kWorld = 0xff;  // the one row of kind world
 
@@ -81,9 +81,9 @@ struct Node {
   NodeId a = kNoNode;
   NodeId b = kNoNode;
   NodeId c = kNoNode;
-  double value = 0;    // of kConstant
-  uint32_t index = 0;  // of kParameter
-  Load load{};         // of kLoad
+  double value = 0;    // value of a kConstant
+  uint32_t index = 0;  // index of a kParameter
+  Load load{};         // component that a kLoad reads
 };
 
 /// Thrown if a formula exceeds the maximum number of nodes.
@@ -124,9 +124,9 @@ class Graph {
   /// Returns a copy of `root` in which some nodes are replaced.
   NodeId Substitute(NodeId root, const std::map<NodeId, NodeId>& replacements);
 
-  /// Replaces divisions by multiplications with the inverse of the divisor, if several divisions
-  /// have the same divisor, or if it is the same for all rows. Returns the new id of each node;
-  /// kNoNode if no root depends on it.
+  /// Replaces divisions by multiplications with the inverse of the divisor. Does so if several
+  /// divisions have the same divisor, or if the divisor is the same for all rows. Returns the new
+  /// id of each node; kNoNode if no root depends on the node.
   std::vector<NodeId> ShareDivisions(const std::vector<NodeId*>& roots);
 
   /// Adds nodes for the derivatives of `root` with respect to the loads in `wanted`, and returns

@@ -282,8 +282,8 @@ struct Watch {
   hn::Vec<Lanes<Real>> difference;
   bool finite = true;
 
-  // Explicit, because the compiler would compile an implicit constructor for the baseline
-  // instruction set.
+  // The constructor is written explicitly, because the compiler would compile an implicit
+  // constructor for the baseline instruction set.
   HWY_INLINE Watch() : difference(hn::Zero(Lanes<Real>())) {}
   HWY_INLINE hn::Vec<Lanes<Real>> See(hn::Vec<Lanes<Real>> value) {
     difference = hn::Add(difference, hn::Sub(value, value));

@@ -12,7 +12,8 @@
 
 namespace vesper::text {
 
-/// Number of rows in a block: so few that all registers of a block fit into the first-level cache.
+/// Number of rows in a block. It is so small that all registers of a block fit into the first-level
+/// cache.
 inline constexpr size_t kBlock = 64;
 /// Number of rows behind a block that loops may read and write.
 inline constexpr size_t kPadding = 16;
@@ -38,7 +39,8 @@ struct Kernels {
   /// Executes a program on `count` rows; registers are (kBlock + kPadding) long.
   void (*run)(std::span<const Instruction> program, Real* const* registers, const Real* uniforms,
               size_t count);
-  /// Computes an operation for one vector of the set; for the functions that machine code calls.
+  /// Computes an operation for one vector of the instruction set. Machine code calls it for
+  /// elementary functions.
   void (*function)(Operation operation, const Real* a, const Real* b, Real* to);
   /// Splits rows of three components into three arrays.
   void (*split3)(const Real* rows, size_t count, Real* x, Real* y, Real* z);
@@ -53,7 +55,7 @@ struct Kernels {
   bool (*finite)(const Real* values, size_t count);
 };
 
-/// Returns the loops for the sets that this processor supports, the fastest first.
+/// Returns the loops for the instruction sets that this processor supports, the fastest first.
 template <class Real>
 const std::vector<Kernels<Real>>& AvailableKernels();
 

@@ -65,7 +65,8 @@ struct PassCode {
   BlockKind kind;
   Span span;
   std::string rows;  // kind of the rows
-  /// For each participant from kFirst on, the reference of the row: property and component.
+  /// For each participant from kFirst on, the reference through which the row refers to it:
+  /// property and component.
   std::vector<Load> references;
   std::vector<std::string> participant_names;
   NodeId within = kNoNode;  // the distance of `within`; the same for all rows
@@ -73,7 +74,7 @@ struct PassCode {
   std::optional<uint32_t> stage;
   std::vector<Output> outputs;
   NodeId energy = kNoNode;
-  std::vector<NamedValue> names;  // for readers of generated code
+  std::vector<NamedValue> names;  // names for readers of generated code
 };
 
 struct LawCode {
@@ -88,15 +89,15 @@ struct LawCode {
   bool has_energy = false;
   std::vector<ParameterCode> parameters;
   std::vector<PropertyCode> properties;
-  /// Indices into `properties` in the order of the law's table. Own memory comes last, so that a
-  /// message about a value that is not finite names a property of the world if possible.
+  /// Indices into `properties` in the order of the law's table. Memory of the law comes last. So a
+  /// message about a value that is not finite names a property of the world, if possible.
   std::vector<uint32_t> table_order;
   std::vector<PassCode> passes;
   Graph graph;
 };
 
-/// Checks a law of a text against the properties of a world. Adds problems to `problems`; the
-/// result is valid only if there are none.
+/// Checks a law of a text against the properties of a world. Adds problems to `problems`. The
+/// result is valid only if there are no problems.
 LawCode Check(std::string_view text, const LawTree& law, const Prototype& prototype,
               Problems& problems);
 

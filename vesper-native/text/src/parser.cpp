@@ -32,7 +32,7 @@ class Parser {
 
   std::vector<LawTree> Run() {
     std::vector<LawTree> laws;
-    if (!reader_.problems().empty()) return laws;  // further ones would be confusing
+    if (!reader_.problems().empty()) return laws;  // further problems would be consequences
     while (reader_.Peek().kind != TokenKind::kEnd && !reader_.problems().full()) {
       Guarded([&] {
         if (!reader_.Peek().Is("law")) {

@@ -52,8 +52,8 @@ class Problems {
 
   /// Returns "wind.law:5:15: message; hint" of the first problem.
   std::string FirstLine(std::string_view source, std::string_view text) const;
-  /// Returns all problems in the order of the text, each with its line, a mark below the part, and
-  /// the hint.
+  /// Returns all problems in the order of the text. Each problem has its line, a mark below the
+  /// part concerned, and the hint.
   std::string Report(std::string_view source, std::string_view text) const;
 
  private:

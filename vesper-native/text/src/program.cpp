@@ -6,8 +6,8 @@
 namespace vesper::text {
 namespace {
 
-/// How often a value changes: never in a call of the law, for each first row of a pair, or for each
-/// row.
+/// The frequency with which a value changes: never during a call of the law, with each first row of
+/// a pair, or with each row.
 enum class Level : uint8_t { kConstant, kOfFirst, kEach };
 
 class Compiler {
@@ -104,7 +104,8 @@ class Compiler {
     return groups.back();
   }
 
-  /// Registers of loads are never overwritten, because they may be the columns themselves.
+  /// Assigns registers to loads. They are never overwritten, because they may be the columns of the
+  /// world themselves.
   void PlaceLoads() {
     for (NodeId id = 0; id < graph_.size(); ++id) {
       const Node& node = graph_[id];
@@ -139,8 +140,8 @@ class Compiler {
     program_.code.push_back(step);
   }
 
-  /// Returns the register of a result. In passes over all pairs, parts of results are set to zero,
-  /// so there a result needs a register of its own.
+  /// Returns the register of a result. In passes over all pairs, parts of results are set to zero.
+  /// Therefore a result needs a separate register in these passes.
   uint16_t ResultRegister(NodeId id) {
     const uint16_t found = RegisterOf(id);
     const bool own = levels_[id] == Level::kEach && graph_[id].operation != Operation::kLoad;
@@ -177,7 +178,7 @@ class Compiler {
   const bool all_pairs_;
   Program program_;
   std::vector<Level> levels_;
-  std::vector<uint16_t> place_;  // by node: a register, or kUniform + the index of a uniform value
+  std::vector<uint16_t> place_;  // register of each node, or kUniform + index of a uniform value
   std::vector<NodeId> last_use_;
   std::vector<bool> needed_;
   std::vector<uint16_t> free_;

@@ -57,13 +57,13 @@ struct Statement {
 
 enum class BlockKind { kRows, kJoined, kPairs };
 
-/// How an energy ends at the distance of `within`: not specified, cut off, shifted to 0, or
-/// smoothly reduced to 0.
+/// The ways in which an energy ends at the distance of `within`: not specified, cut off, shifted to
+/// 0, or smoothly reduced to 0.
 enum class Edge { kUnsaid, kCut, kShifted, kSmooth };
 
 struct Block {
   BlockKind kind;
-  Span span;  // of the block's first line
+  Span span;  // span of the block's first line
   Name rows;  // kind of the rows, as written
   std::vector<Name> participants =
       {};  // kJoined: names of the references; kPairs: two names, or none
@@ -72,7 +72,7 @@ struct Block {
   std::optional<Name> direction = {};
   Edge edge = Edge::kUnsaid;
   Span edge_span = {};
-  std::optional<uint32_t> stage = {};  // from `at stage 1:`
+  std::optional<uint32_t> stage = {};  // stage from `at stage 1:`
   std::vector<Statement> statements = {};
 };
 

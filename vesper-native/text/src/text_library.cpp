@@ -89,7 +89,7 @@ class CompiledText {
 
   const vesper_law_library& table() const { return table_; }
 
-  /// `entry`: index in the table.
+  /// Creates a law; `entry` is its index in the table.
   std::unique_ptr<Instance> Create(size_t entry, const vesper_host& host,
                                    const double* parameters) const {
     const LawCode& law = laws_[entry / 2];
@@ -185,7 +185,7 @@ class CompiledText {
   std::string_view source_;
   std::string_view text_;
   std::vector<LawCode> laws_;
-  std::vector<std::vector<vesper_property_use>> uses_;  // by law and precision
+  std::vector<std::vector<vesper_property_use>> uses_;  // uses by law and precision
   std::vector<std::vector<vesper_parameter_desc>> parameters_;
   std::vector<vesper_law_desc> descs_;
   vesper_law_library table_{};

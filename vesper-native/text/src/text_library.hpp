@@ -41,11 +41,12 @@ class TextLibrary {
   std::vector<std::unique_ptr<CompiledText>> compiled_;
 };
 
-/// Returns all problems of a text for a prototype, each with its line; empty if there are none.
+/// Returns all problems of a text for a prototype, each with its line. Returns an empty text if
+/// there are no problems.
 std::string Report(std::string_view source, std::string_view text, const Prototype& prototype);
 
-/// Returns a text as the source of a compiled law library. Throws LIBRARY_LOAD_FAILED with the
-/// first problem.
+/// Translates a text to the C++ source of a law library. Throws LIBRARY_LOAD_FAILED with the first
+/// problem.
 std::string ToCpp(std::string_view source, std::string_view text, const Prototype& prototype);
 
 }  // namespace vesper::text

@@ -24,9 +24,9 @@ struct Token {
   }
 };
 
-/// Splits a text into tokens. Blocks are marked by kIndent and kDedent; a line that begins with an
-/// operator, and lines inside brackets, continue the previous line. Superscript digits become the
-/// sign "^" and a number.
+/// Splits a text into tokens. The tokens kIndent and kDedent mark blocks. A line that begins with
+/// an operator continues the previous line, and so do lines inside brackets. Superscript digits
+/// become the sign "^" and a number.
 std::vector<Token> Tokens(std::string_view text, Problems& problems);
 
 /// Describes a token for messages: "'force'", "the end of the line" and so on.

@@ -21,8 +21,9 @@ class Environment(gymnasium.Env[Any, Any]):
     Every episode starts from the initial state of the world, with the changes of the task's
     `begin`. Therefore the same seed and actions give the same observations, to the bit. `info`
     contains the world's `time` [s] and the `items` that the agent perceives. With `render_mode`
-    "rgb_array", `render` returns the picture of a `camera`: the item that carries it, which is the
-    agent's body or an item that the world lends, and the sensor's name.
+    "rgb_array", `render` returns the picture of `camera`, which is a pair: the item that carries
+    the camera, and the sensor's name. The item is the agent's body, or an item that the world
+    grants to agents as a body.
     """
 
     metadata: Dict[str, Any] = {"render_modes": RENDER_MODES}

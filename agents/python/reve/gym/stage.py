@@ -19,7 +19,7 @@ Address = Tuple[str, int]
 Camera = Tuple[str, str]
 """A camera: the item that carries it, and the sensor's name.
 
-The item is the body of one of the tasks, or one that the world lends.
+The item is the body of one of the tasks, or an item that the world grants to agents as a body.
 """
 
 RENDER_MODES: List[str] = ["rgb_array"]
@@ -136,7 +136,7 @@ class Stage:
         return perceptions
 
     def step(self, acts: Mapping[str, Iterable[Act]]) -> Dict[str, Perception]:
-        """Does the acts of all agents, advances by a step, and returns the perceptions."""
+        """Performs the acts of all agents, advances by a step, and returns the perceptions."""
         if self._frame == 0:
             raise gymnasium.error.ResetNeeded("an episode begins with reset, and step comes after")
         for name, agent in self._agents.items():

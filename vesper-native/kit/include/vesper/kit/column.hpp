@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One column of a property of any type.
+// A column for a property of any scalar type.
 #pragma once
 
 #include <cstddef>

@@ -11,8 +11,8 @@ namespace vesper {
 
 class AnalyticField {
  public:
-  /// Creates a field with vectors in a cube of side 2, or numbers from 0.5 to 2, as in the columns
-  /// of a World.
+  /// Creates a field. Its values are vectors in a cube of side 2, or numbers from 0.5 to 2. The
+  /// columns of a World have values in the same ranges.
   explicit AnalyticField(const vesper_property_descriptor& descriptor) : descriptor_(&descriptor) {}
 
   const vesper_property_descriptor& descriptor() const { return *descriptor_; }

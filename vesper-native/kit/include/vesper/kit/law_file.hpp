@@ -23,7 +23,8 @@ class LawFile {
 
   /// Returns NAME of a path that ends with libvesper_law_NAME.so, NAME.law or NAME.py.
   static std::string NameOf(const std::string& path);
-  /// Returns NAME.law, for example: the name of the file of a library NAME in the form of `path`.
+  /// Returns the file name of a library `name` in the same form as the file `path`. For example,
+  /// returns `name`.law if `path` is a text.
   static std::string FileNameFor(const std::string& path, const std::string& name);
   static bool IsPython(const std::string& path);
   /// Prepares a library of any form for engines of a prototype. Throws std::runtime_error.
@@ -67,8 +68,8 @@ class LawFile {
 
   std::string path_;
   std::unique_ptr<void, Close> handle_;  // null: not a shared object
-  Prepared prepared_{};                  // of a text, or of a file in Python for f64
-  Prepared f32_prepared_{};              // of a file in Python
+  Prepared prepared_{};                  // tables of a text, or of a file in Python for f64
+  Prepared f32_prepared_{};              // tables of a file in Python for f32
   const vesper_law_library* table_;
   const vesper_law_library* f32_table_ = nullptr;
 };

@@ -42,8 +42,8 @@ class World {
   /// Rotates vectors, orientations and fields about the origin.
   void Rotate(const Quaternion& by);
 
-  /// Returns the columns and fields that a law uses, in its order. They are borrowed, like all
-  /// their values.
+  /// Returns the columns and fields that a law uses, in the order of its uses. The results point
+  /// into this object.
   std::vector<vesper_property> PropertiesFor(const vesper_law_desc& law);
   /// Creates an engine with one library. Its prototype contains the world's fields for FIELD
   /// properties that the library does not provide. The world must keep its address from now on.

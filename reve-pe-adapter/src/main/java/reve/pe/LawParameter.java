@@ -4,7 +4,7 @@ package reve.pe;
 /**
  * A parameter that a law declares.
  *
- * @param unit that the law expects; the numbers below are in this unit
+ * @param unit unit that the law expects; the following numbers are in this unit
  * @param standard default value
  * @param minimum inclusive
  * @param maximum inclusive

@@ -6,10 +6,10 @@ import org.jspecify.annotations.Nullable;
 import java.lang.foreign.MemorySegment;
 
 /**
- * The interface through which a client lends arrays to an engine. Arrays are native memory. They
- * must stay alive and unmoved from add or rebind until remove, rebind or close of the engine. The
- * thread rule of {@link PhysicsEngine} applies. Every method throws {@link PhysicsException} if the
- * engine refuses the call.
+ * The interface through which a client lends arrays to an engine. Arrays are native memory. The
+ * client must keep an array alive and in place until it removes or rebinds the property or closes
+ * the engine. The thread rule of {@link PhysicsEngine} applies. Every method throws {@link
+ * PhysicsException} if the engine refuses the call.
  */
 public interface PhysicalPropertyProvider {
     /**
@@ -48,7 +48,7 @@ public interface PhysicalPropertyProvider {
         rebindPhysicalProperty(name, data, objectCount, null, objectCount);
     }
 
-    /** Removes an array. While a loaded law needs it, the engine refuses with ACCESS_CONFLICT. */
+    /** Removes an array. The engine refuses with ACCESS_CONFLICT while a loaded law needs it. */
     void removePhysicalProperty(String name);
 
     /** Returns the bound property. */

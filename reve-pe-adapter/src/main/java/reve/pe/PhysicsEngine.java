@@ -19,8 +19,8 @@ public interface PhysicsEngine extends AutoCloseable {
     Prototype prototype();
 
     /**
-     * Opens and checks a law library without activating it. Any thread, also during an advance;
-     * takes milliseconds.
+     * Opens and checks a law library without activating it, which takes milliseconds. For any
+     * thread, also during an advance.
      *
      * @param library a bare name, searched in the law path, or a path with a '/', used as is
      */
@@ -52,8 +52,8 @@ public interface PhysicsEngine extends AutoCloseable {
     PreparedLibrary prepare(byte[] library);
 
     /**
-     * Activates a prepared library; call it between frames. The engine owns the library afterwards;
-     * if it refuses, the caller still does.
+     * Activates a prepared library; call it between frames. The engine owns the library afterwards.
+     * If the engine refuses the library, the caller still owns it.
      *
      * @param parameters values, keyed by {@code parameter} or {@code law.parameter}; omitted
      *     parameters have their default
@@ -69,10 +69,11 @@ public interface PhysicsEngine extends AutoCloseable {
     }
 
     /**
-     * Replaces a loaded library by a prepared one between two frames. The new one takes the id, the
-     * place in the order, and the state of laws for each row where its layout is the same; its
-     * interval is 1. If the engine refuses it, or it fails, the old one stays as it was, and the
-     * caller still owns the new one.
+     * Replaces a loaded library by a prepared library between two frames. The new library takes the
+     * id and the place of the old library in the order of loading. It also takes the state of laws
+     * for each row, where the layout of this state is the same. Its interval is 1. If the engine
+     * refuses the new library, or the new library fails, the old library stays as it was, and the
+     * caller still owns the new library.
      *
      * @param parameters as for {@link #loadPhysicsLaw(PreparedLibrary, Map)}
      */
@@ -93,9 +94,10 @@ public interface PhysicsEngine extends AutoCloseable {
     }
 
     /**
-     * Sets in which steps the laws of a library are called: in those whose number is a multiple of
-     * the interval. In these steps, what the laws add is multiplied by the interval; in all others,
-     * they add nothing, so their impulse stays the same. Each load of a library resets it to 1.
+     * Sets in which steps the laws of a library are called: in every step whose number is a
+     * multiple of the interval. In these steps, the engine multiplies the forces that the laws add
+     * by the interval; in all other steps, the laws add nothing. So their impulse stays the same.
+     * Each load of a library resets the interval to 1.
      *
      * @param interval 1 for every step, 0 for never; more than 1 only if all laws of the library
      *     are force laws that write no property
@@ -104,17 +106,19 @@ public interface PhysicsEngine extends AutoCloseable {
 
     /**
      * Begins a series of changes, such as loading and unloading libraries, that can be undone as a
-     * whole. Between frames.
+     * whole. Call it between frames.
      *
      * @throws IllegalStateException if a series has begun, or there is no process for the engine
      */
     void beginChanges();
 
     /**
-     * Ends a series of changes. If they are undone, the engine has the libraries of {@link
-     * #beginChanges} again, with their ids, order, parameters and intervals, and its state; the
-     * client restores the arrays. This opens no library and needs no process, so it cannot fail.
+     * Ends a series of changes, and keeps or undoes them. To undo changes, the engine restores its
+     * libraries at {@link #beginChanges}, with their ids, order, parameters and intervals, and its
+     * own state. The client restores the arrays. This opens no library and needs no process, so it
+     * cannot fail.
      *
+     * @param keep true to keep the changes, false to undo them
      * @throws IllegalStateException if no series has begun
      */
     void endChanges(boolean keep);
@@ -133,8 +137,8 @@ public interface PhysicsEngine extends AutoCloseable {
     void readTimes(long[] into);
 
     /**
-     * Returns the part of the last advance in which the engine waited for a processor, as far as it
-     * is known [ns]. The times of laws contain it.
+     * Returns the time of the last advance in which the engine waited for a processor, as far as it
+     * is known [ns]. The times of laws include this time.
      */
     default long waitedNanos() {
         return 0;
@@ -154,10 +158,10 @@ public interface PhysicsEngine extends AutoCloseable {
     void clearFault();
 
     /**
-     * Notifies the engine that the client moves rows of a kind, one after the other: row {@code
-     * from} to row {@code to <= from}, whose item was removed. The laws' state for the moved item
-     * moves with it, and row {@code from} is then a new row. {@code from == to} means that the item
-     * of that row was removed.
+     * Notifies the engine that the client moves rows of a kind, one after the other. Each move
+     * takes row {@code from} to row {@code to <= from}, whose item was removed. The laws' state for
+     * the moved item moves with it, and row {@code from} is a new row afterwards. {@code from ==
+     * to} means that the item of that row was removed.
      *
      * @param moves from and to of each move; the engine keeps the array, which must not change
      */
@@ -178,8 +182,8 @@ public interface PhysicsEngine extends AutoCloseable {
     long stepCount();
 
     /**
-     * Returns a copy of the state that is in no array of the client: the step count, and the state
-     * of laws for each row. Together with the arrays, it continues a run with equal bits, in any
+     * Returns a copy of the state that only the engine has: the step count, and the state of laws
+     * for each row. This state and the arrays together continue a run with equal bits, in any
      * process. Call it between frames.
      */
     byte[] saveState();
@@ -199,14 +203,15 @@ public interface PhysicsEngine extends AutoCloseable {
     /**
      * Opens or closes the ledger, an account of the momentum and energy that each law adds. Opening
      * an open ledger restarts it. From the next advance on, the engine records these contributions,
-     * at the cost of a few passes over the bodies in each step. Needs the properties mass, position
-     * and velocity.
+     * which costs a few passes over the bodies in each step. The ledger needs the properties mass,
+     * position and velocity.
      */
     void setLedger(boolean on);
 
     /**
-     * Returns the ledger, which must be open, as of the last successful advance: first the laws in
-     * the order of {@link #laws}, then the lines client, ground, unloaded and total.
+     * Returns the lines of the ledger as of the last successful advance. The ledger must be open.
+     * The lines of the laws come first, in the order of {@link #laws}, then the lines client,
+     * ground, unloaded and total.
      */
     List<LedgerLine> ledger();
 

@@ -16,7 +16,7 @@ public final class PhysicsException extends RuntimeException {
     /** Id of the library that caused the failure, or 0. */
     private final int libraryId;
 
-    /** Name of that library, or empty. */
+    /** Name of the library that caused the failure, or empty. */
     private final String library;
 
     /** Name of the law that caused the failure, or empty. */
@@ -67,7 +67,7 @@ public final class PhysicsException extends RuntimeException {
         return libraryId;
     }
 
-    /** Returns the name of that library, or empty. */
+    /** Returns the name of the loaded library that caused the failure, or empty. */
     public String library() {
         return library;
     }

@@ -8,10 +8,10 @@ import java.util.Set;
 /**
  * A loaded law.
  *
- * @param libraryId its library within the engine; at least 1, never reused
- * @param library name of that library
+ * @param libraryId id of its library within the engine; at least 1, never reused
+ * @param library name of its library
  * @param stages force evaluations per step, if the law is an integrator; otherwise 0
- * @param claims what the law guarantees
+ * @param claims invariants that the law guarantees
  * @param uses properties in the order in which the law declares them
  * @param parameters in the order in which the law declares them
  * @param calls number of calls since the law was loaded
@@ -30,7 +30,7 @@ public record PhysicsLaw(
         List<LawParameter> parameters,
         long calls,
         long nanoseconds) {
-    /** An invariant that a law guarantees; in the order of the bits of `VESPER_CLAIM_…`. */
+    /** The invariants that a law may guarantee, in the order of the bits `VESPER_CLAIM_…`. */
     public enum Claim {
         /** The sum of its forces is zero. */
         MOMENTUM,

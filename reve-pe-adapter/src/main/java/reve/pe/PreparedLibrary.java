@@ -5,8 +5,8 @@ import java.nio.charset.StandardCharsets;
 
 /**
  * A law library that is opened and checked, and can be activated quickly. The caller owns it until
- * {@link PhysicsEngine#loadPhysicsLaw} takes it. A library that no engine took is closed by the
- * caller, on any thread, before the engine that prepared it is closed.
+ * {@link PhysicsEngine#loadPhysicsLaw} takes it. If no engine takes it, the caller closes it, on
+ * any thread, before closing the engine that prepared it.
  */
 public interface PreparedLibrary extends AutoCloseable {
     /** Maximum size of a law library [bytes]. */
@@ -24,7 +24,10 @@ public interface PreparedLibrary extends AutoCloseable {
     /** Suffix of file names of laws in Python. */
     String PYTHON_ENDING = ".py";
 
-    /** Every file with laws in Python has a line that begins with this; a law as text never has. */
+    /**
+     * Beginning of a line that every file with laws in Python contains. No law as text contains
+     * such a line.
+     */
     String PYTHON_SIGN = "@vesper.law";
 
     /**
@@ -58,8 +61,9 @@ public interface PreparedLibrary extends AutoCloseable {
     String name();
 
     /**
-     * Returns the versions of the programs on which the results of the library depend besides its
-     * bytes, for example {@code Python 3.11.2, NumPy 1.24.2}; empty for native code and texts.
+     * Returns the versions of the programs on which the results of the library depend, for example
+     * {@code Python 3.11.2, NumPy 1.24.2}. Empty for native code and texts, whose results depend on
+     * their bytes only.
      */
     default String versions() {
         return "";
@@ -71,7 +75,10 @@ public interface PreparedLibrary extends AutoCloseable {
     /** Returns the library's bytes; the caller must not change them. */
     byte[] bytes();
 
-    /** Returns whether an engine may take it: none has, and it is not closed. For any thread. */
+    /**
+     * Returns whether an engine may take this library: no engine has taken it, and it is not
+     * closed. For any thread.
+     */
     boolean isFree();
 
     /** Frees the library if no engine took it. Idempotent. */

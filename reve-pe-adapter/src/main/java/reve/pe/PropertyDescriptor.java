@@ -10,13 +10,13 @@ import java.util.Set;
  * The declaration of one property of a prototype.
  *
  * @param name unique within the prototype, at most 47 bytes of UTF-8
- * @param kind kind of items, for example "body": all properties of a kind have the same number of
+ * @param kind kind of items, for example "body"; all properties of a kind have the same number of
  *     rows
  * @param components values per row, at least 1
  * @param lawAccess maximum access that a law may request
  * @param refersTo kind whose rows this U32 property's values refer to, or null
- * @param initialFrom for accumulators: property of the same kind, type and unit from whose values
- *     each sum starts, or null for zero
+ * @param initialFrom for accumulators: the property of the same kind, type and unit from whose
+ *     values each sum starts, or null if sums start from zero
  * @param minimum minimum value in the client's arrays [unit], for reals that laws only read;
  *     negative infinity for none
  * @param doc one line, may be empty

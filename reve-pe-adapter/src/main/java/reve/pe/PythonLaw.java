@@ -13,15 +13,15 @@ public final class PythonLaw {
 
     private PythonLaw() {}
 
-    /** Returns a name for a file whose path is unknown: the name of its first law. */
+    /** Returns the name of the first law of a file, as a name for a file whose path is unknown. */
     public static String nameOf(byte[] file) {
         Matcher first = FIRST.matcher(new String(file, StandardCharsets.UTF_8));
         return (first.find() ? first.group(1) : "law") + PreparedLibrary.PYTHON_ENDING;
     }
 
     /**
-     * Returns the exception of an engine that runs in the client's own process, where Python laws
-     * are not permitted.
+     * Returns the exception that an engine in the client's own process throws. Laws in Python are
+     * not permitted in this process.
      */
     public static PhysicsException refusedHere(String file) {
         return new PhysicsException(

@@ -11,7 +11,7 @@ public enum Status {
     ALREADY_EXISTS,
     /** The engine is inside {@link PhysicsEngine#advance}. */
     BUSY,
-    /** A library was built for another contract version. */
+    /** A library was built for another version of the binary contract (ABI). */
     ABI_MISMATCH,
     /** Scalar type or number of components differ. */
     TYPE_MISMATCH,

@@ -8,8 +8,8 @@ import java.util.OptionalLong;
  * The result of an act or a command.
  *
  * @param frame number of the frame in which the act took effect, if it was accepted
- * @param code of the refusal, for programs
- * @param reason of the refusal, for people
+ * @param code code of the refusal, for programs
+ * @param reason reason for the refusal, for people
  * @param value the answer to a question: a List or Map of texts, numbers, truth values, lists and
  *     maps
  */

@@ -22,8 +22,8 @@ import java.util.function.Supplier;
  * messages and answers the server's pings while the agent computes. Methods may be called from any
  * thread.
  *
- * <p>With {@link Join#withGrace} the client reconnects by itself when its connection breaks:
- * pending calls still receive their answers, and the server executes no action twice.
+ * <p>With {@link Join#withGrace} the client reconnects automatically when its connection breaks.
+ * Calls in progress still receive their answers, and the server executes no action twice.
  *
  * <p>Every call throws {@link DisconnectedException} after the connection has ended, and {@link
  * AgentException} with code {@code no-answer} if the server does not answer within {@link
@@ -36,7 +36,7 @@ public final class AgentClient implements AutoCloseable {
 
     private static final Duration RETRY = Duration.ofMillis(200);
 
-    /** Code with which the server refuses to resume the session for now; the client tries again. */
+    /** Code of a temporary refusal to resume the session; the client tries again. */
     private static final String TOO_OFTEN = "resumed-too-often";
 
     private final InetSocketAddress address;
@@ -101,9 +101,9 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Returns the items of the next frame. The symbols (named facts) of items with a shape then
-     * also contain the relations {@code near}, {@code on}, {@code inside} and {@code touching};
-     * each lists the names of other items.
+     * Returns the items of the next frame, with relations. The symbols (named facts) of items with
+     * a shape then also contain the relations {@code near}, {@code on}, {@code inside} and {@code
+     * touching}. Each relation lists the names of other items.
      */
     public Perception perceiveWithRelations() {
         return ask(Protocol::perceiveWithRelations, Perception.class);
@@ -202,8 +202,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Returns the perception that would follow after that many frames if no agent acts. The server
-     * computes it in a copy of the world. For the role control.
+     * Returns a predicted perception: the perception after {@code frames} more frames if no agent
+     * acts. The server computes it in a copy of the world. For the role control.
      *
      * @throws AgentException with the server's code if the number of frames is too large
      */
@@ -230,7 +230,7 @@ public final class AgentClient implements AutoCloseable {
 
     /**
      * In lock-step: performs the acts in the next frame and returns the perception at the end of
-     * the round (which may have several frames), with the results of the acts.
+     * the round, with the results of the acts. A round may have several frames.
      *
      * @throws IllegalStateException if the agent is not in lock-step
      */
@@ -246,8 +246,9 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * In lock-step: waits for the newest perception that was not returned yet; after its frame, the
-     * world waits for the agent. The first perception shows the frame in which the agent joined.
+     * In lock-step: waits for the newest perception that this method has not returned yet. The
+     * world waits for the agent after the frame of this perception. The first perception shows the
+     * frame in which the agent joined.
      */
     public Perception observe() {
         return observe(0);
@@ -289,17 +290,17 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Returns the events since the last call, oldest first. A {@link WorldEvent#MISSED} represents
-     * events that the server did not send.
+     * Returns the events since the last call, oldest first. An event of type {@link
+     * WorldEvent#MISSED} represents events that the server did not send.
      */
     public synchronized List<WorldEvent> events() {
         return talk.events();
     }
 
     /**
-     * Returns the number of events that the server did not send, see {@link WorldEvent#MISSED}. A
-     * lower bound: if the server does not know how many there were while a connection was broken,
-     * they count as one.
+     * Returns the minimum number of events that the server did not send, see {@link
+     * WorldEvent#MISSED}. If the server does not know the number of events while a connection was
+     * broken, these events count as one.
      */
     public synchronized long missedEvents() {
         return talk.missedEvents();
@@ -390,8 +391,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Sends with {@link #sending} held. Does nothing on a broken connection: after a reconnection,
-     * the messages still without answer are sent again.
+     * Sends data, with {@link #sending} held. Does nothing on a broken connection, because the
+     * messages without an answer are sent again after a reconnection.
      */
     private void send(byte[] lines) {
         try {
@@ -450,7 +451,7 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Reconnects until the time of grace is over.
+     * Tries to reconnect until it succeeds or the time of grace is over.
      *
      * @return true if the client is connected again
      * @throws AgentException if the server refuses the session

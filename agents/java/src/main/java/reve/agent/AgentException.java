@@ -5,8 +5,8 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * The server refused a message, ended the connection, or did not answer. Programs read the code;
- * people read the message, which ends with the hint, if there is one.
+ * The exception for a server that refused a message, ended the connection, or did not answer.
+ * Programs read the code. People read the message, which ends with the hint, if there is one.
  */
 public class AgentException extends RuntimeException {
 

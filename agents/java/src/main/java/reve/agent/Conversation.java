@@ -22,9 +22,9 @@ import java.util.Set;
 import java.util.function.LongFunction;
 
 /**
- * The state of one session, over one or several connections. Has no sockets and no threads: methods
- * return the bytes to send, and {@link #take} receives messages. Threads that share a conversation
- * need a lock.
+ * The state of one session, over one or several connections. It has no sockets and no threads.
+ * Methods return the bytes to send, and {@link #take} receives messages. Threads that share a
+ * conversation need a lock.
  */
 final class Conversation {
 
@@ -57,8 +57,8 @@ final class Conversation {
     private long frameSeen;
 
     /**
-     * Frame numbers of received events that are later than {@link #frameSeen}, up to which no event
-     * is missing.
+     * Frame numbers of received events that are later than {@link #frameSeen}. Up to the frame
+     * {@code frameSeen}, no event is missing.
      */
     private final List<Long> seenAfter = new ArrayList<>();
 
@@ -86,7 +86,7 @@ final class Conversation {
         return new Question(id, line);
     }
 
-    /** Requests the perception after that many frames of a copy of the world. */
+    /** Requests the perception of a copy of the world after {@code frames} more frames. */
     Question fork(int frames, List<? extends Map<String, ?>> changes) {
         Map<String, ?> fields =
                 changes.isEmpty()
@@ -193,8 +193,8 @@ final class Conversation {
     }
 
     /**
-     * Returns whether a perception of that frame or a later one is available, and the results of
-     * the round's acts too.
+     * Returns whether a perception of the given frame or a later one is available, together with
+     * the results of the round's acts.
      */
     boolean hasObservation(long frame) {
         return known != null
@@ -216,8 +216,9 @@ final class Conversation {
     }
 
     /**
-     * Returns whether to send {@code ready} without acts: a round ended without this agent, and the
-     * world waits in the next round while the agent still waits for results of its acts.
+     * Returns whether the client must send {@code ready} without acts. This is necessary if a round
+     * ended without this agent: the world waits for the agent in the next round, while the agent
+     * still waits for results of its acts.
      */
     boolean mustSayReady() {
         return known != null && known.frame() > readyFrame && !isAllDone();

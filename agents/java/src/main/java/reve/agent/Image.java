@@ -9,15 +9,15 @@ import java.util.Optional;
  * A picture from a camera, in rows from the top. Buffers are read-only and little-endian; layers
  * that the camera lacks are empty.
  *
- * @param id of the request
- * @param time of the world [s]
+ * @param id id of the request
+ * @param time time of the world [s]
  * @param sensor the camera
  * @param width [px]
  * @param height [px]
  * @param colour red, green and blue in sRGB, one byte each
  * @param depth along the view axis [m], f32; 0 where nothing is in range
- * @param items u16; 0 for no item, else the index of its name, from 1
- * @param names of the visible items
+ * @param items u16; 0 for no item, else the index of its name in {@code names}, from 1
+ * @param names names of the visible items
  */
 public record Image(
         long id,

@@ -12,7 +12,7 @@ import java.util.OptionalLong;
 /**
  * All items that an agent perceives in one frame.
  *
- * @param time of the world [s]
+ * @param time time of the world [s]
  * @param results in lock-step, the results of the previous round's acts, in order
  */
 public record Perception(
@@ -65,14 +65,14 @@ public record Perception(
     /**
      * One perceived item.
      *
-     * @param location in the world's reference frame [m]; empty if the item has none or it is not
-     *     sensed
-     * @param orientation in the world's reference frame
+     * @param location location in the world's reference frame [m]; empty if the item has no
+     *     location or no sensor reaches it
+     * @param orientation orientation in the world's reference frame
      * @param symbols named facts about the item: String, Double, Boolean or a List of these
-     * @param actions parameters by name, by action
-     * @param needs required capabilities of the acting body, by action; omits actions that need
-     *     none
-     * @param capabilities of the item itself
+     * @param actions the parameters of each action, by name
+     * @param needs the capabilities that each action requires of the acting body; omits actions
+     *     that require none
+     * @param capabilities capabilities of the item itself
      */
     public record Item(
             String name,
@@ -98,7 +98,7 @@ public record Perception(
      *
      * @param type "number", "text", "truth" or "item"
      * @param components number of components, for numbers only
-     * @param unit for numbers only
+     * @param unit unit of the numbers, for numbers only
      * @param min minimum of each component, if there is one
      * @param max maximum of each component, if there is one
      */

@@ -117,7 +117,7 @@ final class Protocol {
     }
 
     /**
-     * @param frame of the perception on which the agent's decision is based
+     * @param frame frame of the perception on which the agent's decision is based
      */
     static ObjectNode ready(OptionalLong frame) {
         ObjectNode message = message("ready");

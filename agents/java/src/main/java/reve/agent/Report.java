@@ -8,7 +8,7 @@ import java.util.Map;
 /**
  * The answer to a query about the world, see agents/protocol/PROTOCOL.md.
  *
- * @param id of the query
+ * @param id id of the query
  * @param of type of the query
  * @param content String, Number, Boolean, or a List or Map of these, by name
  */

@@ -5,7 +5,8 @@ import java.util.Optional;
 import java.util.OptionalLong;
 
 /**
- * A message from a server. Sealed: any other message belongs to another version of the protocol.
+ * A message from a server. The interface is sealed, because any other message belongs to another
+ * version of the protocol.
  */
 public sealed interface ServerMessage
         permits Welcome,

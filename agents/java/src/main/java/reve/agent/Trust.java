@@ -31,7 +31,7 @@ public final class Trust {
     /**
      * Returns an SSL context that trusts only the certificates in a file.
      *
-     * @param file PEM: the server's own certificate, or that of its issuer
+     * @param file PEM file with the server's own certificate, or with that of its issuer
      * @throws IOException naming the file, if it cannot be read or contains no certificate
      */
     public static SSLContext file(Path file) throws IOException {

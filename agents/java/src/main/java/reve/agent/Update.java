@@ -9,9 +9,9 @@ import java.util.OptionalLong;
 /**
  * The differences from an earlier perception; {@link AgentClient} applies them.
  *
- * @param time of the world [s]
+ * @param time time of the world [s]
  * @param since frame of the earlier perception
- * @param left names of items that are no longer perceived
+ * @param left names of items of the earlier perception that this one does not contain
  */
 record Update(
         OptionalLong id,

@@ -34,8 +34,8 @@ public record Welcome(
         implements ServerMessage {
 
     /**
-     * The token with which another connection resumes the session, if it does so within {@code
-     * graceSeconds} after the connection breaks.
+     * The token with which a new connection resumes the session. It must do so within {@code
+     * graceSeconds} after the old connection broke.
      */
     public record Ticket(String token, double graceSeconds) {}
 
@@ -43,10 +43,11 @@ public record Welcome(
      * Limits of the server. A limit that the server does not have is empty.
      *
      * @param lineBytes maximum length of a message
-     * @param messagesPerSecond maximum rate of messages, per second of the clock or, in lock-step,
-     *     of world time if that is faster; the server delays further messages
+     * @param messagesPerSecond maximum rate of messages, per second of the clock; in lock-step, per
+     *     second of world time if world time is faster. The server delays further messages
      * @param actsInFlight maximum number of commands without a result
-     * @param idleSeconds silence after which the server sends a ping; the client answers by itself
+     * @param idleSeconds silence after which the server sends a ping; the client answers it
+     *     automatically
      * @param graceSeconds maximum time of grace
      * @param items maximum number of items created by the agent's actions
      * @param worldItems maximum number of items created by actions of all agents

@@ -116,8 +116,8 @@ final class Wire implements Closeable {
     }
 
     /**
-     * Waits for the welcome; before it, the server may only ping, refuse the hello or end the
-     * connection.
+     * Waits for the welcome. Before the welcome, the server may only send pings, refuse the hello
+     * or end the connection.
      */
     private Welcome awaitWelcome(Duration patience) throws IOException {
         try {

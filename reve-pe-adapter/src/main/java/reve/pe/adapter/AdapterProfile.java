@@ -4,7 +4,7 @@ package reve.pe.adapter;
 /**
  * The adapter's wall-clock times so far; for reports only.
  *
- * @param frames advanced
+ * @param frames number of frames so far
  * @param redoneFrames number of frame repetitions after a law had failed
  * @param bindNanoseconds time for passing changes of the world to the engine [ns]
  * @param copyNanoseconds time for copying the columns that laws may write [ns]

@@ -21,16 +21,16 @@ import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 
 /**
- * Finds the law that is the cause if the numbers of another law stop being finite. A law that
- * computes such numbers from moderate ones is the cause itself. If it has read extreme numbers that
- * laws write, the frame is tried again without each other library; the one without which it
- * succeeds is the cause. World's thread, after a failure.
+ * Finds the library that is the cause if the numbers of a law are not finite. If the law computed
+ * these numbers from moderate numbers, its own library is the cause. If the law has read extreme
+ * numbers that other laws write, the frame is tried again without each other library. The library
+ * without which the frame succeeds is the cause. World's thread, after a failure.
  */
 final class Blame {
     /** Maximum number of trials in a frame. */
     private static final int MOST_TRIALS = 32;
 
-    /** Magnitudes above which numbers are extreme: their higher powers are not finite. */
+    /** Magnitude above which f64 numbers are extreme: their higher powers are not finite. */
     private static final double EXTREME_F64 = 1e50;
 
     private static final float EXTREME_F32 = 1e12f;
@@ -53,8 +53,8 @@ final class Blame {
     }
 
     /**
-     * Returns whether a law failed with its numbers after it had read extreme ones in a property
-     * that it does not write itself. Before the columns are restored.
+     * Returns whether a law failed because of its numbers, and has read extreme numbers in a
+     * property that it does not write itself. Must be called before the columns are restored.
      */
     boolean hasReadExtremes(PhysicsException failure) {
         return failure.status() == Status.LAW_MISBEHAVED
@@ -63,9 +63,10 @@ final class Blame {
     }
 
     /**
-     * Returns the failure of the library that is the cause: the one that was loaded last of those
-     * without which the frame succeeds; the given failure if there is none. The columns are those
-     * of the beginning of the frame, before and after.
+     * Returns the failure of the library that is the cause. If the frame succeeds without any one
+     * of several libraries, the cause is the library among them that was loaded last. If there is
+     * no such library, returns the given failure. The columns are those of the beginning of the
+     * frame, before and after this call.
      */
     PhysicsException cause(FrameEvent frame, PhysicsException failure) {
         List<Map.Entry<Integer, LawLibrary>> others = new ArrayList<>(laws.byId().entrySet());

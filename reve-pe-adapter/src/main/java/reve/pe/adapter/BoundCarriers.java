@@ -7,9 +7,10 @@ import reve.core.world.Table;
 import reve.core.world.World;
 
 /**
- * For each row the engine's row of the body with physics that the item is attached to, directly or
- * not, and -1 for an item that is attached to nothing or to scenery. Attachments change the layout
- * of the world, so that this property is then bound again.
+ * A property that contains, for each item, the engine's row of the body that carries the item. This
+ * is the body with physics to which the item is attached, directly or through other items. The
+ * value is -1 for an item that is attached to nothing or to scenery. A change of attachments
+ * changes the layout of the world, so the adapter then binds this property again.
  */
 final class BoundCarriers extends BoundRowNumbers {
     private final World world;

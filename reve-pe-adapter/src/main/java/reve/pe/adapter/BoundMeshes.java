@@ -28,7 +28,7 @@ import java.util.Optional;
  * state of the world only. World's thread only.
  */
 final class BoundMeshes {
-    /** Numbers of a row of {@code meshRanges}: see the engine's standard prototype. */
+    /** Count of numbers in a row of {@code meshRanges}; see the engine's standard prototype. */
     private static final int RANGES = 10;
 
     private final World world;
@@ -36,10 +36,10 @@ final class BoundMeshes {
     private final Column shapes;
     private final ColumnArena arena;
 
-    /** The row of each mesh; equal meshes have the same one. */
+    /** The row of each mesh; equal meshes have the same row. */
     private final Map<Mesh, Integer> rows = new IdentityHashMap<>();
 
-    /** The mesh of each key, with its hash. */
+    /** The content of each mesh, with its hash. */
     private final Map<Mesh, Content> contents = new IdentityHashMap<>();
 
     private List<Mesh> meshes = List.of();
@@ -142,7 +142,7 @@ final class BoundMeshes {
         }
     }
 
-    /** Writes all meshes and their hulls. The caller rebinds before the engine runs. */
+    /** Writes all meshes and their hulls. The caller must rebind them before the engine runs. */
     private void write() {
         pointCount = 0;
         indexCount = 0;
@@ -214,7 +214,7 @@ final class BoundMeshes {
         };
     }
 
-    /** For each row of bodies or scenery the row of the mesh. */
+    /** The property that contains, for each row of bodies or scenery, the row of the mesh. */
     static final class Rows extends BoundRowNumbers {
         private final BoundMeshes meshes;
         private long seen = -1;
@@ -240,7 +240,7 @@ final class BoundMeshes {
         }
     }
 
-    /** The meshes themselves, which have rows of their own. */
+    /** The properties of the meshes themselves, which are separate kinds with their own rows. */
     static final class Data extends BoundProperty {
         private final BoundMeshes meshes;
         private final String kind;

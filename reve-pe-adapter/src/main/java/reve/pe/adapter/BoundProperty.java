@@ -15,7 +15,8 @@ abstract sealed class BoundProperty
     private boolean added;
 
     /**
-     * @param scenery whether the engine's rows are those without a physics aspect
+     * @param scenery whether the engine's rows of this property are the items without a physics
+     *     aspect
      */
     BoundProperty(String name, Table table, boolean scenery) {
         this.name = name;
@@ -59,7 +60,7 @@ abstract sealed class BoundProperty
         return added;
     }
 
-    /** Takes the property from the engine, if it has it. */
+    /** Removes the property from the engine, if the engine has it. */
     final void unbind(PhysicalPropertyProvider provider) {
         if (added) {
             provider.removePhysicalProperty(name);

@@ -28,7 +28,8 @@ final class BoundReferences extends BoundProperty {
     private @Nullable MemorySegment rows;
 
     /**
-     * @param columns of references to items of the target table, side by side in the property
+     * @param columns columns of references to items of the target table; they are side by side in
+     *     the property
      */
     BoundReferences(
             String name,

@@ -9,7 +9,10 @@ import reve.core.world.Table;
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 
-/** For each row of bodies, or of scenery, a row that the adapter computes; -1 for none. */
+/**
+ * A property that contains, for each row of bodies or of scenery, a row number that the adapter
+ * computes; -1 for none.
+ */
 abstract sealed class BoundRowNumbers extends BoundProperty
         permits BoundCarriers, BoundMeshes.Rows {
     static final int NONE = -1;

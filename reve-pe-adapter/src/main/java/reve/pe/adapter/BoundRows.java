@@ -13,7 +13,7 @@ final class BoundRows {
     private final Table table;
     private long[] items = {};
 
-    /** Moves of rows, from and to of each. */
+    /** Moves of rows: two numbers, from and to, for each move. */
     private long[] moves = {};
 
     private int moved;
@@ -38,7 +38,8 @@ final class BoundRows {
                 left.put(items[row], row);
             }
         }
-        // From the front, because an item that left a row has then already moved to an earlier one.
+        // The loop begins at the front: when it reaches a row whose item has left, this item has
+        // already been moved to an earlier row.
         for (int row = 0; row < Math.min(now.length, items.length); row++) {
             if (now[row] != items[row]) {
                 int from = left.getOrDefault(now[row], -1);
@@ -46,7 +47,7 @@ final class BoundRows {
             }
         }
         for (int row = now.length; row < items.length; row++) {
-            move(row, row); // before another item gets this row
+            move(row, row); // the item was removed; another item may get this row later
         }
         items = now;
         if (moved > 0) {

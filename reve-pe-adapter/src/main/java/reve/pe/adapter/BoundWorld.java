@@ -26,7 +26,8 @@ final class BoundWorld {
     private final PhysicalPropertyProvider provider;
 
     /**
-     * Columns come first: they depend on no other property, and the engine must release old memory.
+     * The bound properties. Columns come first, because they depend on no other property, and the
+     * engine must release their old memory before it reads the others.
      */
     private final BoundProperty[] properties;
 
@@ -43,7 +44,9 @@ final class BoundWorld {
     private Set<String> used = Set.of();
     private boolean areMeshesUsed;
 
-    /** True until the engine has received what the laws use since the last change. */
+    /**
+     * True until the engine has received the properties that the laws use since the last change.
+     */
     private boolean isLendingMore;
 
     private long boundLayout = -1;
@@ -99,8 +102,8 @@ final class BoundWorld {
 
     /**
      * Passes changes of the world to the engine; costs almost nothing if nothing changed. All
-     * columns of a kind must have the same number of rows, so those that the engine has get their
-     * new rows before it receives further ones.
+     * columns of a kind must have the same number of rows. Therefore the columns that the engine
+     * already has get their new rows before the engine receives further columns.
      *
      * @throws IllegalStateException naming item and property if a reference is invalid
      */
@@ -132,8 +135,8 @@ final class BoundWorld {
     }
 
     /**
-     * Reads the meshes of the items, if a law uses them and they have changed. If the last mesh has
-     * left the world, the engine loses these properties, as if there had been none.
+     * Reads the meshes of the items, if a law uses them and they have changed. If no item has a
+     * mesh any more, removes the properties of meshes from the engine.
      */
     private boolean followMeshes(boolean moved) {
         if (!areMeshesUsed) {
@@ -153,9 +156,9 @@ final class BoundWorld {
     }
 
     /**
-     * Sets the names of the properties that the loaded laws use, which take effect with {@link
-     * #update}. The engine receives the shapes and the scenery only while a law uses them, so that
-     * other worlds keep their hashes.
+     * Sets the names of the properties that the loaded laws use; the change takes effect with
+     * {@link #update}. The engine receives the shapes and the scenery only while a law uses them.
+     * So these properties do not change the hashes of worlds that do not use them.
      */
     void setUsed(Set<String> names) {
         used = names;
@@ -174,7 +177,7 @@ final class BoundWorld {
                         && !(ofMeshes.contains(property) && meshes.isEmpty());
     }
 
-    /** Returns the layout of the world at the last update; -1 before the first. */
+    /** Returns the layout version of the world at the last update; -1 before the first update. */
     long boundLayout() {
         return boundLayout;
     }

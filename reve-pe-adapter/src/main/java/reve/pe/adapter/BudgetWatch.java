@@ -12,9 +12,9 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Compares the times of libraries with their budgets. A decision changes the laws before PHYSICS of
- * the next frame, where a replay of the journal finds it. World's thread; allocates nothing unless
- * a budget is exceeded.
+ * Compares the times of libraries with their budgets. A decision changes the laws before the phase
+ * PHYSICS of the next frame. The journal records it there, so a replay makes the same change.
+ * World's thread; allocates nothing unless a budget is exceeded.
  */
 final class BudgetWatch {
     /** Least number of frames between two warnings about the same library. */
@@ -36,7 +36,7 @@ final class BudgetWatch {
         private final int lawCount;
         private final TimeBudget budget;
 
-        /** Number of the last frames that were too long. */
+        /** Number of successive frames, up to the last frame, that were too long. */
         private int over;
 
         private long quietUntil;
@@ -111,7 +111,7 @@ final class BudgetWatch {
         decided.add(new Excess(library.libraryId, library.budget, nanoseconds));
     }
 
-    /** Carries out the decisions of the last frame. Before PHYSICS. */
+    /** Executes the decisions of the last frame. Must be called before PHYSICS. */
     void carryOut(long ofFrame) {
         if (decided.isEmpty()) {
             return;

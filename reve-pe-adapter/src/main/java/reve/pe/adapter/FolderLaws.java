@@ -34,7 +34,7 @@ final class FolderLaws {
     }
 
     /**
-     * @param parameters those of the file beside it, by name
+     * @param parameters parameters from the YAML file beside the library, by name
      */
     private record ActiveFile(int libraryId, String sha256, Map<String, Double> parameters) {
         ActiveFile as(int newId) {
@@ -66,11 +66,12 @@ final class FolderLaws {
 
     /**
      * Activates the libraries of files that changed together, in place of their previous libraries.
-     * Files may have exchanged their contents. What is refused at first is tried again after the
-     * others, on which it may depend; if it is refused then, its previous library stays. New
-     * versions that need a trial take over later, together.
+     * Files may have exchanged their contents. A library that is refused at first is tried again
+     * after the other libraries, on which it may depend. If it is refused again, its previous
+     * library stays. New versions that need a trial take over later, together.
      *
-     * @param puts their libraries are closed here unless the engine or a trial takes them
+     * @param puts new libraries; this method closes each one that neither the engine nor a trial
+     *     takes
      */
     void put(long frame, List<Put> puts) {
         Map<Put, NewVersion> tried = new LinkedHashMap<>();
@@ -88,7 +89,7 @@ final class FolderLaws {
             }
             again.forEach(
                     (put, first) -> {
-                        // The names of laws are known after an engine took the library.
+                        // The names of laws are known only after an engine took the library.
                         boolean mayDependOnOthers = puts.size() > 1 && put.library.isFree();
                         Optional<PhysicsException> why =
                                 mayDependOnOthers ? refusal(frame, put) : Optional.of(first);
@@ -105,8 +106,8 @@ final class FolderLaws {
     }
 
     /**
-     * Returns the new version of a loaded library if the file contains one that needs a trial. The
-     * file counts as changed only when the version takes over.
+     * Returns the new version of a loaded library if the file contains a version that needs a
+     * trial. The file counts as changed only when the version takes over.
      */
     private Optional<NewVersion> versionForTrial(Put put) {
         ActiveFile active = byName.get(put.name());
@@ -134,7 +135,7 @@ final class FolderLaws {
     /** Notes that the version of a file has taken over, unless the file has changed meanwhile. */
     private void tried(String name, ActiveFile old, Put put, Optional<PhysicsException> refusal) {
         if (refusal.isPresent()) {
-            return; // the trial has reported it
+            return; // the trial has reported the refusal
         }
         String owner =
                 byName.entrySet().stream()
@@ -149,8 +150,8 @@ final class FolderLaws {
     }
 
     /**
-     * Lets new files own the loaded libraries of their names, which a restored store brought: the
-     * files changed while no server ran, or their versions were on trial when it ended.
+     * Assigns loaded libraries that a restored store contained to new files of the same names. Such
+     * a file changed while no server ran, or its version was on trial when the server ended.
      */
     private void adoptByName(List<Put> puts) {
         for (Put put : puts) {
@@ -174,8 +175,8 @@ final class FolderLaws {
     }
 
     /**
-     * Lets each of the files own the loaded library of the name that it contains now, if this
-     * library belongs to one of the files.
+     * Assigns to each of the files the loaded library whose name its new content declares. Only
+     * libraries that already belong to one of the files are assigned.
      */
     private void exchangeOwners(List<Put> puts) {
         Map<String, ActiveFile> owned = new LinkedHashMap<>();
@@ -194,7 +195,7 @@ final class FolderLaws {
                     .map(Map.Entry::getKey)
                     .ifPresent(owner -> next.put(put.name(), left.remove(owner)));
         }
-        for (Put put : puts) { // the others keep their own one, or one that its owner gave away
+        for (Put put : puts) { // the others keep their library, or get one that has no owner now
             boolean isLeft = owned.containsKey(put.name()) && !next.containsKey(put.name());
             if (isLeft && !left.isEmpty()) {
                 String owner =
@@ -214,7 +215,7 @@ final class FolderLaws {
         return library == null ? "" : library.name();
     }
 
-    /** Gives libraries to files that were renamed, by the new name; they stay as they are. */
+    /** Assigns libraries to the new names of files that were renamed. The libraries stay active. */
     void rename(Map<String, String> oldByNew) {
         Map<String, ActiveFile> moved = new LinkedHashMap<>();
         oldByNew.forEach(
@@ -266,9 +267,9 @@ final class FolderLaws {
     }
 
     /**
-     * Adopts a library with the same bytes that is already active, because a store was restored or
-     * the world file names it; it keeps its parameters until the file with them changes. Returns
-     * false if there is none.
+     * Adopts an active library with the same bytes, which a restored store or the world file
+     * loaded. The library keeps its parameters until the file with its parameters changes. Returns
+     * false if there is no such library.
      */
     private boolean adopted(String name, PreparedLibrary library, FolderParameters parameters) {
         Optional<Integer> free = free(library.sha256());
@@ -287,8 +288,8 @@ final class FolderLaws {
     }
 
     /**
-     * Returns the active file with the present id of its library: a rewind may load a library
-     * again, with a new id.
+     * Returns the active file with the present id of its library. A rewind may have loaded the
+     * library again, with a new id.
      */
     private ActiveFile followed(String name, ActiveFile file) {
         if (laws.isLoaded(file.libraryId)) {
@@ -299,7 +300,7 @@ final class FolderLaws {
         return found;
     }
 
-    /** Loads a library whose parameters have units that fit. */
+    /** Loads a library, and checks the units of its parameters. */
     private int load(long frame, Path file, PreparedLibrary library, FolderParameters parameters) {
         int id = laws.load(frame, library, parameters.values(), file);
         try {
@@ -312,8 +313,8 @@ final class FolderLaws {
     }
 
     /**
-     * Changes the parameters of an active library to those of the changed file beside it. Those
-     * that the file no longer contains return to their default.
+     * Changes the parameters of an active library to those in the changed file beside it.
+     * Parameters that the file does not contain get their default.
      */
     private void change(long frame, String name, ActiveFile active, FolderParameters wanted) {
         List<PhysicsLaw> present = laws.lawsOf(active.libraryId);

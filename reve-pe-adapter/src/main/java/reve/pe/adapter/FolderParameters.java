@@ -13,13 +13,13 @@ import java.util.Map;
 /**
  * The parameters of a library in a watched folder, from the file beside it.
  *
- * @param values values, keyed by {@code parameter} or {@code law.parameter}, in SI units; the
- *     others have their default
+ * @param values values, keyed by {@code parameter} or {@code law.parameter}, in SI units; other
+ *     parameters have their default
  * @param check finds values whose unit does not fit a law
  */
 public record FolderParameters(Map<String, Double> values, Check check) {
 
-    /** The parameters of a library without such a file. */
+    /** The parameters of a library that has no file with parameters. */
     static final FolderParameters NONE = new FolderParameters(Map.of(), laws -> {});
 
     /** A check of parameters against the laws of the loaded library. */
@@ -27,7 +27,8 @@ public record FolderParameters(Map<String, Double> values, Check check) {
         /**
          * Checks the units of the parameters.
          *
-         * @throws PhysicsException if one does not fit; the message has its place
+         * @throws PhysicsException if a unit does not fit; the message contains the line in the
+         *     file
          */
         void check(List<PhysicsLaw> laws);
     }
@@ -38,8 +39,8 @@ public record FolderParameters(Map<String, Double> values, Check check) {
          * Reads the parameters of a library.
          *
          * @param library name of the library
-         * @throws PhysicsException if the file cannot be read or understood; the message has the
-         *     places of all mistakes
+         * @throws PhysicsException if the file cannot be read or understood; the message contains
+         *     the lines of all mistakes
          */
         FolderParameters read(String library, Path file);
     }

@@ -12,7 +12,7 @@ import java.util.Optional;
  * loaded libraries, in the order of loading, from 0.
  */
 public sealed interface LawChange {
-    /** Returns the library that the change brings, if it brings one. */
+    /** Returns the library that the change loads, if it loads one. */
     default Optional<LawLibrary> brought() {
         return switch (this) {
             case Loaded added -> Optional.of(added.library());
@@ -27,8 +27,8 @@ public sealed interface LawChange {
     record Loaded(LawLibrary library) implements LawChange {}
 
     /**
-     * The library at a place was replaced by another one, which has its place and the state of its
-     * laws where the layout is the same.
+     * The library at a place was replaced by another library. The new library has the same place.
+     * It also has the state of the old laws, where the layout of this state is the same.
      */
     record Replaced(int place, LawLibrary library) implements LawChange {}
 
@@ -42,27 +42,27 @@ public sealed interface LawChange {
      */
     record ParametersSet(int place, Map<String, Double> changed) implements LawChange {}
 
-    /** The library at a place got another budget, or none; its laws act in every step again. */
+    /** The budget of the library at a place was changed or removed; its interval is 1 again. */
     record BudgetSet(int place, Optional<TimeBudget> budget) implements LawChange {}
 
     /** The laws of the library at a place are evaluated in every n-th step only. */
     record IntervalSet(int place, int interval) implements LawChange {}
 
     /**
-     * The library at a place failed in PHYSICS, the frame's phase in which laws act, was unloaded
-     * and is quarantined.
+     * The library at a place failed in PHYSICS, the frame's phase in which laws act. It was
+     * unloaded and quarantined.
      */
     record Failed(int place, Quarantined reason) implements LawChange {}
 
     /**
-     * The library at a place failed in PHYSICS soon after it had replaced another one. It is
-     * quarantined, and the other one has its place again.
+     * The library at a place failed in PHYSICS soon after it had replaced another library. It is
+     * quarantined, and the replaced library has its place again.
      *
-     * @param library the one that was there before
+     * @param library the library that was replaced and is loaded again
      */
     record RolledBack(int place, Quarantined reason, LawLibrary library) implements LawChange {}
 
-    /** A law failed in PHYSICS at an item, which was arrested: laws no longer reach it. */
+    /** A law failed in PHYSICS at an item, which was arrested: laws cannot access it any more. */
     record Arrested(ItemId item) implements LawChange {}
 
     /** The quarantine of a library's bytes was ended, so it may be loaded again. */

@@ -78,8 +78,8 @@ final class LawEvents {
     /**
      * Reports that a library exceeded its budget.
      *
-     * @param nanoseconds that it took in the last frame [ns]
-     * @param done end of the message: what happens to the library
+     * @param nanoseconds time of the library in the last frame [ns]
+     * @param done end of the message, which says what happens to the library
      */
     void overBudget(
             long frame, LawLibrary library, TimeBudget budget, long nanoseconds, String done) {
@@ -113,8 +113,8 @@ final class LawEvents {
     }
 
     /**
-     * Returns the end of a fault's message about numbers that are not finite: the item, and what to
-     * do.
+     * Returns the end of the message about a fault with numbers that are not finite. It names the
+     * item and says what to do. Returns an empty text for other faults.
      */
     private static String remedy(Map<String, Object> fields, PhysicsException failure) {
         return failure.status() == Status.LAW_MISBEHAVED
@@ -134,8 +134,8 @@ final class LawEvents {
     }
 
     /**
-     * Returns the fields of an event about a library, with the calls and times of its laws, which
-     * the engine forgets at unloading.
+     * Returns the fields of an event about a library, with the calls and times of its laws. Must be
+     * called before the library is unloaded, because the engine then discards these numbers.
      */
     Map<String, Object> fieldsWithCost(LawLibrary library, int libraryId) {
         Map<String, Object> fields = fields(library);

@@ -34,16 +34,16 @@ import java.util.TreeSet;
 import java.util.concurrent.TimeUnit;
 
 /**
- * A watched folder of law libraries. The laws of an added file act from the next frame on; those of
- * a removed file are unloaded; those of a replaced file are exchanged between two frames. Files
- * that are found ready in the same scan change together. Renamed files keep their laws. A separate
- * thread scans the folder and checks the libraries. The world's thread only activates those that
- * passed the check, by commands that name this folder as their origin. Each refusal becomes one
- * "fault" event.
+ * A watched folder of law libraries. The laws of an added file act from the next frame on. The laws
+ * of a removed file are unloaded. The laws of a replaced file are exchanged between two frames.
+ * Files that are found ready in the same scan change together. Renamed files keep their laws. A
+ * separate thread scans the folder and checks the libraries. The world's thread only activates
+ * libraries that passed the check, by commands that name this folder as their origin. Each refusal
+ * becomes one "fault" event.
  *
- * <p>Only files whose name ends in ".so", ".law" or ".py" count, as soon as two scans have found
- * the same size and time of change. A file that cannot be loaded may still be incomplete, so it is
- * reported only after further scans have found it unchanged.
+ * <p>Only files whose name ends in ".so", ".law" or ".py" count. A file is ready as soon as two
+ * scans have found the same size and time of change. A file that cannot be loaded may still be
+ * incomplete, so it is reported only after further scans have found it unchanged.
  *
  * <p>A file {@code wind.yaml} contains the parameters of the library in {@code wind.law}, {@code
  * wind.py}, {@code wind.so} or {@code libvesper_law_wind.so}. When it changes, the parameters of
@@ -78,7 +78,7 @@ public final class LawFolder implements AutoCloseable {
     private final FolderLaws active;
     private final Map<String, WatchedFile> files = new TreeMap<>();
 
-    /** Libraries in commands that the world has perhaps not executed yet. */
+    /** Libraries in commands that the world may not have executed yet. */
     private final List<Offered> pending = new ArrayList<>();
 
     /** Files that this scan has found ready; all of them become one change. */
@@ -98,7 +98,7 @@ public final class LawFolder implements AutoCloseable {
         }
     }
 
-    /** A file that is to be passed to the world. */
+    /** A file that is ready to be passed to the world. */
     private record Ready(WatchedFile file, FolderLaws.Put put) {}
 
     /** The libraries in a command to the world. */
@@ -121,7 +121,7 @@ public final class LawFolder implements AutoCloseable {
     private static final class WatchedFile {
         @Nullable Stamp stamp;
 
-        /** Of the file with its parameters; null if there is none. */
+        /** Stamp of the file with the parameters of this library; null if there is none. */
         @Nullable Stamp parameters;
 
         int equalLooks;
@@ -165,10 +165,10 @@ public final class LawFolder implements AutoCloseable {
     }
 
     /**
-     * Like {@link #LawFolder(String, Path, PhysicsEngine, Laws, CommandQueue,
-     * FolderParameters.Reader)}.
+     * Creates a watcher like {@link #LawFolder(String, Path, PhysicsEngine, Laws, CommandQueue,
+     * FolderParameters.Reader)}, with trials.
      *
-     * @param trials of new versions, before they take over
+     * @param trials tests new versions before they take over
      */
     public LawFolder(
             String origin,
@@ -259,7 +259,7 @@ public final class LawFolder implements AutoCloseable {
     private Map<String, Path> list() throws IOException {
         Map<String, Path> present = new TreeMap<>();
         List<Path> all = FolderFiles.in(folder);
-        if (isForEverybody(folder)) { // also if the folder was removed and made again
+        if (isForEverybody(folder)) { // in every scan, as it may be a new folder
             throw new IOException("every user can write to it: chmod o-w it");
         }
         for (Path file : all) {
@@ -303,11 +303,11 @@ public final class LawFolder implements AutoCloseable {
             }
             tellRefusal(name, file);
         } catch (NoSuchFileException e) {
-            // removed after it was listed: the next scan handles that
+            // The file was removed after it was listed. The next scan handles its removal.
         } catch (IOException e) {
             warnOnce(path + " cannot be read: " + e.getMessage());
         } catch (RuntimeException e) {
-            // Only this file is left out; the others are followed.
+            // Skips this file only; the other files are still watched.
             warnOnce(path + " is ignored: " + e);
         }
     }
@@ -423,8 +423,8 @@ public final class LawFolder implements AutoCloseable {
     }
 
     /**
-     * Finds files that were renamed: a present file is the one that another name had in the last
-     * scan. Their libraries keep their place and act on.
+     * Finds files that were renamed: in the last scan, a present file had another name. Their
+     * libraries keep their place and continue to act.
      */
     private void followRenames(Map<String, Path> present) {
         Map<Stamp, String> known = new HashMap<>();
@@ -442,7 +442,7 @@ public final class LawFolder implements AutoCloseable {
                         oldByNew.put(name, old);
                     }
                 });
-        // A file that still has its name was not renamed, such as one of two hard links.
+        // Excludes files whose old name still exists, such as one of two hard links.
         oldByNew.values().removeIf(old -> present.containsKey(old) && !oldByNew.containsKey(old));
         if (oldByNew.isEmpty() || !offer(frame -> active.rename(oldByNew))) {
             return;

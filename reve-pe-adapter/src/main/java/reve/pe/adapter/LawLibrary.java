@@ -13,13 +13,13 @@ import java.util.Optional;
  * A loaded law library, with all data that is needed to load it again.
  *
  * @param name the library's own name
- * @param sha256 of its bytes, 64 lower-case hexadecimal digits
+ * @param sha256 SHA-256 of its bytes, 64 lower-case hexadecimal digits
  * @param parameters values, keyed by {@code parameter} or {@code law.parameter}; omitted ones have
  *     their default
- * @param bytes of the file; the caller must not change them
- * @param budget of the library's time in a frame, if it has one
+ * @param bytes content of the file; the caller must not change it
+ * @param budget limit of the library's time in a frame, if it has one
  * @param interval 1, or n if its laws are evaluated in every n-th step only
- * @param versions of the programs on which its results depend, see {@link
+ * @param versions versions of the programs on which its results depend, see {@link
  *     PreparedLibrary#versions()}
  */
 public record LawLibrary(
@@ -63,7 +63,7 @@ public record LawLibrary(
         return new LawLibrary(name, sha256, parameters, bytes, budget, other, versions);
     }
 
-    /** Returns this library, of which a run of this program uses other versions. */
+    /** Returns this library with the versions of the programs that this process uses. */
     LawLibrary withVersions(String other) {
         return new LawLibrary(name, sha256, parameters, bytes, budget, interval, other);
     }

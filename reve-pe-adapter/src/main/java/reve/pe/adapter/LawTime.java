@@ -7,8 +7,8 @@ package reve.pe.adapter;
  *
  * @param frames number of these frames
  * @param medianNanoseconds its median time in a frame [ns]
- * @param p99Nanoseconds the time that it exceeds in one frame of a hundred [ns]
- * @param share its part of the time in which the world's thread made these frames, 0 to 1; laws
- *     that run at the same time each count their full time
+ * @param p99Nanoseconds the time that the law exceeds in one frame of a hundred [ns]
+ * @param share the law's part of the time in which the world's thread made these frames, 0 to 1;
+ *     laws that run at the same time each count their full time
  */
 public record LawTime(int frames, long medianNanoseconds, long p99Nanoseconds, double share) {}

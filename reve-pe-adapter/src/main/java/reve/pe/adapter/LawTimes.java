@@ -77,7 +77,7 @@ final class LawTimes {
     /**
      * Notes the end of a frame.
      *
-     * @param whole false if the frame was repeated, so that its times mean little
+     * @param whole false if the frame was repeated; the times of such a frame are not recorded
      * @return whether the frame is recorded
      */
     boolean end(boolean whole) {
@@ -131,12 +131,15 @@ final class LawTimes {
                 Arrays.stream(sorted).sum() / (double) Math.max(1, span));
     }
 
-    /** Returns the index of the smallest value that is at least as large as this part of all. */
+    /**
+     * Returns the index, in sorted values, of the smallest value that is at least as large as the
+     * fraction {@code part} of all values.
+     */
     private static int rank(double part, int count) {
         return (int) Math.ceil(part * count) - 1;
     }
 
-    /** Follows changes of the loaded laws; a law that stays keeps its frames. */
+    /** Adapts to changes of the loaded laws. A law that stays loaded keeps its recorded frames. */
     private void follow() {
         if (version == laws.version()) {
             return;

@@ -29,8 +29,8 @@ import java.util.function.Consumer;
 
 /**
  * The loaded and the quarantined laws of a world. Each change raises a {@code law-loaded}, {@code
- * law-unloaded} or {@code fault} event. The last two contain how often the library's laws were
- * called, and their wall-clock milliseconds. World's thread only.
+ * law-unloaded} or {@code fault} event. The last two contain the number of calls of the library's
+ * laws, and their wall-clock time in milliseconds. World's thread only.
  */
 public final class Laws {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
@@ -46,7 +46,7 @@ public final class Laws {
     private final LawEvents events;
     private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
 
-    /** Ids of libraries that a laws folder may adopt if it contains their bytes. */
+    /** Ids of libraries that a laws folder may adopt if a file of the folder has their bytes. */
     private final Set<Integer> forFolder = new HashSet<>();
 
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
@@ -77,13 +77,14 @@ public final class Laws {
     /**
      * A version that was replaced.
      *
-     * @param untilFrame last frame in which it comes back if the new version fails
+     * @param untilFrame last frame in which this version is restored if the new version fails
      */
     private record Previous(LawLibrary library, long untilFrame) {}
 
     /**
-     * Sets in how many frames after a replacement the old version comes back if the new one fails;
-     * 0 at first. A replay must not set it, because journals contain what came back.
+     * Sets the number of frames after a replacement in which a failure of the new version restores
+     * the old version. The number is 0 at first. A replay must not set it, because journals contain
+     * the restored versions.
      */
     public void keepPreviousFor(long frames) {
         probation = frames;
@@ -203,11 +204,11 @@ public final class Laws {
     }
 
     /**
-     * Changes parameters of a loaded library, outside PHYSICS. The library is created again, in its
-     * place; its laws keep their SCRATCH memory.
+     * Changes parameters of a loaded library, outside PHYSICS. The engine creates the library again
+     * at the same place; its laws keep their SCRATCH memory.
      *
-     * @param changed values, keyed by {@code parameter} or {@code law.parameter}; the others keep
-     *     their values
+     * @param changed values, keyed by {@code parameter} or {@code law.parameter}; other parameters
+     *     keep their values
      * @throws IllegalArgumentException if no library has the name
      * @throws PhysicsException if the engine refuses a parameter; then nothing changed
      */
@@ -250,8 +251,8 @@ public final class Laws {
 
     /**
      * Sets the computing time that the laws of a library may take in a frame; later versions of the
-     * library keep it. The laws act in every step again. Outside PHYSICS. See {@link
-     * PhysicsAdapter#enforceBudgets}.
+     * library keep this budget. Resets the interval of the laws to 1, so that they act in every
+     * step. Outside PHYSICS. See {@link PhysicsAdapter#enforceBudgets}.
      *
      * @throws IllegalArgumentException if no library has the name
      * @throws PhysicsException if the laws cannot skip steps as the budget says; then nothing
@@ -288,14 +289,15 @@ public final class Laws {
     }
 
     /**
-     * Replaces a loaded library between two frames. The new one takes the id and the place of the
-     * old one, the SCRATCH memory of its laws where the layout is the same, and the budget of its
-     * name. If it is refused or fails, nothing changes. Outside PHYSICS.
+     * Replaces a loaded library between two frames, outside PHYSICS. The new library takes the id
+     * and the place of the old library, and the budget of its name. It also takes the SCRATCH
+     * memory of the old laws, where the layout is the same. If it is refused or fails, nothing
+     * changes.
      *
      * @param libraryId id of the loaded library
-     * @param check of the new laws; may throw PhysicsException
-     * @throws PhysicsException if the engine, the {@link NameGuard} or {@code check} refuses it, or
-     *     it is quarantined; the caller then closes {@code prepared}
+     * @param check check of the new laws, which may throw PhysicsException
+     * @throws PhysicsException if the engine, the {@link NameGuard} or {@code check} refuses the
+     *     library, or it is quarantined; the caller then closes {@code prepared}
      */
     public void replace(
             long frame,
@@ -326,8 +328,8 @@ public final class Laws {
     }
 
     /**
-     * Returns a new version of a loaded library that has not replaced it yet; arguments as for
-     * {@link #replace}. It owns {@code prepared}.
+     * Returns a new version of a loaded library, which has not replaced the library yet. Arguments
+     * are those of {@link #replace}. The new version owns {@code prepared}.
      */
     public NewVersion newVersion(
             int libraryId,
@@ -347,8 +349,8 @@ public final class Laws {
     }
 
     /**
-     * Returns a loaded library with other parameters that do not act yet; arguments as for {@link
-     * #setParameters(long, String, Map)}.
+     * Returns a version of a loaded library with other parameters, which has not replaced the
+     * library yet. Arguments are those of {@link #setParameters(long, String, Map)}.
      *
      * @throws IllegalArgumentException if no library has the name
      */
@@ -385,7 +387,7 @@ public final class Laws {
         void make(List<LawChange> made);
     }
 
-    /** Runs an action whole: if one of its changes is refused, nothing has changed. */
+    /** Runs an action as a whole: if one of its changes is refused, all its changes are undone. */
     private void attempt(Attempt attempt) {
         Map<Integer, LawLibrary> before = new LinkedHashMap<>(loaded);
         Set<Integer> adoptable = Set.copyOf(forFolder);
@@ -423,7 +425,7 @@ public final class Laws {
         map.putAll(content);
     }
 
-    /** Returns false after the library was unloaded or quarantined. */
+    /** Returns whether the library is loaded; false after it was unloaded or quarantined. */
     public boolean isLoaded(int libraryId) {
         return loaded.containsKey(libraryId);
     }
@@ -472,8 +474,8 @@ public final class Laws {
     }
 
     /**
-     * Lets a laws folder adopt a loaded library whose bytes it has: its file is not loaded again,
-     * and the library is unloaded when the file is removed.
+     * Permits a laws folder to adopt a loaded library if a file of the folder has the same bytes.
+     * Then this file is not loaded again, and the library is unloaded when the file is removed.
      */
     public void leaveToFolder(int libraryId) {
         forFolder.add(libraryId);
@@ -519,8 +521,8 @@ public final class Laws {
     }
 
     /**
-     * Repeats here a change of another world with the same laws, for example from a journal. A
-     * library that failed there is removed here without a failure.
+     * Repeats a change of another world with the same laws, for example from a journal. If a
+     * library failed in the other world, it is removed in this world without a failure.
      *
      * @throws PhysicsException if the engine refuses a library
      * @throws IllegalArgumentException if there is no library at the index
@@ -528,7 +530,7 @@ public final class Laws {
     public void apply(long frame, LawChange change) {
         switch (change) {
             case LawChange.Loaded added -> {
-                // Journals of earlier versions contain no Released.
+                // Journals of earlier versions of this program contain no Released before a load.
                 quarantined.remove(added.library().sha256());
                 try (PreparedLibrary prepared = engine.prepare(added.library().bytes())) {
                     warnOfOtherVersions(added.library(), prepared);
@@ -582,7 +584,10 @@ public final class Laws {
         }
     }
 
-    /** Recordings of earlier versions of this program contain no versions. */
+    /**
+     * Warns if the recorded library used other versions than this process. Recordings of earlier
+     * versions of this program contain no versions.
+     */
     private static void warnOfOtherVersions(LawLibrary recorded, PreparedLibrary here) {
         if (!recorded.versions().isEmpty() && !recorded.versions().equals(here.versions())) {
             LOG.warn(
@@ -600,8 +605,8 @@ public final class Laws {
     }
 
     /**
-     * Returns whether an applied {@link LawChange.Unmoved} says that the laws must not act in this
-     * frame; resets this.
+     * Returns whether a {@link LawChange.Unmoved} was applied, so that the laws must not act in
+     * this frame. Resets this state.
      */
     boolean takeUnmoved() {
         boolean taken = unmoved;
@@ -610,9 +615,9 @@ public final class Laws {
     }
 
     /**
-     * Restores the libraries, the quarantined ones and the engine's state of an image, then runs
-     * {@code columns}, which restores the columns of the world. If one of them fails, nothing has
-     * changed.
+     * Restores the loaded and the quarantined libraries and the engine's state from an image. Then
+     * runs {@code columns}, which restores the columns of the world. If one of these actions fails,
+     * nothing has changed.
      *
      * @throws PhysicsException if the engine refuses a library or the state, or its process is lost
      *     too often
@@ -629,8 +634,8 @@ public final class Laws {
     }
 
     /**
-     * Loads and unloads until exactly these libraries are loaded, in this order. If the engine's
-     * process is lost meanwhile, its successor continues.
+     * Loads and unloads libraries until exactly the wanted libraries are loaded, in this order. If
+     * the engine's process is lost meanwhile, a new process continues.
      *
      * @throws PhysicsException if the engine refuses a library, or its process is lost too often
      */
@@ -693,8 +698,8 @@ public final class Laws {
     /**
      * Unloads or rolls back, and quarantines, the library that caused a step's failure.
      *
-     * @param item at whose row the law failed, if known
-     * @return true if the version before it took its place
+     * @param item item at whose row the law failed, if known
+     * @return true if the previous version took its place
      * @throws PhysicsException the failure itself, if no loaded library caused it
      */
     boolean quarantine(long frame, PhysicsException failure, Optional<Item> item) {
@@ -730,8 +735,8 @@ public final class Laws {
     }
 
     /**
-     * Puts the version back that the library replaced lately. Returns it; empty if there is none,
-     * or it cannot come back.
+     * Restores the version that the library replaced recently, and returns this version. Returns
+     * empty if there is no such version, or it cannot be loaded.
      */
     private Optional<LawLibrary> cameBack(long frame, int libraryId) {
         Previous old = previous.remove(libraryId);
@@ -749,10 +754,10 @@ public final class Laws {
     }
 
     /**
-     * Ends a library between two frames: the version that it replaced lately takes its place, or it
-     * is unloaded. Neither is quarantined.
+     * Ends a library between two frames, without quarantine. If the library replaced another
+     * version recently, this version takes its place; otherwise the library is unloaded.
      *
-     * @return the version that came back
+     * @return the restored version, if there is one
      */
     Optional<LawLibrary> retire(long frame, int libraryId) {
         Previous last = previous.remove(libraryId);
@@ -766,7 +771,7 @@ public final class Laws {
                 tell(new LawChange.Replaced(List.copyOf(loaded.keySet()).indexOf(libraryId), old));
                 return Optional.of(old);
             } catch (PhysicsException refused) {
-                // it is unloaded instead
+                // The replaced version cannot be loaded, so the library is unloaded instead.
             }
         }
         unload(frame, libraryId);

@@ -7,14 +7,14 @@ import java.util.Optional;
 import java.util.function.LongConsumer;
 
 /**
- * A new version of a loaded library, or new parameters for it, that has not taken over yet. World's
- * thread, except where noted. The owner closes it.
+ * A new version of a loaded library, or new parameters for it, that has not replaced the library
+ * yet. World's thread, except where noted. The owner closes it.
  *
- * @param libraryId id of the loaded library, which keeps it
+ * @param libraryId id of the loaded library, which stays the same
  * @param library the new version, with its parameters
  * @param source name of the file or text, for messages
  * @param parametersOnly true if the bytes are those of the loaded library
- * @param taking replaces the loaded library, given the frame
+ * @param taking replaces the loaded library; its argument is the frame
  * @param ended receives the end of the trial
  * @param freeing frees the library; for any thread
  */
@@ -27,16 +27,17 @@ public record NewVersion(
         Ended ended,
         Runnable freeing)
         implements AutoCloseable {
-    /** Receives what became of a new version. */
+    /** A listener for the end of the trial of a new version. */
     @FunctionalInterface
     public interface Ended {
-        /** Receives nothing. */
+        /** A listener that does nothing. */
         Ended UNHEARD = (frame, refusal) -> {};
 
         /**
          * Receives the end of a trial. World's thread.
          *
-         * @param refusal why the loaded library stays; empty if the new version took over
+         * @param refusal the reason why the loaded library stays; empty if the new version replaced
+         *     it
          */
         void ended(long frame, Optional<PhysicsException> refusal);
     }
@@ -57,9 +58,9 @@ public record NewVersion(
     }
 
     /**
-     * Returns the change that gives this version to an equal world, for example to a copy.
+     * Returns the change that loads this version in an equal world, for example in a copy.
      *
-     * @param place of the loaded library in the order of loading
+     * @param place place of the loaded library in the order of loading
      */
     public LawChange change(int place) {
         return parametersOnly

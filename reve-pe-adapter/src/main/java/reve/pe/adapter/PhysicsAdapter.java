@@ -29,22 +29,24 @@ import java.util.stream.Collectors;
  * The listener of phase PHYSICS, which moves a world by the laws of a physics engine. The engine
  * uses the world's columns in place, and a frame is one native call.
  *
- * <p>A failing law costs one repeated frame: the columns are restored, the law's library is
- * quarantined and reported as a "fault" event, and the frame is repeated without it. From that
- * frame on, the world has the same bits as one without that law. If a law failed because another
- * one made extreme numbers, the other one is quarantined. If no loaded law caused the failure, the
- * columns are restored and the failure is thrown: that frame has no physics. This is a {@link
- * LawChange}, too, so that a replay of the journal does the same. If the engine's process was lost
- * while no law ran, the frame is repeated; if it is lost again, the library that was loaded last is
- * quarantined.
+ * <p>A failing law costs one repeated frame. The adapter restores the columns, quarantines the
+ * law's library, reports a "fault" event, and repeats the frame without this library. From that
+ * frame on, the world has the same bits as a world without that law. If a law failed because
+ * another law made extreme numbers, the library of the other law is quarantined.
  *
- * <p>Before a law is quarantined, the adapter tries to arrest items, which makes them unreachable
- * for laws: among the items that actions or edits changed, the one at which the law failed,
- * otherwise the one with the most extreme numbers, then all. If the frame succeeds without them
- * they stay arrested, which is reported as a "fault" event; otherwise they are restored.
+ * <p>If no loaded law caused the failure, the columns are restored and the failure is thrown: that
+ * frame has no physics. This is a {@link LawChange}, too, so that a replay of the journal does the
+ * same. If the engine's process was lost while no law ran, the frame is repeated. If the process is
+ * lost again, the library that was loaded last is quarantined.
  *
- * <p>World's thread only. The caller owns the engine and the arena, which must outlive the adapter,
- * and must not call the engine itself meanwhile.
+ * <p>Before the adapter quarantines a law, it tries to arrest items, which makes them unreachable
+ * for laws. Only items that actions or edits changed may be arrested. The adapter begins with the
+ * item at which the law failed, or else with the item with the most extreme numbers. In the end it
+ * tries all of them. If the frame succeeds without the items, they stay arrested, and a "fault"
+ * event reports this. Otherwise they are restored.
+ *
+ * <p>World's thread only. The caller owns the engine and the arena, which must outlive the adapter.
+ * The caller must not call the engine itself while the adapter exists.
  */
 public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     /**
@@ -72,7 +74,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private long keptLaws = -1;
     private long lentLaws = -1;
 
-    /** Name of what the world's thread does while it is in the engine, for reports. */
+    /** Description of the work of the world's thread while it is in the engine, for reports. */
     private String advancing = "";
 
     /** How often the engine's process was lost in this frame without a law as the cause. */
@@ -163,8 +165,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Sets the clock against which {@link #lawTimes} compares the times of laws; without it, they
-     * are compared with the time of PHYSICS.
+     * Sets the clock with which {@link #lawTimes} compares the times of laws. Without this clock,
+     * the times of laws are compared with the time of the phase PHYSICS.
      *
      * @param nanoseconds returns the time of all frames so far [ns]
      */
@@ -173,8 +175,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Returns the times of the loaded laws in the last 1,024 frames at most, in the order of {@link
-     * Laws#loaded}. Between frames.
+     * Returns the times of the loaded laws in the last frames, at most 1,024, in the order of
+     * {@link Laws#loaded}. Call it between frames.
      */
     public List<LawTime> lawTimes() {
         return times.report();
@@ -188,15 +190,17 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         budgets.enforce(on);
     }
 
-    /** Returns a hash of the engine's step count and of all bound columns. Between frames. */
+    /**
+     * Returns a hash of the engine's step count and of all bound columns. Call it between frames.
+     */
     public long stateHash() {
         bind();
         return engine.stateHash();
     }
 
     /**
-     * Returns the physics part of an image (saved state). Together with the world's part it
-     * continues the run with equal bits. Call it between frames.
+     * Returns the physics part of an image (saved state). This part and the world's part together
+     * continue the run with equal bits. Call it between frames.
      */
     public PhysicsImage save() {
         bind();
@@ -204,8 +208,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Restores an image: the physics part and, with {@code world}, the rest of it. If the engine or
-     * {@code world} refuses it, nothing has changed. Between frames.
+     * Restores the physics part of an image, and calls {@code world}, which restores the rest. If
+     * the engine or {@code world} refuses the image, nothing has changed. Call it between frames.
      *
      * @param frame the world's current frame
      * @param world restores the world from the same image, or throws before it has changed anything
@@ -220,14 +224,14 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         engine.loadState(image.engineState());
     }
 
-    /** Opens or closes the engine's ledger. Between frames. */
+    /** Opens or closes the engine's ledger. Call it between frames. */
     public void setLedger(boolean on) {
         engine.setLedger(on);
     }
 
     /**
-     * Returns the engine's open ledger; its line "client" contains the changes that laws did not
-     * make. Between frames.
+     * Returns the lines of the engine's ledger, which must be open. The line "client" contains the
+     * changes that laws did not make. Call it between frames.
      */
     public List<LedgerLine> ledger() {
         bind();
@@ -247,7 +251,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Passes changes of the world's columns to the engine, and lends it the columns that the loaded
+     * Passes changes of the world's columns to the engine, and binds the columns that the loaded
      * laws use.
      */
     private void bind() {
@@ -279,7 +283,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
                 PhysicsException cause =
                         hasReadExtremes ? blame.cause(frame, failure) : blamed(failure);
                 if (laws.quarantine(frame.frame(), cause, item)) {
-                    bind(); // the version before may use and write other columns
+                    bind(); // the restored version may use and write other columns
                     keepWhatLawsMayWrite();
                     rollback.save();
                 }
@@ -326,10 +330,10 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Arrests the items that were arrested before and one more, or all items that may have caused
-     * the failure.
+     * Arrests the items of the earlier attempts and one more item, or all items that may have
+     * caused the failure.
      *
-     * @return false if none is left, or no law caused the failure
+     * @return false if no item is left to arrest, or no law caused the failure
      */
     private boolean arrestFor(PhysicsException failure, List<Arrested> tried) {
         Optional<Item> failed = itemOf(failure);
@@ -369,8 +373,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Returns the kind (such as "body") of the property at which a law failed; this may be a value
-     * that the law stores itself. Empty if the failure names no property.
+     * Returns the kind (such as "body") of the property at which a law failed. The property may
+     * also be SCRATCH memory of the law. Empty if the failure names no property.
      */
     private Optional<String> kindOf(PhysicsException failure) {
         return laws.loaded().stream()

@@ -6,7 +6,7 @@ import java.util.List;
 /**
  * The complete physics state of a world besides the world's own columns.
  *
- * @param libraries loaded, in the order of loading
+ * @param libraries loaded libraries, in the order of loading
  * @param quarantined libraries that failed and stay unloaded
  * @param engineState from {@link reve.pe.PhysicsEngine#saveState}
  */

@@ -20,8 +20,8 @@ import java.util.Set;
 import java.util.stream.Stream;
 
 /**
- * Translation of REVE's property names to an engine's. The names are equal, except for those in a
- * table here.
+ * Translation of REVE's property names to the names of an engine. The names are equal, except for
+ * those in a table of this class.
  */
 public final class PropertyNames {
     /** The engine's kind for the rows of bodies without a physics aspect. */
@@ -107,8 +107,8 @@ public final class PropertyNames {
     }
 
     /**
-     * Returns whether a property contains, for attached items, the row of the body that carries
-     * them.
+     * Returns whether a property contains, for each attached item, the row of the body that carries
+     * the item.
      */
     static boolean isCarrier(PropertyDescriptor property) {
         return CARRIERS.contains(property.name());
@@ -138,8 +138,8 @@ public final class PropertyNames {
     }
 
     /**
-     * Returns whether a kind or property that a designer added has the name of one of the
-     * adapter's.
+     * Returns whether the world contains a kind or property that has the same name as a property of
+     * the adapter, because a designer added it.
      */
     private static boolean isTaken(WorldPrototype world, PropertyDescriptor property) {
         return isOnDemand(property)
@@ -159,7 +159,7 @@ public final class PropertyNames {
                 .orElse(List.of(engineName));
     }
 
-    /** Returns all these columns, or an empty list if the world lacks one. */
+    /** Returns the columns with these names, or an empty list if the world lacks one of them. */
     private static List<reve.core.world.PropertyDescriptor> find(
             WorldPrototype world, String kind, List<String> columns) {
         List<reve.core.world.PropertyDescriptor> found =

@@ -6,8 +6,9 @@ import java.lang.foreign.MemorySegment;
 import java.util.List;
 
 /**
- * A copy of columns at the beginning of a frame: it contains the whole memory, also behind the last
- * row in use, because a faulty law may write there before it crashes. World's thread only.
+ * A copy of columns at the beginning of a frame. It contains the whole memory of the columns, also
+ * behind the last row in use, because a faulty law may write there before it crashes. World's
+ * thread only.
  */
 final class RollbackCopy implements AutoCloseable {
     private static final long ALIGNMENT_BYTES = 64;

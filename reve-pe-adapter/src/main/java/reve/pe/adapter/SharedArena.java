@@ -26,7 +26,8 @@ public final class SharedArena implements ColumnArena {
     }
 
     /**
-     * Returns how another process can map a column, or a part of it: file descriptor and range.
+     * Returns the file descriptor and offset with which another process can map a column, or a part
+     * of it.
      *
      * @param memory from {@link #reserve}, or a part of it
      */

@@ -3,7 +3,7 @@ package reve.pe.adapter;
 
 import java.util.List;
 
-/** Trials of new versions of laws, before they take over. World's thread. */
+/** Trials (tests) of new versions of laws, before these replace the loaded ones. World's thread. */
 public interface Trials {
     /** No trials: new versions take over at once. */
     Trials NONE =
@@ -26,11 +26,13 @@ public interface Trials {
     boolean areDue(LawLibrary library);
 
     /**
-     * Begins a trial of versions that take over together, in one frame. It ends the trials of other
-     * versions for the same libraries. This object closes the versions.
+     * Begins a trial of versions that take over together, in one frame. Ends running trials of
+     * other versions of the same libraries. This object closes the versions.
      */
     void begin(long frame, List<NewVersion> versions);
 
-    /** Ends the trial of a version for this library, if there is one; the loaded one stays. */
+    /**
+     * Ends the trial of a new version of this library, if there is one. The loaded version stays.
+     */
     void cancel(long frame, int libraryId);
 }

@@ -13,7 +13,7 @@ public interface ApartRule {
     /** No library runs apart. */
     ApartRule NEVER = (file, library) -> Isolation.NONE;
 
-    /** How a library is isolated from the engine and the other laws. */
+    /** The ways to isolate a library from the engine and the other laws. */
     enum Isolation {
         /** It runs in the engine's process. */
         NONE,
@@ -24,8 +24,8 @@ public interface ApartRule {
     }
 
     /**
-     * Returns how a library is isolated. An engine asks once for each content of a library, and
-     * then keeps the answer.
+     * Returns how a library is isolated. An engine calls this method once for each content of a
+     * library, and keeps the result.
      *
      * @param file the library's file, if it was opened from one
      * @param library bytes of the library; the caller must not change them

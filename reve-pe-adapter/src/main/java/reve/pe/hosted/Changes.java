@@ -15,9 +15,9 @@ final class Changes {
     private final List<Loaded> unloaded = new ArrayList<>();
 
     /**
-     * @param host in which the changes began; null if it was lost
+     * @param host process in which the changes began; null if it was lost
      * @param before the libraries before the changes
-     * @param state of the engine before the changes
+     * @param state state of the engine before the changes
      */
     Changes(@Nullable HostProcess host, List<Loaded> before, KeptState.Saved state) {
         this.host = host;
@@ -35,23 +35,30 @@ final class Changes {
     }
 
     /**
-     * Keeps the bytes of an unloaded library; returns false if it was loaded after the beginning.
+     * Keeps an unloaded library, because the changes may be undone. Returns false if the library
+     * was loaded after the beginning of the changes.
      */
     boolean setAside(Loaded library) {
         return before.contains(library) && unloaded.add(library);
     }
 
-    /** Returns the libraries of the beginning that were unloaded. */
+    /** Returns the unloaded libraries that were loaded at the beginning of the changes. */
     List<Loaded> unloaded() {
         return unloaded;
     }
 
-    /** Returns whether the host has more threads than before one of the unloaded libraries. */
+    /**
+     * Returns whether the host has more threads than it had before one of the unloaded libraries
+     * was loaded.
+     */
     boolean leftThreads(int threads) {
         return unloaded.stream().anyMatch(library -> threads > library.threads);
     }
 
-    /** Restores the libraries of the beginning, and returns those that were loaded since. */
+    /**
+     * Restores the list of libraries to that at the beginning, and returns the libraries that were
+     * loaded since then.
+     */
     List<Loaded> restore(List<Loaded> libraries) {
         List<Loaded> added = new ArrayList<>(libraries);
         added.removeAll(before);

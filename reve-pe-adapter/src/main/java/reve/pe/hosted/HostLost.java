@@ -8,26 +8,26 @@ final class HostLost extends Exception {
     private static final long serialVersionUID = 1L;
 
     /**
-     * The time limit after which the client ended the host, because it did not answer [ns]; 0 if it
-     * ended by itself.
+     * The time limit after which the client ended the host, because the host did not answer [ns]; 0
+     * if the host ended by itself.
      */
     final long lateNanos;
 
     /**
-     * Whether SIGKILL ended it; besides this client, the system or another program may have sent
-     * it.
+     * Whether the signal SIGKILL ended the host. This client, the system or another program may
+     * have sent the signal.
      */
     final boolean killed;
 
     /**
-     * The laws that its threads were calling: in each number, the library's id in the upper half
-     * and 1 + the law's index in the lower half.
+     * The laws that the host's threads were calling. Each number contains the library's id in the
+     * upper half and 1 + the law's index in the lower half.
      */
     final transient List<Long> running;
 
     /**
-     * If it crashed by writing to a read-only property, the property's name, otherwise empty; and
-     * the offset in its column [bytes].
+     * The name of the read-only property whose write caused the crash; empty for other losses. The
+     * next field is the offset of the write in its column [bytes].
      */
     final String property;
 

@@ -27,8 +27,8 @@ import java.util.function.LongPredicate;
 
 /**
  * A process {@code vesper-host}, which runs an engine, and the shared memory for requests and
- * replies; {@code vesper-native/host/control.hpp} defines its layout. One call at a time, from any
- * thread.
+ * replies. {@code vesper-native/host/control.hpp} defines the layout of this memory. One call at a
+ * time, from any thread.
  */
 class HostProcess implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
@@ -58,32 +58,32 @@ class HostProcess implements AutoCloseable {
     private static final long IDLE_NANOS = LOOK_NANOS / 20;
 
     /**
-     * Maximum time that counts for one interval [ns]: if it took longer, this process, and perhaps
-     * the host, did not run.
+     * Maximum idle time that counts for one interval [ns]. If an interval takes longer, this
+     * process did not run, and perhaps the host did not run either.
      */
     private static final long MOST_LOOK_NANOS = 10 * LOOK_NANOS;
 
     /**
-     * Maximum busy-wait for a reply in a world that runs as fast as it can, without a clock [ns]; 0
-     * on one processor, where the wait would take time from the host.
+     * Maximum busy-wait for a reply in a world that runs as fast as it can, without a clock [ns].
+     * It is 0 on one processor, because there the wait would take processor time from the host.
      */
     private static final long AWAKE_NANOS =
             Runtime.getRuntime().availableProcessors() > 1 ? 50_000 : 0;
 
     /**
-     * If the pause between two calls is shorter than this [ns], the world runs as fast as it can;
-     * at the rate of a clock, pauses are longer.
+     * Pause between two calls below which a world counts as running as fast as it can [ns]. In a
+     * world that waits for a clock, pauses are longer.
      */
     private static final long QUICK_NANOS = 5_000_000;
 
     /**
-     * A host is ended after this multiple of the time limit of wall-clock time, even if it got no
-     * processor.
+     * Multiple of the time limit after which a host is ended, measured in wall-clock time, even if
+     * the host got no processor.
      */
     private static final int MOST_WALL = 20;
 
     /**
-     * Further wall-clock time, after which a host is ended that waits for a law that runs apart
+     * Additional wall-clock time after which a host is ended that waits for a law that runs apart
      * [ns].
      */
     private static final long SANDBOX_NANOS = 500_000_000;
@@ -97,7 +97,7 @@ class HostProcess implements AutoCloseable {
 
     /**
      * Environment variables that a host receives, because loaders, drivers and the engine need
-     * them; others may contain secrets.
+     * them. It receives no other variables, because these may contain secrets.
      */
     private static final Set<String> KEPT_VARIABLES =
             Set.of("HOME", "PATH", "TMPDIR", "LANG", "VESPER_TEXT_MACHINE_CODE");
@@ -155,10 +155,10 @@ class HostProcess implements AutoCloseable {
     }
 
     /**
-     * Reads the output on a platform thread. On a virtual thread, a blocking read of a pipe would
-     * keep the carrier thread. On a machine with two processors, two such reads would leave no
-     * carrier for other virtual threads, as soon as the pool has ended its extra threads after 30 s
-     * without work.
+     * Starts a platform thread that reads the output. On a virtual thread, a blocking read of a
+     * pipe would block its carrier thread. The pool of carrier threads ends its extra threads after
+     * 30 s without work. On a machine with two processors, two such reads would then leave no
+     * carrier for other virtual threads.
      */
     private static void startReading(Process started) {
         Thread.ofPlatform().daemon().name("output of laws").start(new OutputOfLaws(started, LOG));
@@ -209,11 +209,11 @@ class HostProcess implements AutoCloseable {
     }
 
     /**
-     * As above, but while a law that runs apart is running, the host is not ended at the limit,
-     * because it ends that law itself then.
+     * Sends the request like {@link #call(long, VesperLog)}. While a law that runs apart is
+     * running, the host is not ended at the limit, because the host itself then ends that law.
      *
-     * @param isApart whether a word of the host that names the running law names one that runs
-     *     apart
+     * @param isApart returns whether a word of the host, which names the running law, names a law
+     *     that runs apart
      */
     Mailbox call(long limitNanos, LongPredicate isApart, VesperLog log) throws HostLost {
         mailbox.end();
@@ -257,7 +257,7 @@ class HostProcess implements AutoCloseable {
         return waitedNanos;
     }
 
-    /** The wait for a reply that does not come within {@link #LOOK_NANOS}. */
+    /** The wait for a reply, with a check of the host after each {@link #LOOK_NANOS}. */
     private final class Wait {
         private final int number;
         private final long limitNanos;
@@ -306,8 +306,8 @@ class HostProcess implements AutoCloseable {
         }
 
         /**
-         * At most the wall-clock time, because several threads may use more processor time than
-         * that.
+         * Returns the time that counts for the limit [ns]. It is at most the wall-clock time, which
+         * several threads together may exceed in processor time.
          */
         private long spent() {
             return Math.min(cpu - startCpu + idle, System.nanoTime() - start);

@@ -28,39 +28,42 @@ import java.util.function.Function;
 import java.util.function.LongPredicate;
 
 /**
- * A Vesper engine in a process of its own, the host, which uses the arrays of the provider in
- * place. {@link #advance} is one exchange.
+ * A Vesper engine in its own process, the host, which uses the arrays of the provider in place.
+ * {@link #advance} is one exchange of a request and a reply.
  *
  * <p>If a law ends the host, or does not return in time, the call fails with {@link
  * Status#LAW_CRASHED} or {@link Status#LAW_TIMED_OUT} and names the law. As after any failed
- * advance the client restores its arrays and unloads the library. The next call runs in a new host
- * with the laws that are still loaded, and the state of the engine after the last successful
- * advance. {@link Status#ENGINE_LOST} means that the host ended and no law is known to be the
- * cause; the call can be repeated.
+ * advance, the client restores its arrays and unloads the library. The next call runs in a new
+ * host. The new host has the laws that are still loaded, and the state of the engine after the last
+ * successful advance. {@link Status#ENGINE_LOST} means that the host ended and no law is known to
+ * be the cause; the call can be repeated.
  */
 public final class HostedEngine implements PhysicsEngine {
     /**
-     * Time for a request that is not an advance, such as the creation of a law. Like all times
-     * here, it is less than the 5 s after which a watchdog reports the world.
+     * Time limit for a request that is not an advance, such as the creation of a law. All time
+     * limits of this class are less than the 5 s after which a watchdog reports the world.
      */
     private static final long REQUEST_NANOS = Duration.ofSeconds(3).toNanos();
 
-    /** Time for a new host to create its engine. */
+    /** Time limit for a new host to create its engine. */
     private static final long CREATE_NANOS = Duration.ofSeconds(1).toNanos();
 
-    /** Time for advances in which laws may have much to build. */
+    /** Time limit for advances in which laws may build large data structures. */
     private static final long BUILD_NANOS = Duration.ofSeconds(3).toNanos();
 
-    /** Advances with that time: in the first one laws build, the second one is measured. */
+    /**
+     * Number of advances with the time limit {@link #BUILD_NANOS}. In the first advance laws build
+     * data structures; the second advance is measured.
+     */
     private static final int BUILD_ADVANCES = 2;
 
     /** Maximum number of hosts that are started for one call. */
     private static final int STARTS = 3;
 
-    /** A frame may take this many times the longest one of the last frames. */
+    /** Maximum time of a frame, as a multiple of the longest of the last frames. */
     private static final int GROWTH = 8;
 
-    /** Number of frames after which a long one counts about a third. */
+    /** Number of frames after which a long frame counts about a third of its time. */
     private static final int MEMORY = 256;
 
     private final Hosts hosts;
@@ -83,7 +86,7 @@ public final class HostedEngine implements PhysicsEngine {
     private long longestNanos;
     private long waitedNanos;
 
-    /** Advances left in which laws may build. */
+    /** Number of the next advances in which laws may build large data structures. */
     private int building = BUILD_ADVANCES;
 
     /** The changes in progress; null if there are none. */
@@ -94,7 +97,7 @@ public final class HostedEngine implements PhysicsEngine {
 
     private volatile boolean closed;
 
-    /** Kept, because an advance must allocate nothing. */
+    /** Method reference, created once, because an advance must allocate nothing. */
     private final LongPredicate isApartWord = this::isApartWord;
 
     /**
@@ -102,11 +105,12 @@ public final class HostedEngine implements PhysicsEngine {
      *
      * @param hosts starts its processes; closed after this object
      * @param frameLimit time that all laws together may take for an advance: processor time, and
-     *     time in which they only wait. An advance in which laws may build may take at least three
-     *     seconds, and others eight times the longest of the last frames, up to three seconds
-     * @param apart decides which native libraries run in a sandbox; laws in Python for which it
-     *     decides so are refused
-     * @param parts returns where hosts find memory that is lent to the engine, and throws
+     *     time in which they only wait. The limit is at least three seconds for an advance in which
+     *     laws may build data structures. For other advances it is at least eight times the longest
+     *     of the last frames, up to three seconds
+     * @param apart decides which native libraries run in a sandbox; the engine refuses laws in
+     *     Python that would have to run in a sandbox
+     * @param parts returns the shared memory that contains an array of the client; throws
      *     IllegalArgumentException for other memory
      * @throws PhysicsException if the engine refuses the prototype
      * @throws IllegalStateException if no process can be started
@@ -213,13 +217,15 @@ public final class HostedEngine implements PhysicsEngine {
         return library;
     }
 
-    /** Gives a library to the host; the refusal of a text has all its problems. */
+    /**
+     * Loads a library into the host. If a text is refused, the message contains all its problems.
+     */
     private <T> T give(Loaded added, Exchange<T> exchange) {
         HostedLibrary library = added.library;
         try {
             Calls calls = connected();
             T reply = exchange.with(calls);
-            keep(calls); // before it counts as loaded: a new host needs its state
+            keep(calls); // before the library counts as loaded, because a new host needs its state
             library.taken();
             accepted = null;
             expectBuilding();
@@ -330,7 +336,8 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     /**
-     * Ends changes in the host in which they began; any other host is replaced if they are undone.
+     * Ends changes in the host in which they began. If they are undone and there is another host,
+     * this host is replaced.
      */
     private void endInHost(Changes ended, boolean keep) {
         if (host == null || host != ended.host()) {
@@ -367,7 +374,7 @@ public final class HostedEngine implements PhysicsEngine {
         return laws;
     }
 
-    /** Asks the engine process once, and not for the laws of all libraries. */
+    /** Sends one request for this library only, instead of one request for each library. */
     @Override
     public List<PhysicsLaw> laws(int libraryId) {
         checkOpen();
@@ -461,7 +468,7 @@ public final class HostedEngine implements PhysicsEngine {
                     && (refused.libraryId() != 0 || refused.status() != Status.INTERNAL)) {
                 throw refused;
             }
-            // The host may have made the steps, whose state is not kept.
+            // The host may have made the steps, but this process does not have the new state.
             lose();
             throw new PhysicsException(
                     Status.ENGINE_LOST,
@@ -490,7 +497,7 @@ public final class HostedEngine implements PhysicsEngine {
         return Math.max(usual, frameLimit.toNanos());
     }
 
-    /** Gives the next advance the time in which laws may build. */
+    /** Sets the time limit of the next advances to that for building data structures. */
     void expectBuilding() {
         building = BUILD_ADVANCES;
     }
@@ -519,7 +526,7 @@ public final class HostedEngine implements PhysicsEngine {
                 lose();
             }
         }
-        moves.add(moved); // a new host makes them, too
+        moves.add(moved); // a new host must repeat these moves
     }
 
     @Override
@@ -568,7 +575,7 @@ public final class HostedEngine implements PhysicsEngine {
                 throw lost;
             }
             lose();
-            state.set(known); // the next host begins with it
+            state.set(known); // the next host begins with this state
             moves.clear();
         }
     }
@@ -581,7 +588,7 @@ public final class HostedEngine implements PhysicsEngine {
                 });
     }
 
-    /** Keeps the state of the host, to which the moves of rows so far belong. */
+    /** Keeps the state of the host, which already includes the moves of rows so far. */
     private void keep(Calls calls) throws HostLost {
         state.keep(calls);
         moves.clear();
@@ -622,7 +629,7 @@ public final class HostedEngine implements PhysicsEngine {
         }
     }
 
-    /** Sends a request that does not depend on the arrays; once more if the host was lost. */
+    /** Sends a request that does not depend on the arrays; repeats it once if the host was lost. */
     Mailbox ask(Consumer<HostProcess> request) {
         checkOpen();
         return withRetry(calls -> calls.call(request));
@@ -633,7 +640,7 @@ public final class HostedEngine implements PhysicsEngine {
         T with(Calls calls) throws HostLost;
     }
 
-    /** Makes an exchange with the host; once more if the host was lost while no law ran. */
+    /** Makes an exchange with the host; repeats it once if the host was lost while no law ran. */
     private <T> T withRetry(Exchange<T> exchange) {
         try {
             try {
@@ -679,10 +686,10 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     /**
-     * Returns the host; if it was lost, a new one in the state that was kept.
+     * Returns the host. If it was lost, starts a new host in the state that was kept.
      *
-     * @throws IllegalStateException if no process can be started, or each ends at once; no law is
-     *     the cause
+     * @throws IllegalStateException if no process can be started, or each new process ends at once;
+     *     no law is the cause
      */
     private HostProcess host() {
         if (host != null && host.isAlive()) {
@@ -695,7 +702,7 @@ public final class HostedEngine implements PhysicsEngine {
                 setUp(fresh);
                 host = fresh;
                 expectBuilding();
-                hosts.refill(); // now, because the start would have delayed this host
+                hosts.refill(); // at the end, because an earlier start would have delayed this host
                 return fresh;
             } catch (HostLost lost) {
                 fresh.close();
@@ -739,7 +746,7 @@ public final class HostedEngine implements PhysicsEngine {
         }
     }
 
-    /** Forgets the host; the next call starts another one. */
+    /** Ends the use of the host; the next call starts a new host. */
     void lose() {
         if (host != null) {
             host.close();

@@ -28,7 +28,7 @@ final class HostedLibrary implements PreparedLibrary {
         PYTHON,
         /** Native code in a sandbox. */
         APART,
-        /** Native code in a sandbox, even if the machine lacks a layer of it. */
+        /** Native code in a sandbox, even if the machine lacks a layer of the sandbox. */
         APART_WEAKLY
     }
 
@@ -44,7 +44,7 @@ final class HostedLibrary implements PreparedLibrary {
         MemorySegment.copy(MemorySegment.ofArray(bytes), 0, memory.segment(), 0, bytes.length);
     }
 
-    /** Sets the name that the library itself declares, and the versions of what it uses. */
+    /** Sets the name that the library itself declares, and the versions of the programs it uses. */
     HostedLibrary declared(String ownName, String usedVersions) {
         name = ownName;
         versions = usedVersions;
@@ -59,7 +59,7 @@ final class HostedLibrary implements PreparedLibrary {
     String identity() {
         return switch (form) {
             case NATIVE, TEXT -> sha256;
-            case PYTHON -> sha256 + source; // a Python file has the file's name
+            case PYTHON -> sha256 + source; // a library in Python has the name of its file
             case APART, APART_WEAKLY -> sha256 + form;
         };
     }

@@ -25,9 +25,9 @@ import java.util.Set;
 import java.util.function.Function;
 
 /**
- * The provider of a hosted engine: keeps the client's arrays, which each host (engine process)
- * maps. It sends all rebound arrays to the host together with the next call of the engine, so a
- * refusal of their values comes with that call.
+ * The provider of a hosted engine. It keeps the client's arrays, which each host (engine process)
+ * maps. It sends all rebound arrays to the host together with the next call of the engine. If the
+ * host refuses their values, that call fails.
  */
 final class HostedProvider implements PhysicalPropertyProvider {
     private static final int NO_DESCRIPTOR = -1;
@@ -47,8 +47,8 @@ final class HostedProvider implements PhysicalPropertyProvider {
     private final Set<String> pending = new LinkedHashSet<>();
 
     /**
-     * Maximum number of rows so far, by kind. If it grows, laws may need time to build larger
-     * structures.
+     * Maximum number of rows so far, by kind. If this number grows, laws may need time to build
+     * larger data structures.
      */
     private final Map<String, Long> mostRows = new HashMap<>();
 

@@ -16,8 +16,7 @@ import java.util.function.Supplier;
 
 /**
  * Starts the processes of engines. One process is always started in advance, so that it can replace
- * a lost one at once. Any thread; engines that share this object also share the process started in
- * advance.
+ * a lost process at once. Engines that share this object also share this process. For any thread.
  */
 public final class Hosts implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
@@ -52,7 +51,7 @@ public final class Hosts implements AutoCloseable {
 
     /**
      * @param starter starts a process
-     * @param later runs the starts in advance
+     * @param later executor that runs the starts in advance
      */
     Hosts(Supplier<HostProcess> starter, Executor later) {
         this.starter = starter;
@@ -74,8 +73,8 @@ public final class Hosts implements AutoCloseable {
                 }
                 host.close();
             } catch (ExecutionException | TimeoutException notStarted) {
-                ready.thenAccept(HostProcess::close); // the process is not used; the caller's own
-                // attempt gives the reason
+                // Nothing uses this process. If starting fails, the attempt below gives the reason.
+                ready.thenAccept(HostProcess::close);
             } catch (InterruptedException e) {
                 ready.thenAccept(HostProcess::close);
                 Thread.currentThread().interrupt();

@@ -11,8 +11,8 @@ import java.util.List;
 import java.util.Objects;
 
 /**
- * The engine's state that is in no column (see {@link reve.pe.PhysicsEngine#saveState}), after the
- * last successful call that changed it. A host writes it into shared memory; this object keeps a
+ * The state that only the engine has (see {@link reve.pe.PhysicsEngine#saveState}), after the last
+ * successful call that changed it. A host writes this state into shared memory. This object keeps a
  * copy that no host can change.
  */
 final class KeptState {
@@ -45,7 +45,8 @@ final class KeptState {
     /**
      * Copies the state that the host wrote before this reply.
      *
-     * @return false if it did not fit into the shared memory, which is larger now
+     * @return false if the state did not fit into the shared memory; the memory is larger
+     *     afterwards
      */
     boolean keep(Mailbox reply) {
         long counted = reply.getLong();
@@ -77,7 +78,7 @@ final class KeptState {
         keep(host);
     }
 
-    /** Makes a host load a state, except that of the libraries {@code without}. */
+    /** Makes a host load a state without the state of the libraries {@code without}. */
     void load(byte[] state, List<String> without, Calls host) throws HostLost {
         if (shared.segment().byteSize() < state.length) {
             shared.close();

@@ -9,8 +9,8 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * A loaded library, with its laws, and their calls and times in all hosts (engine processes) so
- * far.
+ * A loaded library with its laws. It also keeps the number of calls and the times of the laws in
+ * all hosts (engine processes) so far.
  */
 final class Loaded {
     final int id;
@@ -23,7 +23,7 @@ final class Loaded {
     /** Number of threads that the host had before the library was loaded. */
     int threads;
 
-    /** See {@link reve.pe.PhysicsEngine#setInterval}. */
+    /** Interval of the laws, see {@link reve.pe.PhysicsEngine#setInterval}. */
     int interval = 1;
 
     private List<PhysicsLaw> laws = List.of();
@@ -52,7 +52,7 @@ final class Loaded {
     }
 
     /**
-     * Loads the library into a host in place of another one, whose id there it takes.
+     * Loads the library into a host in place of another library, and takes its id in this host.
      *
      * @return number of threads of the host afterwards
      */

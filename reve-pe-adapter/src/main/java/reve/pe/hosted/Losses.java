@@ -13,8 +13,8 @@ import java.util.Optional;
  */
 final class Losses {
     /**
-     * Maximum time in a frame that laws which do not return may take, if laws may be building data
-     * structures [ns].
+     * Maximum sum of the times, in one frame, of laws that do not return [ns]. It also applies to
+     * frames in which laws may build data structures.
      */
     private static final long MOST_LATE_NANOS = 4_000_000_000L;
 
@@ -26,16 +26,16 @@ final class Losses {
     private boolean alone;
     private long lateNanos;
 
-    /** Losses by SIGKILL in a row, with the same library, after which the library is the cause. */
+    /** Number of successive losses by SIGKILL with the same library at which it is the cause. */
     private static final int MOST_KILLS = 5;
 
-    /** Crashes in a row while the same library was loaded after which it is the cause. */
+    /** Number of successive crashes with the same library at which it is the cause. */
     private static final int MOST_CRASHES = 2;
 
     /** Id of the library whose law ran when a host was lost; 0 for none. */
     private int suspected;
 
-    /** Number of losses in a row with this library. */
+    /** Number of successive losses with the suspected library. */
     private int suspicions;
 
     Losses(HostedProvider provider, List<Loaded> libraries) {
@@ -44,16 +44,16 @@ final class Losses {
     }
 
     /**
-     * Whether laws must run one after the other, because several ran when the last host ended, to
-     * find out which one is the cause.
+     * Returns whether laws must run one after the other. This is so if several laws ran when the
+     * last host ended, because the next loss then shows which law is the cause.
      */
     boolean isAlone() {
         return alone;
     }
 
     /**
-     * Returns how much of a time limit remains in this frame: the limit minus the time that laws
-     * used which did not return [ns].
+     * Returns how much of a time limit remains in this frame [ns]. Time that laws used without
+     * returning reduces it.
      */
     long left(long limitNanos) {
         return Math.clamp(MOST_LATE_NANOS - lateNanos, 0, limitNanos);
@@ -104,7 +104,7 @@ final class Losses {
                                                 + ", which no loaded law declares to write"));
     }
 
-    /** Returns the failure of a library at whose loading a new host ended or did not answer. */
+    /** Returns the failure of a library during whose loading a new host ended or did not answer. */
     PhysicsException blameForLoad(HostLost lost, Loaded library) {
         lateNanos += lost.lateNanos;
         if (!lost.isLate()
@@ -116,10 +116,10 @@ final class Losses {
     }
 
     /**
-     * Records that this library ran at a loss that may have another cause, such as a lack of memory
-     * or another program.
+     * Records that this library ran when a host was lost. Returns whether the loss may have another
+     * cause, such as a lack of memory or another program.
      *
-     * @param most number of losses in a row with the same library at which it counts as the cause
+     * @param most number of successive losses with the same library at which it counts as the cause
      */
     private boolean mayHaveAnotherCause(Loaded library, int most) {
         suspicions = suspected == library.id ? suspicions + 1 : 1;

@@ -13,8 +13,8 @@ import java.nio.charset.StandardCharsets;
 
 /**
  * The memory in which a client writes a request and then reads the reply, from front to back. A
- * faulty law may have written anything into it, so a read beyond its end throws
- * IndexOutOfBoundsException.
+ * faulty law may have written any numbers into it. Therefore a read beyond its end is checked, and
+ * throws IndexOutOfBoundsException.
  */
 final class Mailbox {
     private static final int EXPONENTS = 7;

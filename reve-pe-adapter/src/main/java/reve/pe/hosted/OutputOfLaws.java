@@ -8,7 +8,7 @@ import java.io.IOException;
 import java.io.InputStream;
 import java.nio.charset.StandardCharsets;
 
-/** Reads what laws print to standard output, and logs the first lines of each second, shortened. */
+/** Reads the standard output of laws, and logs the first lines of each second, shortened. */
 final class OutputOfLaws implements Runnable {
     private static final int MOST_BYTES = 1024;
     private static final int MOST_LINES = 20;

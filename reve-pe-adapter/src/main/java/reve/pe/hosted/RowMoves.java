@@ -4,10 +4,12 @@ package reve.pe.hosted;
 /**
  * Moves of rows of a kind.
  *
- * @param rows from and to of each move
+ * @param rows two numbers, from and to, for each move
  */
 record RowMoves(String kind, long[] rows) {
-    /** Numbers of rows in one request, from and to of each move; the mailbox has more room. */
+    /**
+     * Maximum count of row numbers in one request, two for each move; the mailbox has more room.
+     */
     private static final int ROWS_PER_REQUEST = 2 * 16 * 1024;
 
     /** Makes the moves in a host. */

@@ -6,13 +6,13 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The libraries that have passed a {@link Trial}, so that equal bytes are not tested again: a
+ * The libraries that have passed a {@link Trial}, so that equal bytes are not tested again. A
  * change of a parameter or a rewind loads a library again, and must not depend on another process.
  * For any thread.
  */
 final class TestedLibraries {
 
-    /** Maximum number of libraries that are remembered, those that were tested last. */
+    /** Maximum number of libraries in this cache; it contains those that were tested last. */
     private static final int MOST = 256;
 
     private final Map<String, Declared> tested =
@@ -29,11 +29,11 @@ final class TestedLibraries {
         tested.put(library.identity(), new Declared(library.name(), library.versions()));
     }
 
-    /** Returns what the library declared in its trial, if these bytes have passed one. */
+    /** Returns the declarations of the library in its trial, if these bytes have passed a trial. */
     synchronized Optional<Declared> find(HostedLibrary library) {
         return Optional.ofNullable(tested.get(library.identity()));
     }
 
-    /** The library's own name, and the versions of what it uses. */
+    /** The library's own name, and the versions of the programs that it uses. */
     record Declared(String name, String versions) {}
 }

@@ -10,18 +10,18 @@ import reve.pe.vesper.VesperLog;
 import java.time.Duration;
 
 /**
- * Tests a library: opens it, and creates and destroys its laws, in a host (engine process) for this
- * use only. So a library that crashes or hangs there never reaches a world. For any thread.
+ * Tests a library in a separate host (engine process): opens it, and creates and destroys its laws.
+ * So a library that crashes or hangs in this test never reaches a world. For any thread.
  */
 record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     private static final long LIMIT_NANOS = Duration.ofSeconds(10).toNanos();
     private static final VesperLog QUIET = (level, message) -> {};
 
-    /** Trials that may end by SIGKILL, which another program may have sent. */
+    /** Maximum number of trials that end by SIGKILL, which another program may have sent. */
     private static final int MOST_KILLS = 3;
 
     /**
-     * Tests the library, and sets its name and the versions of what it uses.
+     * Tests the library, and sets its name and the versions of the programs that it uses.
      *
      * @throws PhysicsException if the library cannot be opened or ends the process; the library is
      *     closed then
@@ -34,7 +34,7 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     }
 
     /**
-     * @return false if SIGKILL ended the process, and another one is to test the library
+     * @return false if SIGKILL ended the process, and a new process must test the library
      */
     private boolean isTested(HostedLibrary library, boolean isLast) {
         String stage = "opening it";
@@ -74,7 +74,10 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
         }
     }
 
-    /** Here only a crash counts; whether the laws fit the world is checked when they are loaded. */
+    /**
+     * Loads and unloads the library. Only a crash is a failure. Refusals are ignored, because the
+     * engine checks whether the laws fit the world when the library is loaded.
+     */
     private static void tryToLoad(HostProcess host, HostedLibrary library) throws HostLost {
         library.put(host.begin(Request.LOAD)).putInt(0);
         Mailbox loaded = host.call(LIMIT_NANOS, QUIET);

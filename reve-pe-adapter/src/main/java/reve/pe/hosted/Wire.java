@@ -110,9 +110,7 @@ final class Wire {
         return parameters;
     }
 
-    /**
-     * A {@code vesper_error}: a failure as a host reports it; the ids in it are those of the host.
-     */
+    /** A failure that a host reports (a {@code vesper_error}). Its ids are those of the host. */
     record Failure(int status, int library, int law, long row, String property, String message) {
         static Failure read(Mailbox from) {
             int status = from.getInt();
@@ -142,7 +140,9 @@ final class Wire {
         }
     }
 
-    /** Writes a request for the lines of a ledger: those of all laws, and the others. */
+    /**
+     * Writes a request for the lines of a ledger: those of all laws, then those of other sources.
+     */
     static void putLedger(Mailbox to, List<Loaded> libraries) {
         int laws = libraries.stream().mapToInt(library -> library.laws().size()).sum();
         to.putInt(laws + OTHER_LINES.size());

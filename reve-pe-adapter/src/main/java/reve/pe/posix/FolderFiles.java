@@ -9,8 +9,8 @@ import java.util.List;
 import java.util.stream.Stream;
 
 /**
- * Lists of the files in folders that others may replace. A pipe or file in the place of the folder
- * is refused, also if it takes this place meanwhile; opening it does not block. For any thread.
+ * Lists of the files in folders that other processes may replace at any time. A pipe or file in the
+ * place of the folder is refused, and does not block the caller. For any thread.
  */
 public final class FolderFiles {
     private static final int O_NONBLOCK = 0x800;

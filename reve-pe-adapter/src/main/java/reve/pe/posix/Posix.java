@@ -37,7 +37,9 @@ final class Posix {
             variadic("fcntl", 2, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_INT);
     private static final MethodHandle KILL = function("kill", JAVA_INT, JAVA_INT, JAVA_INT);
 
-    /** Does not capture errno, so that a call allocates no memory. */
+    /**
+     * The function kill. This handle does not capture errno, so that a call allocates no memory.
+     */
     private static final MethodHandle PLAIN_KILL =
             LINKER.downcallHandle(
                     LINKER.defaultLookup().findOrThrow("kill"),

@@ -23,16 +23,16 @@ public final class ProcessGroup {
     }
 
     /**
-     * Kills the processes of the group; processes that left the group, or whose leader has not
-     * created it yet, continue.
+     * Kills the processes of the group. Processes that left the group continue. If the leader has
+     * not created the group yet, nothing happens.
      */
     public void kill() {
         Posix.kill(-leader, SIGKILL);
     }
 
     /**
-     * Returns whether the leader exists. False at the latest when its end can be observed
-     * elsewhere, for example by {@link Process}.
+     * Returns whether the leader exists. Returns false at the latest when {@link Process} reports
+     * the end of the leader.
      */
     public boolean isAlive() {
         return Posix.exists(leader);
@@ -45,7 +45,7 @@ public final class ProcessGroup {
 
     /** The state of the main thread of a process. */
     public enum State {
-        /** Waits for an event that it asked for. */
+        /** Sleeps until an event occurs. */
         SLEEPS,
         /** Was stopped by a signal. */
         STOPPED,

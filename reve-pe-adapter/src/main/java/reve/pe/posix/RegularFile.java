@@ -10,9 +10,8 @@ import java.nio.file.Path;
 import java.nio.file.attribute.BasicFileAttributes;
 
 /**
- * Reader of regular files in folders that others may change. A link, pipe or device in the place of
- * the file is refused, also if it takes this place meanwhile; opening it does not block. For any
- * thread.
+ * Reader of regular files in folders that other processes may change at any time. A link, pipe or
+ * device in the place of the file is refused, and does not block the caller. For any thread.
  */
 public final class RegularFile {
     private static final int O_RDONLY = 0;
@@ -28,7 +27,8 @@ public final class RegularFile {
      * Reads a whole file.
      *
      * @param most maximum size [bytes]
-     * @throws IOException with the reason, if it is not a regular file, larger, or unreadable
+     * @throws IOException with the reason, if the file is not a regular file, is larger, or cannot
+     *     be read
      */
     public static byte[] read(Path file, int most) throws IOException {
         int descriptor =
@@ -63,7 +63,7 @@ public final class RegularFile {
         }
     }
 
-    /** Returns what is there instead of a regular file, or an empty text if it is one. */
+    /** Returns the kind of a file that is not a regular file; an empty text for a regular file. */
     public static String otherKind(Path file) throws IOException {
         BasicFileAttributes attributes =
                 Files.readAttributes(file, BasicFileAttributes.class, LinkOption.NOFOLLOW_LINKS);

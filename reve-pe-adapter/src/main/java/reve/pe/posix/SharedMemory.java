@@ -13,7 +13,7 @@ public final class SharedMemory implements AutoCloseable {
     private static final int MFD_ALLOW_SEALING = 2;
     private static final int F_ADD_SEALS = 1033;
 
-    /** Seals of memfd: the size cannot change, nor can these seals be removed. */
+    /** Seals of the memory: its size cannot change, and these seals cannot be removed. */
     private static final int SEALS = 1 | 2 | 4;
 
     private static final int PROT_READ_WRITE = 1 | 2;
@@ -31,7 +31,7 @@ public final class SharedMemory implements AutoCloseable {
     /**
      * Reserves memory; a page occupies memory only after it was written.
      *
-     * @param name appears in /proc, at most 249 bytes
+     * @param name name that appears in /proc, at most 249 bytes
      * @throws IllegalStateException if the system refuses
      */
     public SharedMemory(String name, long bytes) {
@@ -94,7 +94,7 @@ public final class SharedMemory implements AutoCloseable {
         }
     }
 
-    /** Returns the message of an errno, and what the user can do about it. */
+    /** Returns the message of an errno, with advice for the user. */
     static String reason(int errno) {
         String advice =
                 switch (errno) {

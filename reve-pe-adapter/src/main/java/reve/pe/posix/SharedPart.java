@@ -2,9 +2,9 @@
 package reve.pe.posix;
 
 /**
- * A part of shared memory, as another process can map it.
+ * A part of shared memory that another process can map.
  *
- * @param descriptor of the memory, valid in this process
- * @param offset where the part begins [bytes]
+ * @param descriptor file descriptor of the memory, valid in this process
+ * @param offset begin of the part in the memory [bytes]
  */
 public record SharedPart(int descriptor, long offset) {}

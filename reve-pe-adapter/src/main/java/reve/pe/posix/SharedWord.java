@@ -12,8 +12,8 @@ import java.lang.invoke.MethodHandle;
 import java.lang.invoke.VarHandle;
 
 /**
- * A number in shared memory (a futex): one process waits until another one changes it. Only one
- * thread per process uses it.
+ * A number in shared memory (a futex). One process waits until another process changes the number.
+ * Only one thread per process may use it.
  */
 @SuppressWarnings("restricted") // the C library has no function of its own for futexes
 public final class SharedWord {
@@ -58,8 +58,8 @@ public final class SharedWord {
     }
 
     /**
-     * Returns at once if the number differs from {@code seen}; otherwise sleeps until it is
-     * announced or {@code nanos} have passed.
+     * Waits until the number differs from {@code seen}. Returns at once if it already differs.
+     * Otherwise sleeps until the other process announces a number, or {@code nanos} have passed.
      */
     public void await(int seen, long nanos) {
         if (get() == seen) {

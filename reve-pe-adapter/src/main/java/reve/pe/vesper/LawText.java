@@ -95,8 +95,8 @@ public final class LawText {
     }
 
     /**
-     * Returns the exception with all problems of the text and their line numbers, if it has any;
-     * otherwise the given one.
+     * Returns an exception with all problems of the text and their line numbers. If the text has no
+     * problems, returns the given exception.
      */
     public static PhysicsException withReport(
             Prototype prototype, String source, byte[] text, PhysicsException refusal) {

@@ -19,7 +19,7 @@ import java.security.NoSuchAlgorithmException;
 import java.util.HexFormat;
 import java.util.List;
 
-/** A law library on disk: how its name is resolved to a path, and how its bytes are identified. */
+/** Functions for a law library on disk: find its path by its name, read and identify its bytes. */
 public final class LibraryFile {
     private LibraryFile() {}
 

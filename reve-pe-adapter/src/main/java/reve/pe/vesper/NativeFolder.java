@@ -16,8 +16,8 @@ final class NativeFolder {
     private NativeFolder() {}
 
     /**
-     * Returns the engine's shared library. Checks that it exists, so that the message can say what
-     * to do.
+     * Returns the path of the engine's shared library. Checks that the file exists, so that an
+     * error message can say what to do.
      */
     static Path libvesper() {
         return libvesper(System.getProperty(PROPERTY));
@@ -48,10 +48,10 @@ final class NativeFolder {
     }
 
     /**
-     * Returns why a native library could not be opened: Java's symbol lookup does not report the
-     * reason, so this method loads the library.
+     * Returns an exception with the reason why a native library could not be opened. Java's symbol
+     * lookup does not report the reason, so this method loads the library again.
      *
-     * @param cause reported if the library can be loaded after all
+     * @param cause error that is reported if the library can be loaded this time
      */
     @SuppressWarnings("restricted")
     static PhysicsException refused(Path library, LinkageError cause) {

@@ -229,7 +229,9 @@ public final class VesperEngine implements PhysicsEngine {
                         + "' was prepared by another kind of engine");
     }
 
-    /** Gives a library to the engine; the refusal of a text has all its problems. */
+    /**
+     * Loads a library into the engine. If a text is refused, the message contains all its problems.
+     */
     private void give(
             VesperPreparedLibrary library,
             Map<String, Double> parameters,

@@ -18,8 +18,8 @@ import java.util.List;
 import java.util.function.IntFunction;
 
 /**
- * The conversion of a status to an exception. Owns the error struct that C functions fill; calls
- * reuse it. The thread rule of the called object applies.
+ * The conversion of a status to an exception. This object owns the error struct that C functions
+ * fill; all calls use the same struct. The thread rule of the called object applies.
  */
 final class VesperErrors {
     private static final long LIBRARY_ID = offset(ERROR, "library_id");

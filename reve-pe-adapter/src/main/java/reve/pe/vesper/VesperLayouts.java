@@ -211,7 +211,7 @@ final class VesperLayouts {
     /**
      * Compares the library's layout of every struct with this class.
      *
-     * @throws IllegalStateException if one differs
+     * @throws IllegalStateException if a layout differs
      */
     static void check(List<Row> library) {
         for (StructLayout layout : ALL) {

@@ -5,8 +5,8 @@ package reve.pe.vesper;
 @FunctionalInterface
 public interface VesperLog {
     /**
-     * Called on the thread that is inside the engine; it must return quickly and must not call the
-     * engine.
+     * Receives a line. The engine calls this method on the thread that called the engine. The
+     * method must return quickly and must not call the engine.
      */
     void log(System.Logger.Level level, String message);
 }

@@ -224,7 +224,8 @@ final class VesperPrototypes {
     }
 
     /**
-     * Returns the elements of a C array of structs; the stride is the first element's struct_size.
+     * Returns the elements of a C array of structs. Its stride is the struct_size of its first
+     * element.
      */
     private static List<MemorySegment> array(MemorySegment first, StructLayout layout, int count) {
         List<MemorySegment> elements = new ArrayList<>(count);

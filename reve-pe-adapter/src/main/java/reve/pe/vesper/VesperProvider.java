@@ -36,8 +36,8 @@ final class VesperProvider implements PhysicalPropertyProvider {
     private final MemorySegment found;
 
     /**
-     * Scopes of the bound arrays, without duplicates; checked to be alive before C code accesses
-     * the arrays.
+     * Scopes of the bound arrays, without duplicates. Before C code accesses the arrays, this
+     * object checks that the scopes are alive.
      */
     private MemorySegment.Scope[] lifetimes = {};
 

@@ -18,9 +18,9 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * An example agent that shows the speed of items: it watches all items and paints those with an
- * action for it, from blue (at rest) to red (the highest speed so far). Its last line on standard
- * output is a JSON summary.
+ * An example agent that shows the speed of items by their colours. It watches all items. It paints
+ * each item that has an action for this, from blue (at rest) to red (the highest speed so far). Its
+ * last line on standard output is a JSON summary.
  */
 public final class Painter {
 
