@@ -5,7 +5,8 @@ import java.util.Optional;
 import java.util.function.Supplier;
 
 /**
- * Reporter of the problem with one of the server's files, when the problem begins, changes or ends.
+ * Reports problems with one of the server's files to the operator. A report is sent when a problem
+ * begins, changes or ends.
  */
 final class FileProblem {
 

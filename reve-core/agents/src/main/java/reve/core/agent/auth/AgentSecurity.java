@@ -13,8 +13,8 @@ import java.util.Optional;
 public record AgentSecurity(Optional<TokenFile> tokens, Optional<ServerTls> tls) {
 
     /**
-     * No tokens and no TLS: permitted only for a loopback address, where all clients run on the
-     * same machine.
+     * Neither tokens nor TLS. This is permitted only for a loopback address, which only clients on
+     * the same machine can reach.
      */
     public static final AgentSecurity NONE = new AgentSecurity(Optional.empty(), Optional.empty());
 

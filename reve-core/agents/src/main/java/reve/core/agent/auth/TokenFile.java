@@ -34,7 +34,7 @@ import java.util.stream.Collectors;
 
 /**
  * The tokens of a server, in a file with access for its owner only. Changes of the file take effect
- * at once. If the file becomes invalid, the tokens that were read before stay in effect. Any
+ * at once. If the file becomes invalid, the tokens that were read before stay in effect. For any
  * thread.
  */
 public final class TokenFile {
@@ -117,9 +117,9 @@ public final class TokenFile {
     }
 
     /**
-     * Returns the token with that secret unless it has expired. The time does not depend on whether
-     * such a token exists or how many tokens there are: the lookup uses the hash of the secret,
-     * which an attacker cannot choose.
+     * Returns the token with that secret, unless the token has expired. The time of the lookup
+     * reveals nothing about the stored tokens: the lookup uses the hash of the secret, which an
+     * attacker cannot choose.
      */
     public Optional<AgentToken> find(String secret) {
         return Optional.ofNullable(refreshed().get(AgentToken.hash(secret)))

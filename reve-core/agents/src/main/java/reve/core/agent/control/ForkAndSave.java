@@ -24,8 +24,8 @@ import java.util.concurrent.TimeoutException;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * Commands that work on a copy of a world while the world continues: saving it as a file, and
- * advancing it (fork). One at a time, on the requester's thread.
+ * Commands that work on a copy of a world while the world continues: saving the copy as a file, and
+ * advancing it (fork). Only one such command runs at a time, on the requester's thread.
  */
 final class ForkAndSave {
 
@@ -64,7 +64,7 @@ final class ForkAndSave {
     }
 
     /**
-     * @param first change that is made in the copy before its first frame
+     * @param first the change that is made in the copy before its first frame
      */
     void fork(Requester requester, ClientMessage.Fork fork, WorldControl.Change first) {
         study(

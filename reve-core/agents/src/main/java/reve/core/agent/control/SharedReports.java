@@ -44,12 +44,12 @@ final class SharedReports {
      */
     private static final long SLICE_NANOS = 1_000_000;
 
-    /** Reports take one of this many parts of the time. */
+    /** Reports take at most one part of the time out of this many parts. */
     private static final int SHARE = 10;
 
     /**
-     * Time that reports may take beyond their part before they must wait [ns], multiplied by {@link
-     * #SHARE}.
+     * Time that reports may take in advance of their part before they must wait [ns], multiplied by
+     * {@link #SHARE}.
      */
     private static final long ADVANCE_NANOS = 500_000_000;
 
@@ -59,7 +59,7 @@ final class SharedReports {
     private final Publisher publisher;
     private final RateLimitedLog log;
 
-    /** Functions that complete the content of a report on the event loop's thread, by kind. */
+    /** Functions that add to the content of a report on the event loop's thread, by kind. */
     private final Map<Kind, UnaryOperator<Map<String, Object>>> completions;
 
     private record Waiting(Requester requester, ClientMessage.Query query, Kind kind) {}
@@ -69,18 +69,18 @@ final class SharedReports {
      */
     private record Read(@Nullable Map<String, Object> content, @Nullable Exception failure) {}
 
-    /** Queries by client, in order of their turns. Guarded by this. */
+    /** Queries by client, in order of their turns. Guarded by this object's lock. */
     private final Map<Requester, Deque<Waiting>> waiting = new LinkedHashMap<>();
 
     /**
-     * True from the request to the world's thread for a reading until its answers are sent. Guarded
-     * by this.
+     * True while a reading is requested from the world's thread or its answers are not sent yet.
+     * Guarded by this object's lock.
      */
     private boolean isReading;
 
     /**
-     * Time at which the reports so far will have taken only their part of the elapsed time [ns].
-     * Guarded by this.
+     * Time until which no further report may be made, so that reports keep to their part of the
+     * time [ns]. Guarded by this object's lock.
      */
     private long paidNanos;
 
@@ -111,7 +111,7 @@ final class SharedReports {
     }
 
     /**
-     * Queues a query, which is answered when it is its client's turn. For any thread.
+     * Queues a query. It is answered when its client has its turn. For any thread.
      *
      * @param reading reads the content for all queries of this kind
      */
@@ -143,7 +143,10 @@ final class SharedReports {
         port.loop().betweenFrames(this::read);
     }
 
-    /** Reads the content of each kind for which queries wait. World's thread, between frames. */
+    /**
+     * Reads the content of each kind for which queries wait. For the world's thread, between
+     * frames.
+     */
     private void read() {
         long begin = clock.getAsLong();
         long frame = port.loop().frame();

@@ -34,6 +34,6 @@ public sealed interface Outcome {
      */
     record Failed(long frame, Exception cause) implements Outcome {}
 
-    /** The agent is not in the world, because its join was refused; it needs no further answer. */
+    /** The agent is not in the world, because its join was refused. No further answer is sent. */
     record Absent() implements Outcome {}
 }

@@ -8,9 +8,9 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * The rounds of one agent in lock-step. A round begins with every Nth frame, the first with the
- * frame in which the agent joined. The agent receives a perception of this frame, and the world
- * does not begin the next round before the agent is ready.
+ * The rounds of one agent in lock-step. A round begins with every Nth frame. The first round begins
+ * with the frame in which the agent joined. The agent receives a perception of this frame, and the
+ * world does not begin the next round before the agent is ready.
  */
 public final class Turn {
 
@@ -66,8 +66,8 @@ public final class Turn {
     private int lateInRow;
 
     /**
-     * Number of rounds that were counted as finished or missed; the next field is the value of
-     * {@link #readyMessages} at that time.
+     * Number of rounds that {@link #miss} has counted as finished or missed. The next field is the
+     * value of {@link #readyMessages} at that time.
      */
     private long judged;
 
@@ -113,8 +113,9 @@ public final class Turn {
     }
 
     /**
-     * Ends the rounds up to that of {@code frame}, whose perception the agent has processed. Has no
-     * effect if they ended before or the frame is not published.
+     * Ends all rounds up to the round of {@code frame}, because the agent has processed the
+     * perception of this frame. Has no effect if these rounds ended earlier or the frame is not
+     * published yet.
      */
     public void ready(long frame, long published, long nowNanos) {
         playing = true;
@@ -171,7 +172,7 @@ public final class Turn {
         return isAwaited(frame - 1) && givenUp != frame;
     }
 
-    /** Returns whether the world waits for the rounds of the agent, be it ready or not. */
+    /** Returns whether the agent takes part in rounds, whether it is ready or not. */
     boolean isHere() {
         return presence.get() == Presence.HERE;
     }
@@ -198,7 +199,10 @@ public final class Turn {
         origin = frame;
     }
 
-    /** Makes this agent no longer hold a frame; other agents may still hold it. */
+    /**
+     * Records that the world does not wait for this agent before a frame. Other agents may still
+     * hold the frame.
+     */
     void giveUp(long frame) {
         givenUp = frame;
     }
@@ -225,7 +229,7 @@ public final class Turn {
     }
 
     /**
-     * Lets a returning agent take part again from that frame, which has not begun.
+     * Lets a returning agent take part again from a frame that has not begun.
      *
      * @param granted false if an agent that is away stays away until it is ready again
      * @return true if an event had informed other agents that this agent was away
@@ -248,8 +252,8 @@ public final class Turn {
     }
 
     /**
-     * Restarts the rounds of an agent that has never been ready with that frame, in which another
-     * agent joins.
+     * Restarts the rounds of an agent that has never been ready. The first round begins with the
+     * given frame, in which another agent joins.
      */
     void putOff(long frame) {
         if (!playing) {
@@ -276,8 +280,8 @@ public final class Turn {
 
     /**
      * Returns the input that reports a missed round. Other agents are notified of each round for
-     * which the world waited in vain. While the world does not wait for the agent, they are
-     * notified of the first missed round only.
+     * which the world waited without success. While the world does not wait for the agent, other
+     * agents are notified of the first missed round only.
      */
     AgentInput.Late late() {
         missed++;

@@ -11,7 +11,8 @@ import java.util.Optional;
 public interface Cameras {
 
     /**
-     * A picture; its layers contain the rows from the top, and numbers are little-endian.
+     * A picture. Its layers contain the rows of pixels from top to bottom. Numbers are
+     * little-endian.
      *
      * @param time simulated time of the world [s]
      * @param width [px]
@@ -51,7 +52,7 @@ public interface Cameras {
         void failed(RuntimeException cause);
     }
 
-    /** Takes a picture of the newest frame. Any thread; returns at once. */
+    /** Takes a picture of the newest frame. For any thread; returns at once. */
     void take(ItemId body, Sensor camera, Answer answer);
 
     /** Returns an implementation that takes no pictures. */

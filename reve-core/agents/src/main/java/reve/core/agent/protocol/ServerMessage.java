@@ -32,13 +32,13 @@ public sealed interface ServerMessage {
             int worldEventBytes) {}
 
     /**
-     * The session token, with which another connection can resume the session within the given time
+     * The session token. Another connection can use it to resume the session within the given time
      * after the connection breaks.
      */
     record Ticket(String token, double graceSeconds) {}
 
     /**
-     * The lock-step settings in the welcome: the world waits for the agent after every Nth frame,
+     * The lock-step settings in the welcome. The world waits for the agent after every Nth frame,
      * at most until the deadline.
      */
     record Rhythm(int every, double deadlineSeconds) {}

@@ -32,8 +32,8 @@ public final class Text {
     }
 
     /**
-     * Returns at most 64 characters of the text in quotes; escapes all characters that are not
-     * plainly visible.
+     * Returns at most 64 characters of the text in quotes. Control characters and other invisible
+     * characters are escaped.
      */
     public static String quote(String text) {
         var out = new StringBuilder(text.length() + 2).append('"');

@@ -8,8 +8,8 @@ import java.util.HashSet;
 import java.util.Set;
 
 /**
- * The sessions of clients without a token that wait for a new connection, in a limited number. Any
- * thread.
+ * The sessions of clients without a token that wait for a new connection. Their number is limited.
+ * For any thread.
  */
 public final class KeptSessions {
 
