@@ -9,8 +9,8 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Collector of warnings. If a check finds several items, the warning names the first one, and their
- * number.
+ * Collector of warnings. If a check finds several items, the warning names the first item and the
+ * number of items.
  */
 final class Findings {
     private final WorldDescription world;

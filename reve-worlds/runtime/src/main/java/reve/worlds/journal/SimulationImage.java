@@ -38,7 +38,7 @@ public final class SimulationImage implements AutoCloseable {
 
     /**
      * Copies into this image a world of the same prototype and its physics at the end of a frame.
-     * World's thread, between frames or in PUBLISH.
+     * For the world's thread, between frames or in PUBLISH.
      */
     public void copyFrom(World from, PhysicsAdapter itsPhysics, long frame) {
         world.copyFrom(from, frame);

@@ -18,7 +18,10 @@ import java.util.Locale;
 import java.util.Map;
 import java.util.stream.IntStream;
 
-/** The laws of a world for operators: loaded, quarantined and available ones. */
+/**
+ * The report about the laws of a world for operators. It lists loaded, quarantined and available
+ * laws.
+ */
 final class LawReport {
     private static final double NANOSECONDS = 1e9;
 

@@ -32,7 +32,7 @@ public final class LawSchedule implements FrameListener, AutoCloseable {
     private int next;
     private Optional<PhysicsException> failure = Optional.empty();
 
-    /** A step, with its library if it loads one. */
+    /** A step, with its opened library if the step loads one. */
     private record Prepared(LawStep step, Optional<PreparedLibrary> library, Path file) {}
 
     /**
@@ -82,7 +82,7 @@ public final class LawSchedule implements FrameListener, AutoCloseable {
         T run();
     }
 
-    /** Runs a task; adds the place of the law in the file to the message of a refusal. */
+    /** Runs a task. If a law is refused, adds its place in the file to the message. */
     private static <T> T placed(LawReference law, Task<T> task) {
         try {
             return task.run();

@@ -8,7 +8,7 @@ import java.nio.file.Path;
 import java.util.Optional;
 
 /**
- * What is written to disk about a world while it runs.
+ * The data about a world that is written to disk while the world runs.
  *
  * @param folder of the world file
  * @param recording plan for a recording of the run; empty for none

@@ -55,7 +55,7 @@ public final class Pictures implements AutoCloseable {
         simulation.onPublish("pictures", frame -> onFrame(frame, simulation, events));
     }
 
-    /** Requests a picture of the current frame. World's thread, before PUBLISH. */
+    /** Requests a picture of the current frame. For the world's thread, before PUBLISH. */
     void takeNext() {
         wanted = true;
     }

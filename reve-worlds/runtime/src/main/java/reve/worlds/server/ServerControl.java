@@ -44,7 +44,10 @@ import java.util.regex.Pattern;
 final class ServerControl implements WorldControl, AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("reve.control");
 
-    /** End of messages to remote operators, who must not learn file names of the server. */
+    /**
+     * End of messages to remote operators. The messages omit file names of the server, because
+     * remote operators must not learn them.
+     */
     private static final String SEE_LOG = "; the server's log says why";
 
     /**
@@ -56,7 +59,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
     /** Permitted names for laws that are sent as text. */
     private static final Pattern SOURCE = Pattern.compile("[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}");
 
-    /** Permitted names of world files; they exclude paths. */
+    /** Permitted names of world files. They exclude paths. */
     private static final Pattern FILE = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_-]{0,63}");
 
     private static final long FORESEE_NANOSECONDS = 10_000_000_000L;
@@ -377,8 +380,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
     }
 
     /**
-     * Loads a library, in place of a loaded text of the same name if both are texts. If the engine
-     * refuses it, the old text stays. World's thread, outside PHYSICS.
+     * Loads a library. It replaces a loaded text of the same name if both are texts. If the engine
+     * refuses the new text, the old text stays loaded. For the world's thread, outside PHYSICS.
      *
      * @return id of the library
      */

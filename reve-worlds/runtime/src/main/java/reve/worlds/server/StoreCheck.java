@@ -25,8 +25,8 @@ import java.util.Optional;
 import java.util.stream.Stream;
 
 /**
- * The result of checking a store by repeating its frames, and the repair of a store. One thread; no
- * other process may have the store open.
+ * The result of checking a store by repeating its frames, and the repair of a store. For one
+ * thread. No other process may have the store open.
  *
  * @param store the checked file
  * @param isWhole whether no data is lost
@@ -42,7 +42,7 @@ public record StoreCheck(
         long knownFrame,
         long stateHash,
         List<String> problems) {
-    /** The place where a replay ended early: before this frame, for this reason. */
+    /** The frame before which a replay ended early, and the reason. */
     record End(long frame, String reason) {}
 
     /** The result of replaying a store. */
@@ -97,7 +97,8 @@ public record StoreCheck(
             for (Path file : made.contents().files()) {
                 moves.put(file, aside.resolve(file.getFileName()));
             }
-            // The database is moved last: servers refuse the store until its database exists.
+            // The database is moved as the last file, because servers refuse the store until its
+            // database exists.
             for (Path file : StoreContents.read(repaired).files().reversed()) {
                 moves.put(file, store.resolveSibling(file.getFileName()));
             }
@@ -162,7 +163,7 @@ public record StoreCheck(
     /**
      * Applies the records of a store, up to the first one that cannot be applied.
      *
-     * @return where and why that was; empty if all records were applied
+     * @return the frame and the reason of the failure; empty if all records were applied
      */
     static Optional<End> make(Replay replay, StoreContents contents) {
         for (JournalRecord record : contents.records()) {

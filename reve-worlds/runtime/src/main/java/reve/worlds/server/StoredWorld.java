@@ -21,8 +21,8 @@ import java.util.Optional;
 import java.util.function.Consumer;
 
 /**
- * A world at the last frame of its store, or a new one if the store is empty. The caller closes the
- * simulation and the store.
+ * A world at the last frame of its store, or a new world if the store is empty. The caller closes
+ * the simulation and the store.
  *
  * @param stateHash of the world at that frame, before the agents of the previous process were
  *     removed

@@ -223,14 +223,14 @@ public final class WorldServer implements AutoCloseable {
     }
 
     /**
-     * Returns, after close, what the stores of the worlds lack, one message for each incomplete
-     * store.
+     * Returns messages about data that the stores of the worlds lack, one for each incomplete
+     * store. Valid after close.
      */
     public List<String> unkept() {
         return worlds.stream().flatMap(world -> world.unkept().stream()).toList();
     }
 
-    /** Returns, after close, what the recordings lack. */
+    /** Returns messages about frames that the recordings lack. Valid after close. */
     public List<String> gaps() {
         return worlds.stream().flatMap(world -> world.gap().stream()).toList();
     }
