@@ -42,7 +42,7 @@ final class Summary {
         };
     }
 
-    /** Returns the mean time between passages through 0 from below [s]. */
+    /** Returns the mean time between upward passages of the value through 0 [s]. */
     private static Optional<Double> period(List<Sample> samples, int index) {
         double first = Double.NaN;
         double last = Double.NaN;
