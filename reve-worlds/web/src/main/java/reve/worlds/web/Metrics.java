@@ -24,8 +24,8 @@ import java.util.function.ToDoubleFunction;
 import java.util.function.ToLongFunction;
 
 /**
- * The counters of a server, or of some of its worlds, in the text format of Prometheus. They are
- * read only on request, so they cost nothing in frames. For any thread.
+ * The counters of a server, or of some of its worlds, in the text format of Prometheus. The
+ * counters are read only on request, so they cost nothing in frames. For any thread.
  */
 final class Metrics {
 

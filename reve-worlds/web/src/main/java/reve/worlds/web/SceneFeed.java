@@ -21,14 +21,14 @@ final class SceneFeed implements AutoCloseable {
 
     private static final Logger LOG = LoggerFactory.getLogger("reve.page");
 
-    /** Minimum time between two frames for one watcher [ns]; a little less than 1/60 s. */
+    /** Minimum time between two frames for one watcher [ns]. It is a little less than 1/60 s. */
     private static final long MIN_INTERVAL_NANOS = 15_000_000;
 
     /** Interval at which the thread polls for a new frame [ns]. */
     private static final long LOOK_NANOS = 2_000_000;
 
     /**
-     * Maximum number of attempts to read a snapshot; an attempt fails if the snapshot is
+     * Maximum number of attempts to read a snapshot. An attempt fails if the snapshot is
      * overwritten during the read.
      */
     private static final int ATTEMPTS = 4;
