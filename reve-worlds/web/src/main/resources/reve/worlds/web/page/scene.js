@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a View: bodies as instances, springs as lines, surfaces as triangles, and aids such as a
-// ground, a grid and arrows.
+// Draws a View. Bodies are drawn as instances, springs as lines, and surfaces as triangles. It also
+// draws aids such as a ground, a grid and arrows.
 import * as THREE from "three";
 import { OrbitControls } from "./three/OrbitControls.js";
 import { CAPSULE, CYLINDER, MESH_SHAPE, NONE, PLANE, SPHERE } from "./view.js";

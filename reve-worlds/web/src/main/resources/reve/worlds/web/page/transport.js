@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The controls of time: pause, step, speed, snapshots and rewinding, and the state of the frame
-// loop.
+// The controls of time. They pause, step, rewind and save the world, set its speed, and show the
+// state of the frame loop.
 import { $, toast } from "./dom.js";
 
 const READ_MILLISECONDS = 500;

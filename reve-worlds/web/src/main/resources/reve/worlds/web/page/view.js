@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The items of a world as columns; an item's slot is its index in them. They are read from binary
-// frames or from perceptions.
+// The items of a world as columns. The slot of an item is its index in the columns. The columns are
+// read from binary frames or from perceptions.
 
 const FRAME = 1, MESH = 2, TEXTURE = 3;
 const HEADER_BYTES = 32;
