@@ -57,7 +57,7 @@ public final class AgentServer implements AutoCloseable {
     private final Descriptors descriptors;
     private final Optional<AuditLog> audit;
 
-    /** While the event loop runs, only its thread uses this list. */
+    /** Only the event loop's thread uses this list while the loop runs. */
     private final List<FileProblem> fileProblems;
 
     private volatile boolean closed;
@@ -372,7 +372,7 @@ public final class AgentServer implements AutoCloseable {
         }
     }
 
-    /** For tests: the connections. */
+    /** Returns the connections. For tests. */
     Connections connections() {
         return connections;
     }

@@ -37,10 +37,7 @@ public final class LinePrinter extends PrintWriter {
         watched = new WatchedOutput(OutputStream.nullOutputStream());
     }
 
-    /**
-     * Returns the standard output to which this printer prints; there is none if it prints to a
-     * writer.
-     */
+    /** Returns the standard output of this printer. A printer to a writer has none. */
     WatchedOutput watched() {
         return watched;
     }

@@ -73,7 +73,7 @@ final class Progress {
     /**
      * Prints the progress of other work if the next line is due. May be called in every frame.
      *
-     * @param part of the work that is done, 0 to 1
+     * @param part the fraction of the work that is done, from 0 to 1
      */
     void at(String what, double part) {
         long now = clock.getAsLong();

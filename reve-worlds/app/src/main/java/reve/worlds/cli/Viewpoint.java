@@ -36,7 +36,7 @@ final class Viewpoint {
      * Returns the camera of the option {@code --camera}. Without this option, returns the camera of
      * the world.
      *
-     * @param description of the world; empty for a recording without its world file
+     * @param description the description of the world; empty for a recording without its world file
      */
     static Viewpoint of(
             CommandSpec spec,

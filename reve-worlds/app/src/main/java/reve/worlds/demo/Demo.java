@@ -40,7 +40,7 @@ public final class Demo {
 
     /**
      * @param root folder of the checkout
-     * @param folder for pictures and log files; created if missing
+     * @param folder the folder for pictures and log files; it is created if it is missing
      * @param progress receives a line for each stage
      */
     public Demo(Path root, Path folder, PrintStream progress) {

@@ -52,7 +52,7 @@ final class AgentPrograms implements AutoCloseable {
     /**
      * Creates a token for each agent.
      *
-     * @param folder of the experiment file, in which the programs run
+     * @param folder the folder of the experiment file, in which the programs run
      * @param logs folder for the output of the programs
      * @param deadline longest time to join, and for one answer
      */

@@ -126,7 +126,7 @@ public final class ResultFolder {
      * A comparison with earlier results.
      *
      * @param difference the first difference; empty if the results are identical
-     * @param since changes of versions, files and laws since the earlier results
+     * @param since the changes of versions, files and laws since the earlier results
      */
     public record Comparison(Optional<Difference> difference, List<String> since) {}
 

@@ -13,7 +13,7 @@ final class Summary {
     /**
      * Returns the value; empty if there are no measurements for it.
      *
-     * @param index of the measure in each sample
+     * @param index the index of the measure in each sample
      */
     static Optional<Object> of(Measure.Take take, List<Sample> samples, int index) {
         if (take == Measure.Take.END) {

@@ -55,7 +55,7 @@ public final class Ffmpeg implements FrameSink {
     /**
      * Starts the program.
      *
-     * @param program as {@link #find()} returns it
+     * @param program the path of the program that {@link #find()} returns
      * @param fps pictures per second
      * @throws IOException if the program cannot be started
      */

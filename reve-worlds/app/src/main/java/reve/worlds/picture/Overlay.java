@@ -37,7 +37,7 @@ public final class Overlay {
     private final Font font;
 
     /**
-     * @param height of the pictures [px]
+     * @param height the height of the pictures [px]
      * @throws IOException if the machine has no fonts
      */
     public Overlay(int height) throws IOException {
@@ -80,7 +80,7 @@ public final class Overlay {
      * the middle of this part if there is no room above, or if the part is wider than half of the
      * picture. Larger items come first. A label that would cover another label is omitted.
      *
-     * @param layers with the items of the pixels
+     * @param layers the layers of the picture, including the items of the pixels
      * @param names returns the name of an item by its id
      */
     public void labels(BufferedImage picture, PixelLayers layers, LongFunction<String> names) {

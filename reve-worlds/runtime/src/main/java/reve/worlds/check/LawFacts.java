@@ -59,7 +59,7 @@ final class LawFacts {
      */
     static final String MESH = "meshForm";
 
-    /** Names of properties that tell a law the shape of a body. */
+    /** Pattern of the names of properties from which a law gets the shape of a body. */
     private static final Pattern EXTENT =
             Pattern.compile("(?i).*(shape|size|extent|dimension|hull|mesh).*");
 

@@ -67,7 +67,7 @@ public final class CsvExport implements Export {
      * Creates the tables.
      *
      * @param folder an existing folder
-     * @param kinds of the tables, in order
+     * @param kinds the kinds of items that get a table, in order
      * @throws IOException if a file cannot be created
      */
     public CsvExport(Path folder, Collection<String> kinds) throws IOException {

@@ -67,7 +67,7 @@ public final class McapExport implements Export {
      * Creates the file.
      *
      * @param world name of the world
-     * @param kinds whose properties are written
+     * @param kinds the kinds of items whose properties are written
      * @throws IOException if the file cannot be created
      */
     public McapExport(

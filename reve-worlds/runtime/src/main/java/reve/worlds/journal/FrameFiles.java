@@ -36,8 +36,8 @@ final class FrameFiles {
      * Opens the files; writes nothing before {@link #next}.
      *
      * @param claim initial content of the manifest
-     * @param number of the newest existing file; 0 if there is none
-     * @param id of that file
+     * @param number the number of the newest existing file; 0 if there is none
+     * @param id the identity of that file
      */
     FrameFiles(Path store, Manifest.Claim claim, long number, long id) {
         this.store = store.toAbsolutePath();

@@ -71,9 +71,10 @@ public final class RunLog {
      * The first record in a file of frames of a store; recordings have none.
      *
      * @param store identity of the store
-     * @param number of the file
-     * @param id of the file
-     * @param before id of the previous file; 0 if there is no previous file with an id
+     * @param number the number of the file
+     * @param id the identity of the file
+     * @param before the identity of the previous file; 0 if there is no previous file with an
+     *     identity
      */
     record Link(UUID store, long number, long id, long before) {
         private static final int BYTES = 4 * Long.BYTES;

@@ -68,7 +68,7 @@ public final class SqliteStore implements JournalSink {
      * Opens a store to resume from it, or creates an empty one. If the store is refused, it stays
      * unchanged.
      *
-     * @param contents of the store, just read; not retained
+     * @param contents the contents of the store, which the caller has just read; not retained
      * @throws CorruptException if the store is incomplete
      * @throws IOException if it cannot be opened, or another process has it open
      */
@@ -184,7 +184,10 @@ public final class SqliteStore implements JournalSink {
         frames.dropBefore(oldest);
     }
 
-    /** Writes the store's identity with the first image; later files of frames refer to it. */
+    /**
+     * Writes the store's identity with the first image. Later files of frames refer to this
+     * identity.
+     */
     private void identify(Target to) throws SQLException {
         try (Statement statement = connection.createStatement()) {
             statement.executeUpdate(StoreDatabase.IDENTITY_IF_ABSENT);

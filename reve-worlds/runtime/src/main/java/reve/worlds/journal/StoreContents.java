@@ -626,8 +626,8 @@ public final class StoreContents {
     }
 
     /**
-     * Refuses paths that are not regular files; reading a pipe would block until another process
-     * writes.
+     * Refuses paths that are not regular files, because reading a pipe would block until another
+     * process writes to it.
      */
     private static void requireFiles(Path file, TreeMap<Long, Path> files) throws IOException {
         List<Path> own = new ArrayList<>(files.values());

@@ -77,7 +77,7 @@ final class StoreDatabase {
     private static final int NAME_LENGTH = 60;
 
     /**
-     * System property that names the folder of SQLite's native library; without it, the driver
+     * System property that names the folder of SQLite's native library. Without it, the driver
      * unpacks the library to a temporary file.
      */
     private static final String LIBRARY_FOLDER = "org.sqlite.lib.path";
@@ -105,7 +105,7 @@ final class StoreDatabase {
      *
      * @param isIdentified whether stores of this version have an identity
      * @param images newest first
-     * @param libraries by the SHA-256 of their actual bytes
+     * @param libraries the libraries, by the SHA-256 of their actual bytes
      * @param damagedLibraries expected SHA-256 of libraries whose bytes have a different SHA-256
      */
     record Rows(

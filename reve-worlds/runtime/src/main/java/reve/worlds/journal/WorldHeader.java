@@ -17,7 +17,7 @@ import java.util.Map;
 /**
  * The data of a recorded or stored world that never changes.
  *
- * @param folder of its world file, with its meshes and textures
+ * @param folder the folder of the world file, with the world's meshes and textures
  */
 public record WorldHeader(String name, WorldPrototype prototype, Timing timing, Path folder) {
 

@@ -98,7 +98,7 @@ final class SceneStream {
     /**
      * Sends a scene and waits for its pixels.
      *
-     * @param layers as in {@link PixelLayers}
+     * @param layers the requested layers, a sum of the constants of {@link PixelLayers}
      */
     Answer pixels(Scene scene, int layers) throws IOException {
         ByteBuffer wanted = ByteBuffer.allocate(4).order(ByteOrder.LITTLE_ENDIAN).putInt(layers);

@@ -32,7 +32,7 @@ final class LawReport {
      *
      * @param available names of libraries that can be loaded
      * @param faults whether to include messages of faults, which may name files of the server
-     * @param trials of new versions, see {@link Shadows#report}
+     * @param trials the trials of new versions, see {@link Shadows#report}
      */
     static Map<String, Object> of(
             PhysicsAdapter physics,

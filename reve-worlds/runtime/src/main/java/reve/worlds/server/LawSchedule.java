@@ -38,7 +38,7 @@ public final class LawSchedule implements FrameListener, AutoCloseable {
     /**
      * Opens all libraries that the steps load, and subscribes to the frames.
      *
-     * @param steps in the order of their frames
+     * @param steps the steps, in the order of their frames
      * @throws PhysicsException with the place of a step whose library cannot be opened
      */
     public LawSchedule(Simulation simulation, List<LawStep> steps) {

@@ -42,8 +42,8 @@ public final class Pictures implements AutoCloseable {
     private boolean wanted;
 
     /**
-     * @param folder for the pictures, named by world and frame
-     * @param frames at whose end a picture is taken
+     * @param folder the folder for the pictures; their names contain the world and the frame
+     * @param frames the frames at whose end a picture is taken
      */
     public Pictures(Path folder, List<Long> frames) {
         this.folder = folder;

@@ -60,7 +60,7 @@ public final class Replay implements AutoCloseable {
      * The first difference between a replay and the recorded run.
      *
      * @param item name of the only item that differs, empty if several do
-     * @param property that differs, or {@link WorldDigest#ROWS}, or "laws"
+     * @param property the property that differs, or {@link WorldDigest#ROWS}, or "laws"
      * @param message one line that describes the difference
      */
     public record Divergence(
@@ -85,8 +85,8 @@ public final class Replay implements AutoCloseable {
     /**
      * Creates a replay.
      *
-     * @param description of the world, to continue it later; if empty, it is derived from the
-     *     journal
+     * @param description the description of the world, which is needed to continue the world later;
+     *     if empty, it is derived from the journal
      * @param laws decides which of the journal's law libraries may be opened
      */
     public Replay(Optional<WorldDescription> description, Pacing pacing, LawPath laws) {
@@ -164,7 +164,7 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Publishes the restored state if the last record was an image; does nothing after a frame.
+     * Publishes the restored state if the last record was an image. Does nothing if it was a frame.
      *
      * @throws CorruptException if the journal contained no image
      */

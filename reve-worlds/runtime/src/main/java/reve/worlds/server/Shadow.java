@@ -66,8 +66,8 @@ final class Shadow implements AutoCloseable {
      * The progress of a trial.
      *
      * @param frames number of frames that the copy has made
-     * @param energy that the laws have added to the copy's bodies [J], and its limit; null if the
-     *     energy is not known
+     * @param energy the energy that the laws have added to the copy's bodies [J], and its limit;
+     *     null if the energy is not known
      */
     record Progress(
             int frames,
@@ -148,7 +148,7 @@ final class Shadow implements AutoCloseable {
         return Optional.ofNullable(verdict);
     }
 
-    /** Ends the copy as soon as its present frame is done; does not wait for it. */
+    /** Ends the copy as soon as its present frame is done. Does not wait for this. */
     @Override
     public void close() {
         cancelled = true;

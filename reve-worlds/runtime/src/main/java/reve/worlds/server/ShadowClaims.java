@@ -43,9 +43,9 @@ final class ShadowClaims {
     /**
      * Returns a message about a claim that a new version breaks; empty if it breaks none.
      *
-     * @param laws of the copy's engine, in load order
-     * @param ledger of the copy; it begins with the lines of these laws, or is empty if there are
-     *     no bodies
+     * @param laws the laws of the copy's engine, in load order
+     * @param ledger the ledger of the copy; it begins with the lines of these laws, or is empty if
+     *     there are no bodies
      */
     Optional<String> broken(List<PhysicsLaw> laws, List<LedgerLine> ledger) {
         if (ledger.isEmpty()) {

@@ -18,10 +18,10 @@ import java.util.Optional;
 
 /**
  * The energy that the laws of a copy add to its bodies. It consists of the kinetic energy and of
- * the potential energy that laws report. The gain is compared with a sum of three energies: the
- * largest kinetic energy of the world in the same frames, the potential energy of the copy at the
- * beginning, and the energy of all bodies at 1 m/s. The last one gives a world at rest a limit,
- * too. For the copy's thread only.
+ * the potential energy that laws report. The gain is compared with a sum of three energies. They
+ * are the largest kinetic energy of the world in the same frames, the potential energy of the copy
+ * at the beginning, and the energy of all bodies at 1 m/s. The last one gives a world at rest a
+ * limit, too. For the copy's thread only.
  */
 final class ShadowEnergy {
     static final String MASS = "mass";
@@ -77,7 +77,7 @@ final class ShadowEnergy {
     /**
      * Records the energy after the laws of a frame have acted.
      *
-     * @param ledger at the end of the frame; empty if the energy is not known
+     * @param ledger the ledger at the end of the frame; empty if the energy is not known
      */
     void after(ShadowFrame frame, List<LedgerLine> ledger) {
         if (known) {

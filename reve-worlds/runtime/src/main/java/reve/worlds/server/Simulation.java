@@ -97,7 +97,7 @@ public final class Simulation implements AutoCloseable {
      * Builds the world of an image (a saved state). It continues with the same bits as the
      * simulation from which the image was taken.
      *
-     * @param description from which that simulation was built
+     * @param description the description from which that simulation was built
      * @param lawPath search path of laws that are loaded later; the image's laws are opened without
      *     a check
      * @throws IllegalArgumentException if the image belongs to a world with another prototype
@@ -500,7 +500,7 @@ public final class Simulation implements AutoCloseable {
      * thread, between frames, after all other listeners have subscribed to ACT. The caller closes
      * the journal before the simulation.
      *
-     * @param folder of the world file
+     * @param folder the folder of the world file
      * @param members ids of the bodies of agents in the world, by agent
      */
     public Journal journal(

@@ -30,9 +30,9 @@ import java.util.stream.Stream;
  *
  * @param store the checked file
  * @param isWhole whether no data is lost
- * @param frame from which a world can resume; -1 for none
+ * @param frame the frame from which a world can resume; -1 for none
  * @param knownFrame newest frame that the store is known to have contained
- * @param stateHash of the world at {@code frame}
+ * @param stateHash the hash of the world's state at {@code frame}
  * @param problems damaged or missing parts, one line each
  */
 public record StoreCheck(
@@ -51,7 +51,7 @@ public record StoreCheck(
     /**
      * Checks a store without changing it.
      *
-     * @param laws where to search for replacements of damaged laws; also decides which of the
+     * @param laws search path for replacements of damaged laws; it also decides which of the
      *     store's laws may be opened
      * @throws CorruptException if it is not a store
      * @throws IOException if it cannot be read, or another process has it open

@@ -8,8 +8,8 @@ import java.util.Optional;
 /**
  * The way in which new versions of loaded laws take over.
  *
- * @param swap for all versions; if empty, native code and Python are tried in the shadow, and texts
- *     take over at once
+ * @param swap the way for all versions; if empty, native code and Python are tried in the shadow,
+ *     and texts take over at once
  * @param seconds world time that a trial covers [s], above 0
  * @param energyLimit maximum gain of energy in a trial, as a multiple of the energies that {@link
  *     ShadowEnergy} compares it with; above 0

@@ -47,7 +47,7 @@ public final class WorldServer implements AutoCloseable {
     /**
      * Builds the worlds, loads their laws, and starts to listen.
      *
-     * @param plans at least one; the worlds have different names
+     * @param plans the plans of the worlds, at least one; the worlds must have different names
      * @param lawsFolder folder that is watched for law libraries, if present; they act in all
      *     worlds
      * @throws IOException if the port cannot be bound, or a file cannot be opened
@@ -114,7 +114,7 @@ public final class WorldServer implements AutoCloseable {
     }
 
     /**
-     * Returns the server for agents; programs in this process may also connect clients to it
+     * Returns the server for agents. Programs in this process may also connect clients to it
      * directly.
      */
     public AgentServer agents() {

@@ -59,8 +59,8 @@ public final class WebServer implements AutoCloseable {
      * Starts the server.
      *
      * @param address port 0 selects a free port
-     * @param security as for the agent server; TLS is required on addresses that other machines
-     *     reach
+     * @param security the same settings as for the agent server; TLS is required on addresses that
+     *     other machines can reach
      * @param agents server whose sessions the page's clients use
      * @param worlds worlds that the page can show
      * @throws BindException naming the address if it is not available

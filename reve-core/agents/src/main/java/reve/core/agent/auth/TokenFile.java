@@ -196,7 +196,8 @@ public final class TokenFile {
         }
         try (InputStream in = Files.newInputStream(path)) {
             var tokens = new LinkedHashMap<String, AgentToken>();
-            // the size is limited here, too: something else may have taken the file's place
+            // The size is limited here, too, because the file may have been replaced after its size
+            // was checked.
             TokenFormat.read(in.readNBytes((int) MAX_BYTES))
                     .forEach(token -> tokens.put(token.sha256(), token));
             return Collections.unmodifiableMap(tokens);

@@ -37,7 +37,7 @@ public interface Requester {
     void refuse(ClientMessage.Request request, String code, String reason);
 
     /**
-     * Sends the answer to a query, which is not stored; the client may ask again.
+     * Sends the answer to a query. The answer is not stored, so the client may ask again.
      *
      * @return false if the answer exceeds the limit on waiting data
      */

@@ -26,8 +26,9 @@ import java.util.function.UnaryOperator;
 /**
  * Answers to queries that many clients may send at the same time. For each kind of report, the
  * world's thread reads the content once for all waiting queries, and the event loop encodes it
- * once. Answers are sent in a slice of the event loop's time, in which clients take turns; further
- * queries wait for the next slice. On average, reports take at most a tenth of the time.
+ * once. Answers are sent in slices of the event loop's time, in which clients take turns. Queries
+ * that find no time in a slice wait for the next one. On average, reports take at most a tenth of
+ * the time.
  */
 final class SharedReports {
 
@@ -39,7 +40,7 @@ final class SharedReports {
     }
 
     /**
-     * Time after which no further answer is begun in a slice [ns]; each slice has at least one
+     * Time after which no further answer is begun in a slice [ns]. Each slice has at least one
      * answer.
      */
     private static final long SLICE_NANOS = 1_000_000;

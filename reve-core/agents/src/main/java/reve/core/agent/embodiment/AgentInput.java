@@ -28,8 +28,8 @@ public sealed interface AgentInput {
     /**
      * A change by an operator, possibly any change that the world permits.
      *
-     * @param property for example {@code physical.location}, {@code physics.mass} or {@code
-     *     semantic.class}
+     * @param property the name of the property, for example {@code physical.location}, {@code
+     *     physics.mass} or {@code semantic.class}
      * @param value Double, List of Double, String or Boolean
      */
     record Edit(String agent, String item, String property, Object value) implements AgentInput {}
@@ -47,7 +47,7 @@ public sealed interface AgentInput {
             String agent, long count, Optional<ActionRequest> fallback, boolean told, boolean away)
             implements AgentInput {}
 
-    /** An agent in lock-step that was away is ready again; the world waits for it again. */
+    /** An agent in lock-step that was away is ready again. The world waits for this agent again. */
     record Back(String agent) implements AgentInput {}
 
     /**

@@ -40,7 +40,7 @@ import java.util.TreeSet;
 import java.util.stream.Collectors;
 
 /**
- * The agents in a world and their bodies; checks and applies the inputs of agents. The same inputs
+ * The agents in a world and their bodies. Checks and applies the inputs of agents. The same inputs
  * in the same frames and order produce the same world, whether they come from connections or from a
  * recording. For the world's thread only.
  */
@@ -69,7 +69,7 @@ public final class Embodiment {
                     "not-a-colour",
                     "not-a-symbol");
 
-    /** Code of the refusal after an error inside an action; the log contains the error. */
+    /** Code of the refusal after an error inside an action. The log contains the error. */
     private static final String ACTION_FAILED = "action-failed";
 
     private final AgentPolicy policy;
@@ -81,7 +81,7 @@ public final class Embodiment {
     private final StepBudget steps = new StepBudget();
 
     /**
-     * @param name of the body when the agent joined
+     * @param name the name of the body when the agent joined
      * @param made true if the item was created for this agent and is removed when the agent leaves
      * @param place index of the place in {@link AgentPolicy} at which the body was created; empty
      *     if the body was not created at such a place
@@ -490,8 +490,8 @@ public final class Embodiment {
 
     /**
      * Chooses a body for an agent: the requested item, otherwise a free item, otherwise a new item.
-     * If an item has the agent's name, the agent gets that item or none, because other agents could
-     * not distinguish an agent and an item of the same name.
+     * An agent whose name is the name of an item gets that item or none. Other agents could not
+     * distinguish an agent and a different item of the same name.
      */
     private Body take(World world, AgentInput.Join join) throws CloseReason {
         Rights rights = join.rights();

@@ -94,8 +94,8 @@ public final class LockStep implements FrameGate {
 
     /**
      * @param wake wakes the frame loop, so that it checks the gate again
-     * @param news receives an input for each agent that missed a deadline, and for each that
-     *     returned after the world had stopped waiting for it; called on the loop's thread
+     * @param news receives an input for each agent that missed a deadline, and for each agent that
+     *     returned from absence; called on the loop's thread
      */
     public LockStep(
             Runnable wake, Consumer<AgentInput> news, Allowances allowances, Waiting waiting) {
@@ -108,8 +108,8 @@ public final class LockStep implements FrameGate {
     // Methods for any thread.
 
     /**
-     * Records that an agent waits to join. Until it has joined, agents that have never been ready
-     * do not hold the next frame.
+     * Records that an agent waits to join. Agents that have never been ready do not hold the next
+     * frame until this agent has joined.
      */
     public void comes() {
         coming.incrementAndGet();
@@ -134,7 +134,7 @@ public final class LockStep implements FrameGate {
         coming.decrementAndGet();
     }
 
-    /** Adds an agent that is in the world; the world waits for it from now on. */
+    /** Adds an agent that is in the world. The world waits for this agent from now on. */
     public synchronized void add(Turn turn) {
         if (turn.hasLeft()) {
             return;

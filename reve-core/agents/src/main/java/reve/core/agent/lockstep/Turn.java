@@ -178,8 +178,8 @@ public final class Turn {
     }
 
     /**
-     * Returns whether the agent receives a perception of a frame; {@code told} is the frame of its
-     * last perception.
+     * Returns whether the agent receives a perception of a frame. The argument {@code told} is the
+     * frame of its last perception.
      */
     public boolean isDue(long frame, long told) {
         Presence now = presence.get();

@@ -102,7 +102,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    /** Queues a message for the client; ends the connection if too many messages are waiting. */
+    /** Queues a message for the client. Ends the connection if too many messages are waiting. */
     public void send(ServerMessage message) {
         if (!outbox.offer(message.in(encoding))) {
             end(

@@ -115,7 +115,7 @@ final class ConnectionReader {
         void read() throws IOException, CloseReason;
     }
 
-    /** Runs code that reads messages; ends the connection with a reason if the code fails. */
+    /** Runs code that reads messages. If the code fails, ends the connection with a reason. */
     private void guard(Reading reading) {
         try {
             reading.read();

@@ -21,8 +21,8 @@ import java.util.Arrays;
 final class MessageFramer {
 
     /**
-     * Initial size of the buffer before the hello [bytes]; small, because many connections may send
-     * nothing.
+     * Initial size of the buffer before the hello [bytes]. It is small, because many connections
+     * may send nothing.
      */
     private static final int FIRST_BYTES = 128;
 

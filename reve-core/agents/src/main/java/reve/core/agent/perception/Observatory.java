@@ -228,8 +228,8 @@ public final class Observatory {
      * Returns the items that one sensor of a body senses now, and the body itself, in the order of
      * ids.
      *
-     * @param around items around the body that the sensor may reach, kept from frame to frame;
-     *     updated
+     * @param around items around the body that the sensor may reach; the caller keeps this object
+     *     from frame to frame, and this method updates it
      * @param before the previous result; returned again if nothing has changed
      * @param isTimeLeft false if the caller must do other work first
      * @return empty if the time was too short; the next call in this frame continues

@@ -21,11 +21,12 @@ import java.util.stream.LongStream;
  * Contains copies of the columns in plain arrays, which are reused for the next frame. For one
  * thread.
  *
- * <p>A sensor that is no touch sensor and no camera tests ten points of an item: the point of the
- * item's bounding box that is nearest to the eye, the box's centre, and its eight corners. It
- * senses the item if at least one of these points is in its range, in its field of view and, if the
- * sensor needs a line of sight, not hidden. A point is hidden if it lies behind the bounding box of
- * a third item that has a shape and does not contain the eye.
+ * <p>A touch sensor senses the items whose bounding box is within its range. A camera senses no
+ * items. Any other sensor tests ten points of an item: the point of the bounding box that is
+ * nearest to the eye, the box's centre, and its eight corners. The sensor senses the item if one of
+ * these points is in its range and in its field of view. If the sensor needs a line of sight, the
+ * point must also not be hidden. A point is hidden if it lies behind the bounding box of a third
+ * item that has a shape and does not contain the eye.
  */
 public final class SensedWorld {
 
@@ -246,7 +247,10 @@ public final class SensedWorld {
         return new Box(low[at], low[at + 1], low[at + 2], high[at], high[at + 1], high[at + 2]);
     }
 
-    /** Sets the box of a body's reach to the body's own box; {@link #extendReach} extends it. */
+    /**
+     * Sets the box of a body's reach to the body's own box. The method {@link #extendReach} extends
+     * this box.
+     */
     void reach(int body, double[] lows, double[] highs, int at) {
         System.arraycopy(low, 3 * body, lows, at, 3);
         System.arraycopy(high, 3 * body, highs, at, 3);

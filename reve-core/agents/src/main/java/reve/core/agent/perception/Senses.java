@@ -62,7 +62,7 @@ public final class Senses {
     private record Sample(long frame, List<PerceivedItem> items) {}
 
     /**
-     * @param sensors at least one
+     * @param sensors the sensors of the body, at least one
      */
     public Senses(ItemId body, List<Sensor> sensors) {
         this.body = body;
@@ -132,7 +132,7 @@ public final class Senses {
      * sensor for symbols last sensed it.
      *
      * @param all the view with the relations of its frame
-     * @param fresh ids of the items that get these relations; the others keep older ones
+     * @param fresh ids of the items that get these relations; the other items keep older ones
      */
     public View relate(View all, Set<ItemId> fresh) {
         var names = all.items().stream().map(PerceivedItem::name).collect(Collectors.toSet());

@@ -18,9 +18,10 @@ public interface Cameras {
      * @param width [px]
      * @param height [px]
      * @param colour red, green and blue in sRGB, one byte each
-     * @param depth along the view axis [m], f32; 0 where nothing is in range
-     * @param items u16; 0 where no item is in range, else the index of its name, from 1
-     * @param names of the visible items
+     * @param depth along the view axis [m], f32; 0 if no surface is in range
+     * @param items u16; 0 if no item is in range, otherwise the index of the item's name, counted
+     *     from 1
+     * @param names the names of the visible items
      */
     record Photo(
             long frame,

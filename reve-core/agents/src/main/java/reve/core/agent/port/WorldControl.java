@@ -33,8 +33,8 @@ public interface WorldControl {
         void make(World world, long frame) throws ActionRefused;
 
         /**
-         * Returns the name of the library that the change loads, as the library itself says; empty
-         * if it loads none.
+         * Returns the name that the library loaded by this change gives itself; empty if the change
+         * loads no library.
          */
         default Optional<String> library() {
             return Optional.empty();
@@ -48,7 +48,8 @@ public interface WorldControl {
      * Prepares loading a library of laws.
      *
      * @param library name without a folder; the program searches its law folders
-     * @param parameters of its laws, by {@code parameter} or {@code law.parameter}, in SI units
+     * @param parameters the parameters of the library's laws, by {@code parameter} or {@code
+     *     law.parameter}, in SI units
      */
     Change loadLaw(String library, Map<String, Double> parameters) throws ActionRefused;
 
@@ -56,7 +57,8 @@ public interface WorldControl {
      * Prepares loading a law as text. It replaces a loaded text of the same name.
      *
      * @param source name of the text in messages, such as "wind.law"
-     * @param parameters of its laws, by {@code parameter} or {@code law.parameter}, in SI units
+     * @param parameters the parameters of the text's laws, by {@code parameter} or {@code
+     *     law.parameter}, in SI units
      * @param swap how the text replaces a loaded one; if empty, the program chooses the way
      * @throws ActionRefused with all problems of the text and their lines
      */
@@ -148,7 +150,7 @@ public interface WorldControl {
         void save(String file, Collection<ItemId> without) throws ActionRefused;
 
         /**
-         * Advances a copy of the world, which receives no commands; the world itself is not
+         * Advances a copy of the world. The copy receives no commands, and the world itself is not
          * affected. For any thread.
          *
          * @param frames number of frames to make in the copy

@@ -181,7 +181,7 @@ public sealed interface ClientMessage {
      * @param library name of a library in the law folders of the server; for a text, its name in
      *     messages
      * @param text a law as text, which replaces the library
-     * @param parameters of its laws, in SI units
+     * @param parameters the parameters of the library's laws, in SI units
      * @param swap how a text replaces a loaded one; if empty, the server chooses the way
      */
     record LoadLaw(
@@ -307,7 +307,8 @@ public sealed interface ClientMessage {
             implements Control {}
 
     /**
-     * @param budget of the computing time of a loaded library in a frame; empty to remove it
+     * @param budget the limit on the computing time of a loaded library in a frame; empty to remove
+     *     the limit
      */
     record SetBudget(long id, String library, Optional<TimeBudget> budget) implements Control {}
 

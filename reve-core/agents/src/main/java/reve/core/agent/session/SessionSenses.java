@@ -23,8 +23,8 @@ import java.util.Set;
 import java.util.function.BooleanSupplier;
 
 /**
- * What the client of a session perceives: everything, or the items that the sensors of its body
- * reach. For the event loop's thread only.
+ * The perception of a session's client. The client perceives everything, or the items that the
+ * sensors of its body reach. For the event loop's thread only.
  */
 final class SessionSenses {
     private final Role role;
