@@ -149,7 +149,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     private static String jsonLine(Event event) {
         Map<String, Object> line = new LinkedHashMap<>();
         line.put("event", event.name);
-        event.fields.forEach(line::putIfAbsent); // no field of a world replaces one of the server
+        event.fields.forEach(line::putIfAbsent); // does not replace fields of the server
         return Json.line(line);
     }
 

@@ -64,7 +64,7 @@ final class WritableFile {
             try (InputStream in = Files.newInputStream(file)) {
                 String begin = new String(in.readNBytes(MARK_BYTES), StandardCharsets.ISO_8859_1);
                 boolean isPack =
-                        begin.startsWith(PACK) && !mark.equals(PACK); // may contain any mark
+                        begin.startsWith(PACK) && !mark.equals(PACK); // a pack may contain any mark
                 if (isPack || !begin.contains(mark)) {
                     throw refused(
                             spec,

@@ -142,7 +142,7 @@ public final class Ffmpeg implements FrameSink {
 
     private IOException failed(@Nullable IOException cause) {
         try {
-            reader.join(PATIENCE); // before the end of the process, which closes the stream
+            reader.join(PATIENCE); // first, because the end of the process closes it
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
         }

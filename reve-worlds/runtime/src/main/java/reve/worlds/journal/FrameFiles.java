@@ -171,7 +171,7 @@ final class FrameFiles {
         if (now == null || !now.trouble().isEmpty()) {
             if (now != null) {
                 claim = now.claim();
-                manifest = null; // the next one may be refused, and later calls begin here again
+                manifest = null; // a later call creates it if this call fails
                 now.close();
             }
             now = new Manifest(store, claim);

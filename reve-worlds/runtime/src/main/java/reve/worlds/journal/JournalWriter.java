@@ -196,7 +196,7 @@ final class JournalWriter {
     private void run() {
         try {
             writeAll();
-        } catch (Throwable e) { // the world's thread gets it from failure()
+        } catch (Throwable e) { // failure() returns it to the world's thread
             failure = e;
         } finally {
             disk.close();
@@ -449,7 +449,7 @@ final class JournalWriter {
                     CompletableFuture.supplyAsync(
                             () -> writeImage(image, members, place, tries, otherwise), disk);
         } catch (Throwable e) {
-            rooms.add(image); // otherwise the buffer is returned after the image was written
+            rooms.add(image); // otherwise writeImage() returns the buffer
             throw e;
         }
         if (entry.begins || entry.last || !begun) {

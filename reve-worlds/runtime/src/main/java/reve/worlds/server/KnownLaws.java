@@ -100,7 +100,7 @@ final class KnownLaws {
                 List<String> kept =
                         new ArrayList<>(present.subList(present.size() / 2, present.size()));
                 kept.addAll(lines);
-                Path part = PartFile.create(FILE); // of this process alone
+                Path part = PartFile.create(FILE); // only this process uses this file
                 Files.write(part, kept);
                 Files.move(part, FILE, StandardCopyOption.ATOMIC_MOVE);
                 return;

@@ -428,7 +428,7 @@ public record LawPath(
                     .flatMap(file -> nameOf(file).stream())
                     .toList();
         } catch (IOException unreadable) {
-            return List.of(); // an unreadable folder offers no suggestion
+            return List.of(); // an unreadable folder has no names to suggest
         }
     }
 

@@ -155,7 +155,7 @@ final class Shadows implements Trials, AutoCloseable {
                             new PhysicsException(
                                     Status.NOT_FOUND, "another change of the law came first"));
                     trial.versions.remove(version);
-                    lawsChanged = true; // the copy begins again without it
+                    lawsChanged = true; // a new copy begins without this version
                 }
             }
             if (trial.versions.isEmpty()) {

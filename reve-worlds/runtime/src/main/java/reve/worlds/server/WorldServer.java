@@ -102,7 +102,7 @@ public final class WorldServer implements AutoCloseable {
             public void happened(String event, Map<String, Object> fields) {
                 Map<String, Object> all = new LinkedHashMap<>();
                 all.put("world", world);
-                fields.forEach(all::putIfAbsent); // no event speaks for another world
+                fields.forEach(all::putIfAbsent); // an event cannot replace the name
                 events.happened(event, all);
             }
 

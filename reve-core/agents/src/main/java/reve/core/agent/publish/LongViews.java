@@ -80,7 +80,7 @@ final class LongViews {
         }
         Perceiver before = looking;
         if (before != null && !before.perceptions().isDue(copy.frame())) {
-            looking = null; // its requests have changed
+            looking = null; // the requests of this client have changed
         }
         boolean isContinued = looking == member;
         if (!isContinued && (looking != null || !read(copy, newest))) {
