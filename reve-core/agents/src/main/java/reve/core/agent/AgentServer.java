@@ -261,8 +261,8 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
-     * Holds the first frame of a world until this number of agents waits to join, so that they join
-     * in the same frame. Call it before the world's loop runs.
+     * Holds the first frame of a world until this number of agents waits to join. All these agents
+     * then join in the same frame. Call this method before the world's loop runs.
      */
     public void expect(String world, int agents) {
         served(world).expectAgents(agents);

@@ -11,7 +11,8 @@ final class Summary {
     private Summary() {}
 
     /**
-     * Returns the value; empty if there are no measurements for it.
+     * Returns the value for the table. Empty if there are no measurements from which it can be
+     * computed.
      *
      * @param index the index of the measure in each sample
      */

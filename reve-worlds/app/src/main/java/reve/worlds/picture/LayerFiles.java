@@ -37,7 +37,7 @@ public final class LayerFiles {
 
     private LayerFiles() {}
 
-    /** Returns the colours of a picture. */
+    /** Returns the colours of a picture as an image. */
     public static BufferedImage colour(PixelLayers layers) {
         ByteBuffer rgb = layers.colour().orElseThrow();
         var image = new BufferedImage(layers.width(), layers.height(), BufferedImage.TYPE_INT_RGB);

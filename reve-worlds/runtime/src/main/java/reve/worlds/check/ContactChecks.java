@@ -289,7 +289,7 @@ final class ContactChecks {
                         + " from items of kind surface with a hardness";
     }
 
-    /** An item with a shape that no law moves, as its bounding box. */
+    /** The bounding box of an item that has a shape and is moved by no law. */
     private record Floor(String name, boolean physics, double radius, double[] low, double[] high) {
         double top(Down down) {
             return down.sign < 0 ? high[down.axis] : low[down.axis];

@@ -24,7 +24,10 @@ final class Findings {
         return all;
     }
 
-    /** Adds one warning for all items with the same fault, if there are any. */
+    /**
+     * Adds one warning for all items that have the same fault. Adds nothing if there are no such
+     * items.
+     */
     void items(List<ItemFacts.Entry> found, String key, Message message) {
         if (!found.isEmpty()) {
             ItemFacts.Entry first = found.getFirst();

@@ -134,7 +134,7 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * Begins the journal; its first record is an image of the next published frame.
+     * Begins the journal. Its first record is an image of the next published frame.
      *
      * @param members ids of the bodies of agents in the world, by agent
      * @param sink storage, which the journal closes

@@ -5,7 +5,7 @@ import java.io.IOException;
 import java.util.List;
 import java.util.Optional;
 
-/** The storage of a journal. One thread, unless a method says otherwise. */
+/** The storage of a journal. For one thread, unless a method says otherwise. */
 public interface JournalSink extends AutoCloseable {
     /**
      * Appends a library or a frame. After it returns, the record survives the end of this process.

@@ -195,7 +195,7 @@ final class Manifest implements AutoCloseable {
         }
     }
 
-    /** Returns a message if the file was moved, removed or truncated; otherwise empty. */
+    /** Returns a message if the file was moved, removed or truncated; empty otherwise. */
     String trouble() {
         String what = place.trouble(BYTES);
         return what.isEmpty() ? "" : file + " " + what;

@@ -249,7 +249,7 @@ public final class RunLog {
         }
 
         /**
-         * Returns a message if a file of frames was moved, removed or truncated; otherwise empty.
+         * Returns a message if a file of frames was moved, removed or truncated; empty otherwise.
          */
         String trouble() {
             long bytes = written;
@@ -408,7 +408,7 @@ public final class RunLog {
         }
 
         /**
-         * Returns whether the file ends in the middle of a record; known after the last record was
+         * Returns whether the file ends in the middle of a record. Valid after the last record was
          * read.
          */
         public boolean wasCut() {

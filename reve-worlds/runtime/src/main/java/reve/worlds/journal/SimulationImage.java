@@ -50,7 +50,7 @@ public final class SimulationImage implements AutoCloseable {
         physics = newPhysics;
     }
 
-    /** Returns the frame at whose end the state was copied. */
+    /** Returns the number of the frame at whose end the state was copied. */
     public long frame() {
         return world.frame();
     }

@@ -244,7 +244,7 @@ public final class SqliteStore implements JournalSink {
         }
     }
 
-    /** Opens another database, and reports it. */
+    /** Continues the store in another database, and reports this. */
     private void continueIn(Path file) throws IOException {
         Path left = place.path();
         StoreDatabase.closeAfter(connection, new IOException("replaced"));

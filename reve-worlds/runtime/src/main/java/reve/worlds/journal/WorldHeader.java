@@ -22,7 +22,7 @@ import java.util.Map;
 public record WorldHeader(String name, WorldPrototype prototype, Timing timing, Path folder) {
 
     /**
-     * Returns a reader of the world's meshes and textures, which are read on first use. For one
+     * Returns a reader of the world's meshes and textures. They are read on first use. For one
      * thread.
      */
     public Assets assets() {

@@ -10,7 +10,7 @@ import java.util.List;
  */
 public final class Instances {
 
-    /** Flag: draws the exact colour, without light, and casts no shadow. */
+    /** Flag: draws the exact colour, without light. The object casts no shadow. */
     public static final int UNLIT = 1;
 
     /** Flag: draws grid lines on a plane, at distances of powers of ten of a metre. */

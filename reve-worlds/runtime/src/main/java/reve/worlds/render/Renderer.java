@@ -152,7 +152,7 @@ public final class Renderer implements AutoCloseable {
         }
     }
 
-    /** Returns the running process, or starts one. */
+    /** Returns the running process. Starts a process if none runs. */
     private RenderProcess running() throws IOException {
         RenderProcess live = process;
         if (live != null && live.isAlive()) {

@@ -205,17 +205,17 @@ public final class History implements AutoCloseable {
         return happenings;
     }
 
-    /** Returns the name of the world; after the first {@link #next()}. */
+    /** Returns the name of the world. Valid after the first {@link #next()}. */
     public String world() {
         return replay.simulation().description().name();
     }
 
-    /** Returns the properties of the world's items; after the first {@link #next()}. */
+    /** Returns the properties of the world's items. Valid after the first {@link #next()}. */
     public WorldPrototype prototype() {
         return replay.simulation().description().prototype();
     }
 
-    /** Returns the frame rate of the world; after the first {@link #next()}. */
+    /** Returns the frame rate of the world. Valid after the first {@link #next()}. */
     public Timing timing() {
         return replay.simulation().description().timing();
     }
@@ -232,7 +232,7 @@ public final class History implements AutoCloseable {
         return last <= first ? 1 : Math.min(1, (double) (frame() - first) / (last - first));
     }
 
-    /** Returns whether a recording ends within a record; known after its last frame. */
+    /** Returns whether a recording ends within a record. Valid after its last frame. */
     public boolean wasCut() {
         return recording != null && recording.wasCut();
     }

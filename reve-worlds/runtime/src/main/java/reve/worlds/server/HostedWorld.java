@@ -171,7 +171,7 @@ final class HostedWorld implements AutoCloseable {
         }
     }
 
-    /** Reports a failure that no single law caused. For any thread. */
+    /** Reports a failure that was not caused by a single law. For any thread. */
     void tellProblem(String source, String message) {
         LOG.warn("{}: {}: {}", name(), source, message);
         events.happened("fault", WorldServer.fault(source, message));

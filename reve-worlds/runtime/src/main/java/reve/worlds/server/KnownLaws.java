@@ -47,7 +47,7 @@ final class KnownLaws {
     /**
      * Returns whether a library with these bytes is known to this account.
      *
-     * @param folder the operator's folder of this command
+     * @param folder the operator's folder that this command uses
      */
     static boolean contains(String sha256, Optional<Path> folder) {
         try {

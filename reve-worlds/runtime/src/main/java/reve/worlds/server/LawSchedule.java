@@ -22,9 +22,9 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Changes of a simulation's laws at given frames, each made in the phase ACT of its frame. If a
- * change is refused, the loop stops after that frame. Created and closed on the thread that owns
- * the world.
+ * Changes of a simulation's laws at given frames. Each change is made in the phase ACT of its
+ * frame. If a change is refused, the loop stops after that frame. Created and closed on the thread
+ * that owns the world.
  */
 public final class LawSchedule implements FrameListener, AutoCloseable {
     private final Simulation simulation;

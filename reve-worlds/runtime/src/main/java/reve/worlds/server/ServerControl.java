@@ -287,7 +287,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
     }
 
-    /** An image of this simulation that a client has named, for rewinding and forks. */
+    /**
+     * An image of this simulation to which a client has given a name. It is used for rewinding and
+     * forks.
+     */
     private final class Kept implements Image {
         private final SimulationImage image;
 
@@ -414,7 +417,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         return new ActionRefused("law-refused", String.valueOf(refused.getMessage()));
     }
 
-    /** A prepared library that waits until the world's thread activates it. */
+    /** A prepared library. It waits until the world's thread activates it. */
     private final class Load implements Change {
         private final PreparedLibrary prepared;
         private final Map<String, Double> parameters;

@@ -242,7 +242,7 @@ public final class Simulation implements AutoCloseable {
         }
     }
 
-    /** Unloads libraries of a restored state that the law path excludes. Between frames. */
+    /** Unloads libraries of a restored state that the law path excludes. Called between frames. */
     void unloadExcluded() {
         physics.laws()
                 .byId()
@@ -496,7 +496,7 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Starts a journal; its first record is an image of the next published frame. For the world's
+     * Starts a journal. Its first record is an image of the next published frame. For the world's
      * thread, between frames, after all other listeners have subscribed to ACT. The caller closes
      * the journal before the simulation.
      *

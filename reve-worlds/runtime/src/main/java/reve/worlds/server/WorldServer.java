@@ -87,7 +87,7 @@ public final class WorldServer implements AutoCloseable {
         }
     }
 
-    /** Returns the fields of a fault event that no single law caused. */
+    /** Returns the fields of a fault event that was not caused by a single law. */
     static Map<String, Object> fault(String source, String message) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("source", source);
@@ -161,7 +161,7 @@ public final class WorldServer implements AutoCloseable {
     }
 
     /**
-     * Starts as {@link #start()}.
+     * Starts the server like {@link #start()}, and reports the address of the web page.
      *
      * @param page address of the web page that shows the worlds
      */

@@ -81,7 +81,7 @@ final class Metrics {
                 AgentStats::unrecorded);
     }
 
-    /** Returns whether a world's frame loop is running, that is, owned by a thread. */
+    /** Returns whether a world's frame loop is running. A loop runs while a thread owns it. */
     static boolean isRunning(FrameLoop loop) {
         return loop.thread() != null && !loop.isStopped();
     }

@@ -72,7 +72,7 @@ final class Scene {
     private long symbolsNanos;
     private boolean stale = true;
 
-    /** Bits of the optional columns that the last read included. */
+    /** The optional columns that the last read included, one bit for each. */
     private int optional;
 
     private int version;
@@ -98,7 +98,7 @@ final class Scene {
         /** The {@link Scene#mapping} that the last read used. */
         private int mapping;
 
-        /** The snapshot's column as bytes, from the last read. */
+        /** The bytes of the snapshot's column at the last read. */
         private byte[] seen = {};
 
         Column(int components) {

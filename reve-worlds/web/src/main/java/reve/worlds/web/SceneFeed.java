@@ -88,8 +88,8 @@ final class SceneFeed implements AutoCloseable {
     /**
      * Sends the newest frame to all watchers that wait for it.
      *
-     * @return time until the next watcher is due [ns]; negative if there is nothing to do until the
-     *     thread is woken
+     * @return time until the next watcher must be served [ns]; negative if the thread may sleep
+     *     until it is woken
      */
     private long serve() {
         boolean waits = false;

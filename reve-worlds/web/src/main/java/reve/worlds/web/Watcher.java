@@ -82,7 +82,7 @@ final class Watcher {
                 && (version < current || (request.get() & ~columns) != 0);
     }
 
-    /** Returns whether the client has requested a frame. */
+    /** Returns whether the client has requested a frame that the server has not begun to send. */
     boolean isWaiting() {
         return !closed && !sending && request.get() >= 0;
     }

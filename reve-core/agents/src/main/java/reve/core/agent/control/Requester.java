@@ -33,7 +33,7 @@ public interface Requester {
     /** Sends the result of a command, and the frame in which it took effect. */
     void finish(ClientMessage.Request request, ServerMessage result, long frame);
 
-    /** Refuses a command that cannot be executed now; the client may send it again. */
+    /** Refuses a command that cannot be executed now. The client may send the command again. */
     void refuse(ClientMessage.Request request, String code, String reason);
 
     /**

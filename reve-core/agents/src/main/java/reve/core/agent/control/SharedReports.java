@@ -49,8 +49,8 @@ final class SharedReports {
     private static final int SHARE = 10;
 
     /**
-     * Time that reports may take in advance of their part before they must wait [ns], multiplied by
-     * {@link #SHARE}.
+     * Time by which reports may exceed their part before they must wait [ns], multiplied by {@link
+     * #SHARE}.
      */
     private static final long ADVANCE_NANOS = 500_000_000;
 
@@ -80,8 +80,8 @@ final class SharedReports {
     private boolean isReading;
 
     /**
-     * Time until which no further report may be made, so that reports keep to their part of the
-     * time [ns]. Guarded by this object's lock.
+     * Time at which the reports made so far will have used exactly their part of the elapsed time
+     * [ns]. Guarded by this object's lock.
      */
     private long paidNanos;
 

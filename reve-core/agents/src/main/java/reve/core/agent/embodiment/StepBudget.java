@@ -13,7 +13,7 @@ import java.util.TreeMap;
  * so the same acts wait for the same frames on every machine. For the world's thread only.
  */
 final class StepBudget {
-    /** Steps of all agents together in one frame; they take about 6 ms. */
+    /** Maximum number of steps of all agents together in one frame. These steps take about 6 ms. */
     static final int OF_FRAME = 60_000;
 
     /**

@@ -117,8 +117,8 @@ public final class LockStep implements FrameGate {
     }
 
     /**
-     * Holds the first frame until this number of agents waits to join, so that all join in the same
-     * frame. Call it before the loop runs.
+     * Holds the first frame until this number of agents waits to join. All these agents then join
+     * in the same frame. Call this method before the loop runs.
      */
     public void expect(int agents) {
         expected = agents;

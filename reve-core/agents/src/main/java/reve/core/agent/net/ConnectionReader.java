@@ -56,8 +56,8 @@ final class ConnectionReader {
     private boolean held;
 
     /**
-     * Time since which the client has sent more than its quota without a pause [ns]; 0 if it is
-     * within its quota.
+     * Start of the period in which the client has sent more than its quota without a pause [ns]; 0
+     * if the client is within its quota.
      */
     private long floodingSinceNanos;
 
@@ -78,7 +78,7 @@ final class ConnectionReader {
     }
 
     /**
-     * Checks the time that the client has taken so far to send a message.
+     * Checks the time that the client has taken so far to send its current message.
      *
      * @throws CloseReason if the client takes too long
      */

@@ -13,9 +13,10 @@ import java.util.concurrent.locks.ReentrantLock;
 import java.util.function.BooleanSupplier;
 
 /**
- * The event loop of a server: reads, processes and writes the messages of all agents. One thread at
- * a time runs it: its own thread, or a world's thread while it waits for agents. The loop waits for
- * sockets, other threads and the clock, but never for a single client.
+ * The event loop of a server. It reads, processes and writes the messages of all agents. One thread
+ * at a time runs the loop. This is the loop's own thread, or a world's thread while the world waits
+ * for agents. The loop waits for sockets, other threads and the clock, but never for a single
+ * client.
  */
 public final class EventLoop {
 

@@ -119,7 +119,7 @@ public final class Outbox {
     }
 
     /**
-     * Discards all waiting messages, and accepts no more; only {@code lastLine} is still written.
+     * Discards all waiting messages and accepts no more. Only {@code lastLine} is still written.
      */
     public synchronized void abandon(byte[] lastLine) {
         if (!finished) {
@@ -184,7 +184,7 @@ public final class Outbox {
         miss(1, frame, frame);
     }
 
-    /** Drops {@code count} events of these frames, like {@link #miss(long)}. */
+    /** Drops {@code count} events of these frames. Otherwise like {@link #miss(long)}. */
     public synchronized void miss(long count, long first, long last) {
         if (!finished) {
             firstMissed = missed == 0 ? first : firstMissed;
@@ -228,7 +228,10 @@ public final class Outbox {
         }
     }
 
-    /** Begins a new stream of perceptions, whose first perception is complete. */
+    /**
+     * Begins a new stream of perceptions. The first perception of the stream is complete, not a
+     * difference.
+     */
     public synchronized void restart() {
         latest = null;
         told = null;

@@ -19,7 +19,8 @@ interface Wire extends ByteChannel {
     InetSocketAddress peer() throws IOException;
 
     /**
-     * Registers the handler for input, and later for the operations of the key.
+     * Registers the handler for input. The caller may later change the operations of the returned
+     * key.
      *
      * @param readable called when the stream has buffered input, which the key does not report
      */

@@ -84,7 +84,10 @@ public final class Observatory {
     private PerceivedItem[] gathered = {};
     private int gatheredCount;
 
-    /** Incremented when items are added or removed, or change their rows. */
+    /**
+     * Number of changes of the assignment of items to rows. It is incremented when items are added
+     * or removed, or change their rows.
+     */
     private long arrangement;
 
     /**

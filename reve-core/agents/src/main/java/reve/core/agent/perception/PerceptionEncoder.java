@@ -42,7 +42,7 @@ public final class PerceptionEncoder {
     /**
      * Appends an encoded perception. Several threads may call it at the same time.
      *
-     * @param difference memory for the comparison of views, reusable
+     * @param difference a reusable object for the comparison of views
      * @param id id of the message that the perception answers
      * @param before the client's previous view; null for a full perception
      */

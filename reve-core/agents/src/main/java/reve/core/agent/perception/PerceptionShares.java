@@ -165,7 +165,7 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         cost.known = true;
     }
 
-    /** Returns whether a session is served at once; otherwise it waits. */
+    /** Returns whether a session is served at once. If not, the session waits. */
     public boolean isServedNow(C client) {
         Cost cost = client.perceptionCost();
         if (client.isInLockStep()

@@ -57,7 +57,8 @@ public final class RelatedViews<C extends RelatedViews.Client> {
     }
 
     /**
-     * @param fresh ids of the items that were sensed in the frame of the view; empty if all were
+     * @param fresh ids of the items that were sensed in the frame of the view; empty if all items
+     *     were sensed in this frame
      */
     private record Wanted(View view, Optional<Set<ItemId>> fresh) {}
 

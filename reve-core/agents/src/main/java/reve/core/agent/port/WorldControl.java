@@ -128,7 +128,8 @@ public interface WorldControl {
      *
      * @param what the type of the message in the protocol, such as {@code near}
      * @param arguments Double, List of Double, String or Boolean by name
-     * @return a List or Map of String, Boolean, Number, or lists and maps of these; keys are texts
+     * @return a List or Map with values of type String, Boolean or Number, or with lists and maps
+     *     of such values; keys are texts
      */
     Object answer(String what, Map<String, Object> arguments) throws ActionRefused;
 
@@ -167,8 +168,8 @@ public interface WorldControl {
     Image beginning() throws ActionRefused;
 
     /**
-     * Returns the present state of the world. For the world's thread, between frames; the caller
-     * closes it.
+     * Returns the present state of the world. For the world's thread, between frames. The caller
+     * closes the image.
      */
     Image keep() throws ActionRefused;
 

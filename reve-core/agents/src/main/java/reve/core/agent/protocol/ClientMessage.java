@@ -226,7 +226,7 @@ public sealed interface ClientMessage {
      */
     record SetRule(long id, String name, Optional<String> rule) implements WorldChange {}
 
-    /** Several changes, of which all are made or none. A batch contains no batch. */
+    /** Several changes. Either all of them are made, or none. A batch contains no other batch. */
     record Batch(long id, List<WorldChange> changes) implements WorldChange {
         /** Maximum number of changes. */
         public static final int MAX = 1000;

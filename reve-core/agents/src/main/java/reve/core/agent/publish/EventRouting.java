@@ -38,7 +38,10 @@ final class EventRouting {
     // The items in the last view of each agent with sensors.
     private final Map<Perceiver, Showing> showings = new IdentityHashMap<>();
 
-    /** Clients whose last view contains an item. Updated when there are events. */
+    /**
+     * The clients whose last view contains an item, by item. The map is updated only when there are
+     * events.
+     */
     private final Map<ItemId, Set<Perceiver>> viewers = new HashMap<>();
 
     // The clients of this frame, in four lists: with sensors, without sensors, with sensors of

@@ -65,6 +65,6 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
     /** Sends an event to the client. */
     void tell(HeardEvent.Told event);
 
-    /** Records that at most {@code events} events of these frames were not sent. */
+    /** Records that up to {@code events} events of these frames were not sent. */
     void miss(long events, long first, long last);
 }

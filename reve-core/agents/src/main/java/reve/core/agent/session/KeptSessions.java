@@ -44,7 +44,7 @@ public final class KeptSessions {
         return false;
     }
 
-    /** Removes a session that was resumed or has ended; does nothing if it is absent. */
+    /** Removes a session that was resumed or has ended. Does nothing if the session is absent. */
     void keepNoLonger(Client session) {
         synchronized (kept) {
             kept.remove(session);

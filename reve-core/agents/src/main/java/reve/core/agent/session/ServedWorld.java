@@ -101,8 +101,8 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Holds the first frame until this number of agents waits to join. Call it before the loop
-     * runs.
+     * Holds the first frame until this number of agents waits to join. Call this method before the
+     * loop runs.
      */
     public void expectAgents(int agents) {
         lockStep.expect(agents);

@@ -301,8 +301,8 @@ public final class Session implements Client, Perceiver {
     }
 
     /**
-     * Notifies the agent how long the world waits for it. Does nothing if the agent does not use
-     * this allowance.
+     * Notifies the agent for how long the world waits for it. Does nothing if the agent does not
+     * use this allowance.
      */
     void tellWaiting(Allowance allowance) {
         Turn waitedFor = pace.turn();
