@@ -37,9 +37,9 @@ import java.util.Optional;
 import java.util.stream.Stream;
 
 /**
- * Server for agents (client programs) over TCP, protocol version 1. It serves one or more worlds,
- * whose frames do not wait for each other. Agents join and leave at any time. Methods may be called
- * on any thread.
+ * Server for agents (client programs) over TCP, protocol version 1. It serves one or more worlds.
+ * The frames of one world do not wait for those of another. Agents join and leave at any time.
+ * Methods may be called on any thread.
  */
 public final class AgentServer implements AutoCloseable {
 
@@ -299,8 +299,8 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
-     * Sends {@code bye} to all clients, and returns when all connections are closed, at the latest
-     * after the time {@code linger} of the settings.
+     * Sends {@code bye} to all clients. Returns when all connections are closed, or after the time
+     * {@code linger} of the settings.
      */
     @Override
     public void close() {

@@ -17,8 +17,8 @@ final class FileProblem {
     private Optional<String> reported = Optional.empty();
 
     /**
-     * @param problem returns the present problem, if any
-     * @param solved returns the message for the end of a problem
+     * @param problem returns a message about the present problem; empty if there is none
+     * @param solved returns the message that a problem has ended
      */
     FileProblem(
             String source,

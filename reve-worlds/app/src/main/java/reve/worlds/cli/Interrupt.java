@@ -31,7 +31,7 @@ final class Interrupt implements AutoCloseable {
     }
 
     /**
-     * Registers the action that asks the command to stop.
+     * Registers the action that makes the command stop.
      *
      * @param asks the action; called on another thread
      */
@@ -44,7 +44,10 @@ final class Interrupt implements AutoCloseable {
         return asked;
     }
 
-    /** Ends the command with the exit code for work that an interrupt has cut short. */
+    /**
+     * Sets and returns the exit code of a command that an interrupt has ended before its work was
+     * complete.
+     */
     int endsCut() {
         code = ExitCode.INTERRUPTED;
         return code;

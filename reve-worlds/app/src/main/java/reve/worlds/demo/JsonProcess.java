@@ -15,8 +15,8 @@ import java.util.concurrent.TimeUnit;
 import java.util.function.Predicate;
 
 /**
- * A child process that writes JSON objects, one per line, to its standard output. Its standard
- * error goes to a log file. Closing this object ends the process.
+ * A child process that writes JSON objects to its standard output, one object per line. Its
+ * standard error is written to a log file. Closing this object ends the process.
  */
 final class JsonProcess implements AutoCloseable {
     private static final JsonMapper MAPPER = new JsonMapper();

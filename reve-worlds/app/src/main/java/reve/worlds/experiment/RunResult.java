@@ -76,7 +76,7 @@ public record RunResult(
         return expected == 0 ? value : (value - expected) / Math.abs(expected);
     }
 
-    /** Returns the error of a measure, if it has a value and an expected one. */
+    /** Returns the error of a measure. Empty if the measure has no value or no expected value. */
     public Optional<Double> error(int measure) {
         return expected.get(measure)
                 .flatMap(

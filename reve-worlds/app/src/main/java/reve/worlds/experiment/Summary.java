@@ -6,7 +6,7 @@ import reve.core.file.Measure;
 import java.util.List;
 import java.util.Optional;
 
-/** The value of a measure for the table of runs, from the measurements of a run. */
+/** The value of a measure for the table of runs. It is computed from the measurements of a run. */
 final class Summary {
     private Summary() {}
 

@@ -10,7 +10,7 @@ import java.io.IOException;
  */
 public interface FrameSink extends AutoCloseable {
     /**
-     * Adds a picture; all have the same size.
+     * Adds a picture. All pictures of a video have the same size.
      *
      * @throws IOException if it cannot be written
      */

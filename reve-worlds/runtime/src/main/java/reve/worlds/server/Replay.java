@@ -173,7 +173,7 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Returns the simulation at the current frame, which still belongs to the replay.
+     * Returns the simulation at the current frame. The simulation still belongs to the replay.
      *
      * @throws CorruptException if the journal contained no image
      */

@@ -27,8 +27,8 @@ import java.util.stream.IntStream;
  * @param stateHash hash, at the end, of all columns that laws can access
  * @param items number of items, without the one that holds the world's constants
  * @param bodies rows of kind {@code body} that laws may move
- * @param laws loaded at the end, with their cost
- * @param lawTimes their times in the last frames, in the same order
+ * @param laws the laws that are loaded at the end, with their cost
+ * @param lawTimes times of these laws in the last frames, in the same order
  * @param libraries all law libraries that were ever loaded, in order of loading
  * @param snapshotNanoseconds time for copying the world into snapshots [ns]
  */

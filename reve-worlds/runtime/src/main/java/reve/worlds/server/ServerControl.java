@@ -38,8 +38,8 @@ import java.util.function.Consumer;
 import java.util.regex.Pattern;
 
 /**
- * The operations that a server offers to operators over the network: loading laws by name,
- * pictures, rewinding, saving, forks.
+ * The operations that a server offers to operators over the network: loading laws by name, taking
+ * pictures, rewinding, saving and forking.
  */
 final class ServerControl implements WorldControl, AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("reve.control");

@@ -476,8 +476,8 @@ final class Shadows implements Trials, AutoCloseable {
     }
 
     /**
-     * Waits until the copy of the running trial has made all frames that it was given, or has
-     * ended, and until all earlier copies have ended. For tests.
+     * Waits until the copy of the running trial has made all frames that were passed to it, or has
+     * ended. Also waits until all earlier copies have ended. For tests.
      */
     void await() throws InterruptedException {
         for (Shadow shadow : ended) {

@@ -292,7 +292,8 @@ public final class Simulation implements AutoCloseable {
 
     /**
      * Returns warnings about the described world with its loaded laws, for example about values
-     * without effect, bodies that fall for ever, and steps that are too long. Between frames.
+     * without effect, bodies that fall for ever, and steps that are too long. Called between
+     * frames.
      *
      * @param complete whether all laws of the world are loaded
      */

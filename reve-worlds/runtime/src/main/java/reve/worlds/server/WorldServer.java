@@ -20,9 +20,9 @@ import java.util.Optional;
 
 /**
  * A server of worlds that agents join over TCP and that load law libraries while they run. Each
- * world has its own thread and shares only the address with the others. It computes the same bits
- * as it would alone, and its failure does not affect the others. Created, started, run and closed
- * by one thread; {@link #stop} may be called on any thread.
+ * world has its own thread and shares only the address with the other worlds. A world computes the
+ * same bits as it would alone. Its failure does not affect the other worlds. One thread creates,
+ * starts, runs and closes the server; {@link #stop} may be called on any thread.
  */
 public final class WorldServer implements AutoCloseable {
     private final Closing closing = new Closing();

@@ -131,7 +131,7 @@ final class SceneFeed implements AutoCloseable {
      * Reads the newest snapshot.
      *
      * @param wanted optional columns to read
-     * @return false if in each attempt the snapshot was overwritten during the read
+     * @return false if the snapshot was overwritten during the read in each attempt
      */
     private boolean read(int wanted) {
         for (int attempt = 0; attempt < ATTEMPTS; attempt++) {

@@ -123,7 +123,10 @@ public final class AuditLog implements Closeable {
         }
     }
 
-    /** Throws if an older file is no audit record, because rotation would rename or replace it. */
+    /**
+     * Throws an exception if an older file is no audit record. Rotation would rename or replace
+     * this file.
+     */
     private static void requireRecord(Path older) throws IOException {
         try (FileChannel in = FileChannel.open(older)) {
             requireRecord(in, older.toString());
@@ -133,8 +136,8 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Returns the position of the last line, which may be incomplete. Throws if the file is no
-     * audit record.
+     * Returns the position of the last line. This line may be incomplete. Throws an exception if
+     * the file is no audit record.
      */
     private static long requireRecord(FileChannel in, String name) throws IOException {
         // The first line is checked first, because the search for the start of the last line may
@@ -225,7 +228,7 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Returns whether messages may be sent: either the record can be written, or it is not
+     * Returns whether messages may be sent. They may be sent if the record can be written or is not
      * required.
      */
     public synchronized boolean isServing() {

@@ -19,8 +19,8 @@ public record AgentSecurity(Optional<TokenFile> tokens, Optional<ServerTls> tls)
     public static final AgentSecurity NONE = new AgentSecurity(Optional.empty(), Optional.empty());
 
     /**
-     * Returns whether there are tokens and TLS, as required for an address that other machines can
-     * reach.
+     * Returns whether there are both tokens and TLS. An address that other machines can reach
+     * requires both.
      */
     public boolean isComplete() {
         return tokens.isPresent() && tls.isPresent();

@@ -58,8 +58,8 @@ public final class Attempts {
     }
 
     /**
-     * Returns the address for which attempts are counted: an IPv4 address, or the /64 network of an
-     * IPv6 address.
+     * Returns the address for which attempts are counted. This is an IPv4 address, or the /64
+     * network of an IPv6 address.
      */
     public static ByteBuffer network(InetAddress address) {
         byte[] bytes = address.getAddress();

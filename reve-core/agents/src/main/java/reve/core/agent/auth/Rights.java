@@ -64,9 +64,9 @@ public record Rights(
     }
 
     /**
-     * Returns why the client may not send a command of the role control; empty if it may. Which
-     * library a {@code load-law} loads is known only when the library is opened, see {@link
-     * #opensLaw}.
+     * Returns why the client may not send a command of the role control; empty if it may. For
+     * {@code load-law} this method does not check the library, because its name is known only after
+     * the library was opened. See {@link #opensLaw}.
      */
     public Optional<String> refusal(ClientMessage.Request request) {
         if (laws.isEmpty()) {

@@ -28,8 +28,8 @@ import java.util.function.Consumer;
 import java.util.function.Supplier;
 
 /**
- * Dispatcher of clients' commands for one world: passes each to the world's command queue, to its
- * frame loop, or to the program that runs the world. For any thread.
+ * Dispatcher of clients' commands for one world. It passes each command to the world's command
+ * queue, to its frame loop, or to the program that runs the world. For any thread.
  */
 public final class ControlDesk {
 
@@ -282,7 +282,9 @@ public final class ControlDesk {
         long run() throws ActionRefused;
     }
 
-    /** Runs an errand between frames, and queues its answer before the next frame is made. */
+    /**
+     * Runs an operation between two frames, and queues its answer before the next frame is made.
+     */
     private void between(Requester requester, ClientMessage.Request request, Errand errand) {
         port.loop()
                 .betweenFrames(

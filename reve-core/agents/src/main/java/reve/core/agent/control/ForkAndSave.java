@@ -29,7 +29,10 @@ import java.util.concurrent.atomic.AtomicReference;
  */
 final class ForkAndSave {
 
-    /** Maximum wait for a pause between two frames in which the world can be copied [s]. */
+    /**
+     * Maximum time that a command waits for a moment between two frames in which the world can be
+     * copied [s].
+     */
     private static final long PATIENCE_SECONDS = 10;
 
     private final WorldPort port;

@@ -48,10 +48,10 @@ final class HeapRoom {
     private long collected;
 
     /**
-     * @param used the bytes that are used, with unreachable objects
-     * @param max the maximum of {@code used}
+     * @param used returns the number of used bytes, including unreachable objects
+     * @param max the maximum number of used bytes
      * @param collect removes unreachable objects
-     * @param nanoTime the time [ns]
+     * @param nanoTime returns the time [ns]
      */
     HeapRoom(LongSupplier used, long max, Runnable collect, LongSupplier nanoTime) {
         this.used = used;

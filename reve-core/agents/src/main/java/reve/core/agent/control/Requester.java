@@ -8,8 +8,8 @@ import reve.core.agent.protocol.ServerMessage;
 import java.util.Optional;
 
 /**
- * The sender of commands, as seen by the code that executes them and returns results. For any
- * thread.
+ * The sender of commands. The code that executes commands and returns results uses it through this
+ * interface. For any thread.
  */
 public interface Requester {
 

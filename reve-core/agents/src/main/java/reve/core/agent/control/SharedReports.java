@@ -66,7 +66,8 @@ final class SharedReports {
     private record Waiting(Requester requester, ClientMessage.Query query, Kind kind) {}
 
     /**
-     * The result of a reading by the world's thread: the content, or the reason why there is none.
+     * The result of a reading by the world's thread. It contains the content, or the reason why
+     * there is none.
      */
     private record Read(@Nullable Map<String, Object> content, @Nullable Exception failure) {}
 
@@ -190,8 +191,8 @@ final class SharedReports {
     }
 
     /**
-     * Removes and returns the query whose turn it is; null if there is none or its kind was not
-     * read.
+     * Removes and returns the query that must be answered next. Returns null if there is none, or
+     * if its kind of report was not read.
      */
     private synchronized @Nullable Waiting next(Map<Kind, Read> read) {
         if (waiting.isEmpty()) {

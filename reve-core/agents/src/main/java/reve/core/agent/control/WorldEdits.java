@@ -22,7 +22,7 @@ import java.util.Optional;
 import java.util.stream.Collectors;
 
 /**
- * Preparation of the changes of items and rules that operators request. All changes of one message
+ * Prepares the changes of items and rules that operators request. Either all changes of one message
  * are made, or none.
  */
 final class WorldEdits {

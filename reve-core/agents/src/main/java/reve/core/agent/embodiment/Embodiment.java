@@ -246,8 +246,8 @@ public final class Embodiment {
     }
 
     /**
-     * Returns false if the agent has used up its evaluation steps, so that its act must wait for a
-     * later frame.
+     * Returns whether the agent may act now. An agent that has used up its evaluation steps must
+     * wait for a later frame.
      */
     boolean mayAct(World world, String agent, long frame) {
         world.charges().take().forEach((who, cost) -> steps.charge(who, frame, cost));

@@ -29,7 +29,7 @@ public sealed interface Outcome {
             implements Outcome {}
 
     /**
-     * The action failed because of an error in its code, which is logged for the author of the
+     * The action failed because of an error in its code. The error is logged for the author of the
      * action.
      */
     record Failed(long frame, Exception cause) implements Outcome {}

@@ -95,7 +95,7 @@ public final class Allowances {
     }
 
     /**
-     * Postpones the planned start of the frame by a time in which the server itself did not run
+     * Postpones the planned start of the frame by a pause in which the server itself did not run
      * [ns].
      */
     void postpone(long pauseNanos) {
@@ -147,7 +147,10 @@ public final class Allowances {
         }
     }
 
-    /** Returns how long others still wait for an agent [ns]; negative if the time is over. */
+    /**
+     * Returns the time that others still wait for an agent [ns]. The result is negative if the time
+     * is over.
+     */
     long nanosecondsLeft(Turn turn, long nowNanos) {
         return othersWait
                 ? wantedNanos - nowNanos + turn.allowance().left(frameNanos)

@@ -18,12 +18,12 @@ public final class Turn {
         /** The world waits for the agent. */
         HERE,
         /**
-         * The agent missed too many deadlines in a row: the world does not wait for it until it
+         * The agent missed too many deadlines in a row. The world does not wait for it until it
          * becomes ready again.
          */
         AWAY,
         /**
-         * The connection is broken: the world does not wait for the agent until it has a new
+         * The connection is broken. The world does not wait for the agent until it has a new
          * connection.
          */
         BROKEN,
@@ -33,7 +33,7 @@ public final class Turn {
         GONE
     }
 
-    /** Number of missed rounds in a row after which the world no longer waits for an agent. */
+    /** Number of missed rounds in a row after which the world stops waiting for an agent. */
     static final int MAX_LATE_ROUNDS = 3;
 
     private final String agent;
@@ -132,7 +132,7 @@ public final class Turn {
     }
 
     /**
-     * Records that the connection broke: the world does not wait for the agent until it has a new
+     * Records that the connection broke. The world does not wait for the agent until it has a new
      * connection.
      */
     public void breakOff(long nowNanos) {
@@ -165,8 +165,8 @@ public final class Turn {
     }
 
     /**
-     * Returns whether {@code frame} waits for the agent, and the world has not stopped waiting for
-     * it.
+     * Returns whether {@code frame} must wait for the agent. The result is false if the world has
+     * stopped waiting for the agent.
      */
     boolean holds(long frame) {
         return isAwaited(frame - 1) && givenUp != frame;

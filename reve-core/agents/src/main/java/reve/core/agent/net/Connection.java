@@ -264,8 +264,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * Ends the connection after any error in the server, including errors of the Java virtual
-     * machine, so that the agent does not stay in the world.
+     * Ends the connection after any error in the server, so that the agent does not stay in the
+     * world. The error may also be an error of the Java virtual machine.
      */
     void fail(Throwable error) {
         connections.log().error("serving a connection failed", error);
@@ -350,7 +350,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * Replaces all waiting messages by {@code bye}; omits {@code bye} if a message is partly
+     * Replaces all waiting messages by {@code bye}. Omits {@code bye} if a message is partly
      * written.
      */
     private void sayBye() {

@@ -20,9 +20,9 @@ import java.util.regex.Pattern;
 import javax.net.ssl.SSLException;
 
 /**
- * Reader of the messages of one connection, which passes them to the session within the client's
- * quota. After the end of the connection, it discards further input. For the event loop's thread
- * only.
+ * Reader of the messages of one connection. It passes the messages to the session within the
+ * client's quota. It discards further input after the connection has ended. For the event loop's
+ * thread only.
  */
 final class ConnectionReader {
 
