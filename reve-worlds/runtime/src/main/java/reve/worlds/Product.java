@@ -9,7 +9,7 @@ import java.nio.file.Path;
 
 /** The name and version of this build, and the folder of its native part. */
 public final class Product {
-    /** The command to start the product from a checkout. */
+    /** The command that starts the product from a checkout of its sources. */
     public static final String CHECKOUT_COMMAND = "./reve";
 
     private Product() {}

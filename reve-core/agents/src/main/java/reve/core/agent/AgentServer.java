@@ -37,9 +37,9 @@ import java.util.Optional;
 import java.util.stream.Stream;
 
 /**
- * Server for agents (client programs) over TCP, protocol version 1. It serves one or more worlds,
- * whose frames do not wait for each other. Agents join and leave at any time. Methods may be called
- * on any thread.
+ * Server for agents (client programs) over TCP, protocol version 1. It serves one or more worlds.
+ * The frames of one world do not wait for those of another. Agents join and leave at any time.
+ * Methods may be called on any thread.
  */
 public final class AgentServer implements AutoCloseable {
 
@@ -57,7 +57,7 @@ public final class AgentServer implements AutoCloseable {
     private final Descriptors descriptors;
     private final Optional<AuditLog> audit;
 
-    /** While the event loop runs, only its thread uses this list. */
+    /** Only the event loop's thread uses this list while the loop runs. */
     private final List<FileProblem> fileProblems;
 
     private volatile boolean closed;
@@ -123,9 +123,9 @@ public final class AgentServer implements AutoCloseable {
                         log,
                         new KeptSessions(config.limits().kept(), log),
                         loop::wake);
-        // Only the thread of a single world without a fixed rate runs the event loop while it
-        // waits. In real time, or with several worlds, the frames must continue while agents are
-        // served.
+        // The world's thread runs the event loop while it waits only if this is the only world and
+        // the world has no fixed frame rate. In real time, or with several worlds, the frames must
+        // continue while agents are served.
         boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
         LockStep.Waiting waiting = helps ? new LoopHelper(loop) : LockStep.Waiting.IDLE;
         this.worlds = ports.stream().map(port -> new ServedWorld(services, port, waiting)).toList();
@@ -195,8 +195,8 @@ public final class AgentServer implements AutoCloseable {
      *
      * @param client address of the client, to which limits by address apply
      * @param relay is notified when the session begins and when the connection ends
-     * @return the client's end of the connection, in blocking mode: lines of JSON, without TLS; the
-     *     caller closes it
+     * @return the client's end of the connection, in blocking mode: lines of JSON, without TLS. The
+     *     caller closes it.
      * @throws IOException if the process may open no more files; the log reports it
      */
     public SocketChannel connect(InetSocketAddress client, Relay relay) throws IOException {
@@ -210,8 +210,8 @@ public final class AgentServer implements AutoCloseable {
 
     /**
      * Returns the number of connections that another server of this process may have open. Each
-     * takes up to three file descriptors when it is passed on to this server, and a quarter of all
-     * descriptors stays for this server's own connections.
+     * such connection takes up to three file descriptors. A quarter of all descriptors stays free
+     * for this server's own connections.
      */
     public int roomForOtherServers() {
         return Math.clamp(descriptors.room() / 4, 1, config.limits().maxConnections());
@@ -227,8 +227,9 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
-     * Writes a message that a client receives in another form to the audit record, if the server
-     * keeps one. For any thread.
+     * Writes a message to the audit record, if the server keeps one. The client receives the
+     * content of this message in another form, for example as a web page's binary data. For any
+     * thread.
      *
      * @param message a JSON object
      * @return false if the message could not be recorded and must therefore not be sent
@@ -260,8 +261,8 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
-     * Holds the first frame of a world until this number of agents waits to join, so that they join
-     * in the same frame. Call it before the world's loop runs.
+     * Holds the first frame of a world until this number of agents waits to join. All these agents
+     * then join in the same frame. Call this method before the world's loop runs.
      */
     public void expect(String world, int agents) {
         served(world).expectAgents(agents);
@@ -298,8 +299,8 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
-     * Sends {@code bye} to all clients, and returns when all connections are closed, at the latest
-     * after the time {@code linger} of the settings.
+     * Sends {@code bye} to all clients. Returns when all connections are closed, or after the time
+     * {@code linger} of the settings.
      */
     @Override
     public void close() {
@@ -371,7 +372,7 @@ public final class AgentServer implements AutoCloseable {
         }
     }
 
-    /** For tests: the connections. */
+    /** Returns the connections. For tests. */
     Connections connections() {
         return connections;
     }
@@ -401,7 +402,8 @@ public final class AgentServer implements AutoCloseable {
         try {
             resource.close();
         } catch (IOException e) {
-            // Ignored: closing frees the descriptor even if it fails.
+            // The exception is ignored, because the operating system frees the file descriptor even
+            // if close() fails.
         }
     }
 }

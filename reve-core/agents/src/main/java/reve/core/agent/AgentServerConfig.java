@@ -70,8 +70,8 @@ public record AgentServerConfig(
     }
 
     /**
-     * Returns a copy with another limit on the time by which agents in lock-step may delay others;
-     * if empty, there is no limit.
+     * Returns a copy with another limit on the time by which agents in lock-step may delay others.
+     * If the argument is empty, there is no limit.
      */
     public AgentServerConfig withWaiting(Optional<Duration> allowance) {
         return with(timeouts.deadline(), allowance);

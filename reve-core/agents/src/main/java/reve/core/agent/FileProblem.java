@@ -5,7 +5,8 @@ import java.util.Optional;
 import java.util.function.Supplier;
 
 /**
- * Reporter of the problem with one of the server's files, when the problem begins, changes or ends.
+ * Reports problems with one of the server's files to the operator. A report is sent when a problem
+ * begins, changes or ends.
  */
 final class FileProblem {
 
@@ -16,8 +17,8 @@ final class FileProblem {
     private Optional<String> reported = Optional.empty();
 
     /**
-     * @param problem returns the present problem, if any
-     * @param solved returns the message for the end of a problem
+     * @param problem returns a message about the present problem; empty if there is none
+     * @param solved returns the message that a problem has ended
      */
     FileProblem(
             String source,

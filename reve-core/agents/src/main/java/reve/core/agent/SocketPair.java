@@ -17,8 +17,8 @@ import java.nio.channels.SocketChannel;
 record SocketPair(SocketChannel inner, SocketChannel outer) {
 
     /**
-     * Maximum number of connections by other processes that are refused while the own connection is
-     * awaited.
+     * Maximum number of foreign connections that {@link #open} refuses while it waits for its own
+     * connection. Other processes may connect to the port while it is open.
      */
     private static final int ATTEMPTS = 64;
 

@@ -11,7 +11,10 @@ import reve.core.agent.audit.AuditPlan;
 import java.nio.file.Path;
 import java.util.Optional;
 
-/** The options for the audit record: a file of the messages that the server sends to clients. */
+/**
+ * The options for the audit record. This is a file of the messages that the server sends to
+ * clients.
+ */
 final class AuditOptions {
     private static final long MEBIBYTE = 1L << 20;
 

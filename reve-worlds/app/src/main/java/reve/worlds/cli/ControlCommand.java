@@ -51,7 +51,7 @@ public final class ControlCommand implements Callable<Integer> {
     private static final int MAX_TEXT_BYTES = 65_536;
 
     /**
-     * Fields of each command that can be written as FIELD=VALUE. Only commands with a result are
+     * Fields that each command accepts as FIELD=VALUE, by command. Only commands with a result are
      * listed.
      */
     private static final Map<String, Set<String>> COMMANDS =
@@ -87,7 +87,7 @@ public final class ControlCommand implements Callable<Integer> {
     private static final String PARAMETERS = "parameters.";
     private static final Set<String> WITH_PARAMETERS = Set.of("load-law", "set-law");
 
-    /** Questions about the world, which the server answers with a report. */
+    /** Questions about the world. The server answers each of them with a report. */
     private static final Map<String, Set<String>> QUESTIONS =
             new TreeMap<>(
                     Map.of(
@@ -96,7 +96,7 @@ public final class ControlCommand implements Callable<Integer> {
                             "laws", Set.of(),
                             "ledger", Set.of("open")));
 
-    /** Commands whose fields come from a file. */
+    /** Commands whose fields are read from a file. */
     private static final Set<String> FROM_FILES = Set.of("add", "change", "batch");
 
     @Spec private CommandSpec spec = CommandSpec.create();
@@ -264,7 +264,10 @@ public final class ControlCommand implements Callable<Integer> {
         return names;
     }
 
-    /** Replaces the argument with the file of a law as text by the file's name and content. */
+    /**
+     * If the argument names a file of a law as text, replaces the argument with the file's name and
+     * content.
+     */
     private void putText(Map<String, Object> fields) {
         Path file = Path.of(String.valueOf(fields.remove("file")));
         try {
@@ -321,8 +324,8 @@ public final class ControlCommand implements Callable<Integer> {
             out.println(command + ": frame " + result.frame().orElseThrow());
             result.value().ifPresent(value -> out.print(Json.text(value) + System.lineSeparator()));
         } else {
-            // The refusal of a law as text has several lines, so line ends are printed; other
-            // control characters are escaped.
+            // The refusal of a law as text has several lines. Therefore line ends are printed, and
+            // other control characters are escaped.
             String reason =
                     "reve: " + result.code().orElse("refused") + ": " + result.reason().orElse("");
             LinePrinter.message(spec.commandLine().getErr(), reason.lines().toList());

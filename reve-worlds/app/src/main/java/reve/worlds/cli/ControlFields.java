@@ -96,7 +96,10 @@ final class ControlFields {
         }
     }
 
-    /** Adds a value under a path such as {@code physics.mass} to nested mappings. */
+    /**
+     * Adds a value to nested mappings. A path such as {@code physics.mass} names the place of the
+     * value.
+     */
     static void put(Map<String, Object> fields, String path, @Nullable Object value) {
         Map<String, Object> inner = fields;
         String[] keys = path.split("\\.");

@@ -10,7 +10,7 @@ import reve.worlds.server.LawPath;
 
 import java.util.Optional;
 
-/** The options for how the engine runs the laws of a world. */
+/** The options that state how the engine runs the laws of a world. */
 final class EngineOptions {
     private static final int MAX_THREADS = 256;
 
@@ -29,7 +29,9 @@ final class EngineOptions {
                             + " that it did not declare is a fault. Slower.")
     private boolean validate;
 
-    /** Returns the description of the world with the number of threads that the options give. */
+    /**
+     * Returns a copy of the description of the world with the number of threads from the options.
+     */
     WorldDescription of(CommandSpec spec, WorldDescription world) {
         if (threads.isPresent() && (threads.get() < 1 || threads.get() > MAX_THREADS)) {
             throw new ParameterException(

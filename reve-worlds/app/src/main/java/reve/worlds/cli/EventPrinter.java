@@ -17,9 +17,9 @@ import java.util.stream.Collectors;
 
 /**
  * Printer of server events to standard output. It has its own thread, so a slow reader never delays
- * a frame. While 10,000 lines wait, further lines are dropped and counted. Lines that a full or
- * closed output does not accept are counted, too. The thread polls its queue every few
- * milliseconds, so threads that report events never have to wake it.
+ * a frame. While 10,000 lines wait, further lines are dropped and counted. Lines that cannot be
+ * written because the output is full or closed are counted, too. The thread polls its queue every
+ * few milliseconds, so threads that report events never have to wake it.
  */
 final class EventPrinter implements ServerEvents, AutoCloseable {
     private static final int CAPACITY = 10_000;
@@ -34,7 +34,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     private final AtomicInteger waiting = new AtomicInteger();
     private final AtomicLong dropped = new AtomicLong();
 
-    /** Whether the last event could not be written. Used by the printer's thread only. */
+    /** True if the last event could not be written. Only the printer's thread uses the field. */
     private boolean failing;
 
     private final Thread printer = new Thread(this::print, "event printer");
@@ -149,11 +149,14 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     private static String jsonLine(Event event) {
         Map<String, Object> line = new LinkedHashMap<>();
         line.put("event", event.name);
-        event.fields.forEach(line::putIfAbsent); // no field of a world replaces one of the server
+        event.fields.forEach(line::putIfAbsent); // does not replace fields of the server
         return Json.line(line);
     }
 
-    /** Returns an event as a line for people, without the warnings, which go to standard error. */
+    /**
+     * Returns an event as a line for people. Omits the field with warnings, because warnings are
+     * printed to standard error.
+     */
     private static String textLine(Event event) {
         return event.name
                 + event.fields.entrySet().stream()

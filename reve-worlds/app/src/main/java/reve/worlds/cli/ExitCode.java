@@ -8,7 +8,7 @@ import reve.pe.PhysicsException;
 
 import java.net.BindException;
 
-/** Exit codes of every command; printed in the help text. */
+/** Exit codes of every command. The help text prints them. */
 public final class ExitCode {
     /** The command succeeded. */
     public static final int OK = 0;
@@ -32,12 +32,15 @@ public final class ExitCode {
     public static final int STALLED = 6;
 
     /**
-     * Ctrl-C or SIGTERM has ended the command before its work was complete: the exit code that
-     * shells report for SIGINT.
+     * Ctrl-C or SIGTERM has ended the command before its work was complete. Shells report this exit
+     * code for SIGINT.
      */
     public static final int INTERRUPTED = 128 + 2;
 
-    /** The exit code that shells report for a program that SIGPIPE ended. */
+    /**
+     * The reader of the output has closed the pipe. Shells report this exit code for a program that
+     * SIGPIPE ended.
+     */
     public static final int CLOSED_PIPE = 128 + 13;
 
     private ExitCode() {}

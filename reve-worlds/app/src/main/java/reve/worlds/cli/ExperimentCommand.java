@@ -35,7 +35,10 @@ import java.util.TreeSet;
 import java.util.concurrent.Callable;
 import java.util.concurrent.ConcurrentSkipListSet;
 
-/** The command {@code experiment}: runs an experiment file and compares with earlier results. */
+/**
+ * The command {@code experiment}: runs an experiment file and compares the results with earlier
+ * results.
+ */
 @Command(
         name = "experiment",
         description = {
@@ -167,7 +170,7 @@ public final class ExperimentCommand implements Callable<Integer> {
         }
     }
 
-    /** Checks all runs; returns whether one has a problem. */
+    /** Checks all runs. Returns whether one of them has a problem. */
     private boolean check(Experiment experiment) {
         PrintWriter err = spec.commandLine().getErr();
         Set<String> problems = new TreeSet<>();
@@ -196,7 +199,10 @@ public final class ExperimentCommand implements Callable<Integer> {
         return !problems.isEmpty();
     }
 
-    /** Writes or compares the results, and prints them; returns whether the command fails. */
+    /**
+     * Writes the results or compares them with earlier ones, and prints them. Returns whether the
+     * command fails.
+     */
     private boolean report(
             Experiment experiment,
             ResultFolder results,

@@ -12,13 +12,14 @@ import java.util.concurrent.atomic.DoubleAdder;
 import java.util.function.LongSupplier;
 
 /**
- * A progress line on standard error for an experiment, every two seconds, with the time that is
- * left. Names each failed run when it ends. On a terminal the line is rewritten in place.
+ * A progress line on standard error for an experiment. It is printed every two seconds and shows
+ * the remaining time. When a run has failed, a line names it. On a terminal the progress line is
+ * rewritten in place.
  */
 final class ExperimentProgress implements RunProgress {
     private static final long EVERY_NANOS = 2_000_000_000L;
 
-    /** Part of all runs from which on the time that is left is estimated. */
+    /** Fraction of all runs that must be done before the remaining time is estimated. */
     private static final double LEAST_PART = 0.02;
 
     private final PrintStream out;

@@ -149,7 +149,7 @@ public final class ExportCommand implements Callable<Integer> {
         return new ParameterException(spec.commandLine(), message);
     }
 
-    /** The drawing of pictures into an MCAP file. */
+    /** Draws pictures into an MCAP file. */
     private final class Drawing implements AutoCloseable {
         private final Renderer renderer =
                 new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE);
@@ -164,7 +164,7 @@ public final class ExportCommand implements Callable<Integer> {
             this.frames = frames;
         }
 
-        /** Draws a state if the next picture is due. */
+        /** Draws a state of the world if the next picture is due. */
         void draw(WorldSnapshot snapshot, long sinceFirst) throws IOException {
             if (sinceFirst >= Math.round(drawn * frames)) {
                 drawn = (long) Math.floor(sinceFirst / frames) + 1;
@@ -244,7 +244,7 @@ public final class ExportCommand implements Callable<Integer> {
         return kinds.isEmpty() ? new LinkedHashSet<>(all) : kinds;
     }
 
-    /** Gives the frames to the exports, and returns their number. */
+    /** Passes the frames to the exports. Returns the number of frames. */
     private long write(History history, List<Export> exports, Optional<Drawing> drawing)
             throws IOException {
         Progress progress = new Progress(System.err, 0);

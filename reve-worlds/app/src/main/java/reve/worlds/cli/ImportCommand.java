@@ -21,7 +21,7 @@ import java.util.Map;
 import java.util.concurrent.Callable;
 import java.util.stream.Stream;
 
-/** The command {@code import}: makes a world of a robot model. */
+/** The command {@code import}: makes a world from a robot model. */
 @Command(
         name = "import",
         description =

@@ -9,8 +9,8 @@ import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
 
 /**
- * Handling of Ctrl-C and SIGTERM for a long command. The command is asked to stop and prints its
- * report as usual; then the process exits with the command's exit code. A command that is still
+ * Handling of Ctrl-C and SIGTERM for a long command. After the signal, the command stops and prints
+ * its report as usual. Then the process exits with the command's exit code. A command that is still
  * starting exits at once. The command's thread opens this object before the command runs, and
  * closes it after the report is printed.
  */
@@ -31,7 +31,7 @@ final class Interrupt implements AutoCloseable {
     }
 
     /**
-     * Registers the action that asks the command to stop.
+     * Registers the action that makes the command stop.
      *
      * @param asks the action; called on another thread
      */
@@ -44,15 +44,18 @@ final class Interrupt implements AutoCloseable {
         return asked;
     }
 
-    /** Ends the command with the exit code for work that an interrupt has cut short. */
+    /**
+     * Sets and returns the exit code of a command that an interrupt has ended before its work was
+     * complete.
+     */
     int endsCut() {
         code = ExitCode.INTERRUPTED;
         return code;
     }
 
     /**
-     * Returns the command's exit code for success or failure; it is the same if the command was
-     * interrupted.
+     * Returns the command's exit code for success or failure. The code does not depend on whether
+     * the command was interrupted.
      */
     int endsWith(boolean failed) {
         code =
@@ -84,8 +87,8 @@ final class Interrupt implements AutoCloseable {
         } catch (InterruptedException impatient) {
             Thread.currentThread().interrupt();
         }
-        // Exits with the command's code, not with 128 + signal, because the command ended as the
-        // user requested.
+        // The process exits with the command's code, not with 128 + signal, because the command
+        // ended as the user requested.
         Runtime.getRuntime().halt(code);
     }
 
@@ -96,7 +99,8 @@ final class Interrupt implements AutoCloseable {
         try {
             Runtime.getRuntime().removeShutdownHook(hook);
         } catch (IllegalStateException ending) {
-            // The JVM is already shutting down; the hook sets the exit code.
+            // The exception means that the JVM is already shutting down. The shutdown hook then
+            // sets the exit code.
         }
     }
 }

@@ -21,7 +21,7 @@ public final class Json {
         return Visible.json(MAPPER.writeValueAsString(fields));
     }
 
-    /** Returns a value as JSON of several lines, for people. */
+    /** Returns a value as JSON on several lines, for people. */
     static String text(Object value) {
         return Visible.json(MAPPER.writerWithDefaultPrettyPrinter().writeValueAsString(value));
     }

@@ -4,7 +4,7 @@ package reve.worlds.cli;
 import picocli.CommandLine.Command;
 
 /**
- * The command {@code law}. Only {@code law plot} runs in Java; the launcher script gives the other
+ * The command {@code law}. Only {@code law plot} runs in Java. The launcher script passes the other
  * commands to the program {@code vesper}.
  */
 @Command(

@@ -28,12 +28,12 @@ import java.util.concurrent.ConcurrentLinkedQueue;
 
 /** The options that name the folder of laws and permit native code. */
 final class LawOptions {
-    /** The hosts of the commands that run in this JVM. */
+    /** The processes for engines that the commands in this JVM have started. */
     private static final Queue<Hosts> STARTED = new ConcurrentLinkedQueue<>();
 
     private static final Logger LOG = LoggerFactory.getLogger("laws");
 
-    /** Deadline of a frame in commands without clients that wait for frames. */
+    /** Deadline of a frame. It applies to commands without clients that wait for frames. */
     private static final Duration PATIENT = Duration.ofSeconds(10);
 
     private static final long MAX_DEADLINE_MS = 3_600_000;
@@ -112,7 +112,7 @@ final class LawOptions {
                             + " 0: no limit (default: half of the machine's memory).")
     private Optional<Long> memory = Optional.empty();
 
-    /** The values of --engine: where the engine runs. */
+    /** The values of the option --engine. They state where the engine runs. */
     private enum Place {
         HOSTED,
         IN_PROCESS;
@@ -134,7 +134,8 @@ final class LawOptions {
     }
 
     /**
-     * Returns the folders in which a command looks for laws, without those that come with a world.
+     * Returns the folders in which a command searches for laws. Folders that come with a world are
+     * not included.
      *
      * @throws ParameterException if {@code --laws} or {@code --untrusted} names no folder, or a
      *     world-writable one, or if the machine lacks a layer of the sandbox
@@ -146,7 +147,7 @@ final class LawOptions {
     /**
      * Returns the law path (folders with laws) for a command.
      *
-     * @param usual deadline of a frame, if {@code --law-deadline} gives none
+     * @param usual usual deadline of a frame, which applies without {@code --law-deadline}
      */
     LawPath path(CommandSpec spec, Duration usual) {
         require(spec, "--laws", folder);
@@ -190,8 +191,8 @@ final class LawOptions {
     }
 
     /**
-     * Returns a law path that only finds laws by their names, so that their files can be copied; it
-     * opens none.
+     * Returns a law path that only finds laws by their names, so that their files can be copied. It
+     * does not open laws.
      */
     static LawPath named(CommandSpec spec, Optional<Path> folder) {
         require(spec, "--laws", folder);
@@ -252,8 +253,8 @@ final class LawOptions {
     }
 
     /**
-     * Ends the processes that wait for an engine, at the end of a command. Otherwise they would end
-     * with this JVM, which runs several commands in tests.
+     * Ends the processes that wait for an engine. Called at the end of a command. Without this call
+     * they would run until this JVM ends, and the JVM runs several commands in tests.
      */
     static void endWaiting() {
         for (Hosts hosts = STARTED.poll(); hosts != null; hosts = STARTED.poll()) {

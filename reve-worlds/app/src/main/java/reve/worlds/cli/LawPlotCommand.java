@@ -32,20 +32,23 @@ import java.util.Optional;
 import java.util.concurrent.Callable;
 
 /**
- * The command {@code law plot}: draws force and energy of a law over the distance of two bodies,
- * their speed or their place. The program {@code vesper} computes the values.
+ * The command {@code law plot}. It draws the force and energy of a law over the distance of two
+ * bodies, their speed or their place. The program {@code vesper} computes the values.
  */
 @Command(
         name = "plot",
         description = "Draws force and energy of a law over distance, speed or place.")
 public final class LawPlotCommand implements Callable<Integer> {
-    /** Part of the values that decides the range of an axis; larger values may leave the chart. */
+    /**
+     * Fraction of the values, beginning with the smallest, that determines the range of an axis.
+     * Larger values may be outside of the chart.
+     */
     private static final double USUAL = 0.7;
 
-    /** Range of an axis, in multiples of the usual values. */
+    /** Range of an axis, as a multiple of the usual values. */
     private static final double RANGE = 4;
 
-    /** Precision of the numbers at the horizontal axis. */
+    /** Precision of the numbers on the horizontal axis. */
     private static final MathContext DIGITS = new MathContext(4);
 
     @Spec private CommandSpec spec = CommandSpec.create();
@@ -169,7 +172,10 @@ public final class LawPlotCommand implements Callable<Integer> {
         return values;
     }
 
-    /** Adds a line. A few very large values, as at small distances, do not determine the axis. */
+    /**
+     * Adds a line to the chart. A few very large values, which occur at small distances, do not
+     * determine the range of the axis.
+     */
     private static void add(XYChart chart, String name, double[] x, double[] y, int axis) {
         double[] sizes = Arrays.stream(y).map(Math::abs).sorted().toArray();
         double usual = sizes[(int) (USUAL * (sizes.length - 1))];

@@ -15,10 +15,14 @@ import java.util.Map;
 import java.util.function.Function;
 import java.util.function.ToDoubleFunction;
 
-/** The ledger of a run, as JSON and as a table in the form of {@code vesper run --ledger}. */
+/**
+ * The ledger of energy and momentum of a run. It is printed as JSON or as a table in the form of
+ * {@code vesper run --ledger}.
+ */
 final class LedgerReport {
     /**
-     * Fraction of a column's largest number below which a number is a rounding error of the sums.
+     * Fraction of the largest number of a column. A number smaller than this part of the largest
+     * one counts as a rounding error of the sums.
      */
     private static final double ROUNDING = 1e-12;
 
@@ -28,8 +32,8 @@ final class LedgerReport {
     private final double mostEnergy;
 
     /**
-     * Takes a ledger; drops lines that belong to no law and are zero, except the last line, the
-     * total.
+     * Creates the report of a ledger. Drops lines that belong to no law and contain only zeros.
+     * Keeps the last line, the total.
      */
     LedgerReport(List<LedgerLine> ledger) {
         lines =

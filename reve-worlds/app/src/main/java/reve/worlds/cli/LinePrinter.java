@@ -13,8 +13,8 @@ import java.util.List;
 import java.util.Locale;
 
 /**
- * A printer of lines for people. {@code println} prints exactly one line, and each argument of
- * {@code printf} stays on its line: control characters are escaped. {@code print} writes text
+ * A printer of lines for people. {@code println} prints exactly one line. Each argument of {@code
+ * printf} stays on its line, because control characters are escaped. {@code print} writes text
  * unchanged, for layouts such as help and JSON documents.
  */
 public final class LinePrinter extends PrintWriter {
@@ -37,18 +37,15 @@ public final class LinePrinter extends PrintWriter {
         watched = new WatchedOutput(OutputStream.nullOutputStream());
     }
 
-    /**
-     * Returns the standard output to which this printer prints; there is none if it prints to a
-     * writer.
-     */
+    /** Returns the standard output of this printer. A printer to a writer has none. */
     WatchedOutput watched() {
         return watched;
     }
 
     /**
-     * Returns the exit code of a command that has printed its results. If output was lost because
-     * the disk is full, reports this once. Does not report a closed pipe, because its reader has
-     * ended on purpose.
+     * Returns the exit code of a command that has printed its results. Reports once if output was
+     * lost because the disk is full. Does not report a closed pipe, because its reader closed it on
+     * purpose.
      *
      * @param code exit code of the command if no output was lost
      */
@@ -71,8 +68,8 @@ public final class LinePrinter extends PrintWriter {
     }
 
     /**
-     * Prints a message of one or more lines. Indents all lines but the first, so that text from
-     * others cannot look like an event or a log line. A line end within a line is escaped.
+     * Prints a message of one or more lines. All lines except the first are indented, so that
+     * foreign text cannot look like an event or a log line. A line end within a line is escaped.
      */
     static void message(PrintWriter out, List<String> lines) {
         String indent = "";

@@ -9,8 +9,8 @@ import ch.qos.logback.classic.spi.StackTraceElementProxy;
 import reve.core.text.Visible;
 
 /**
- * Converter of {@code %text} in a log pattern: the message, then each exception with the location
- * that threw it. The result is always one line.
+ * Converter of {@code %text} in a log pattern. It prints the message, then each exception with the
+ * location that threw it. The result is always one line.
  */
 public final class LogText extends ThrowableHandlingConverter {
     private static final int CAUSES_SHOWN = 8;

@@ -29,8 +29,8 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * The {@code ./reve} command line: parses the arguments, runs a command, and turns failures into
- * exit codes.
+ * The {@code ./reve} command line. It parses the arguments, runs a command, and converts failures
+ * to exit codes.
  */
 @Command(
         name = "./reve",
@@ -90,7 +90,7 @@ public final class Main {
     private static final List<String> INSTALLED =
             List.of("", "Commands of the launcher script:", DOCTOR);
 
-    /** The command that prints the description of another one. */
+    /** The command that prints the description of another command. */
     private static final String HELP = "help";
 
     /** The options that print the version. */
@@ -107,8 +107,8 @@ public final class Main {
     }
 
     /**
-     * Reports a thread that a failure ended. The report of the JVM itself would print names of
-     * files and other foreign text unescaped.
+     * Reports a thread that ended because of an exception. The JVM's own report would print foreign
+     * text, such as file names, unescaped.
      */
     private static void reportEnd(Thread thread, Throwable failure) {
         LinePrinter err = new LinePrinter(System.err);
@@ -157,9 +157,10 @@ public final class Main {
     }
 
     /**
-     * Returns the command that the first argument names; none for {@code --version}; all commands
-     * for anything else, for help and suggestions. Only the returned commands are described to the
-     * parser, because describing takes longer than most commands run.
+     * Returns the commands that must be described to the parser. These are the command that the
+     * first argument names, and none for {@code --version}. For any other argument all commands are
+     * returned, because help and suggestions need them. Describing takes longer than most commands
+     * run, so it is limited to the necessary commands.
      */
     private static List<Class<?>> commandsFor(String... arguments) {
         if (arguments.length > 0 && VERSION.contains(arguments[0])) {
@@ -175,8 +176,8 @@ public final class Main {
     }
 
     /**
-     * Converts an option's text to a path. Refuses an empty text, for example of an unset shell
-     * variable: it would mean the current folder.
+     * Converts an option's text to a path. Refuses an empty text, because it would mean the current
+     * folder. An unset shell variable produces such a text.
      */
     private static Path path(String given) {
         if (given.isEmpty()) {
@@ -192,23 +193,23 @@ public final class Main {
     }
 
     /**
-     * Converts an option's text to a number; unlike {@link Integer#valueOf}, accepts ASCII digits
-     * only.
+     * Converts an option's text to a number. Unlike {@link Integer#valueOf}, it accepts only ASCII
+     * digits.
      */
     private static Integer integer(String given) {
         if (INTEGER.matcher(given).matches()) {
             try {
                 return Integer.valueOf(given);
             } catch (NumberFormatException tooLarge) {
-                // The usage message after this block reports it.
+                // The usage message after this block reports the number that is too large.
             }
         }
         throw new TypeConversionException("'" + given + "' is not an int");
     }
 
     /**
-     * Prints the usage error and names the command that prints the full help. Printing the help
-     * here would hide the error.
+     * Prints the usage error and names the command that prints the full help. The help itself is
+     * not printed here, because its length would hide the error.
      */
     private static int explainUsage(ParameterException wrong, String... arguments) {
         CommandLine line = wrong.getCommandLine();
@@ -220,7 +221,7 @@ public final class Main {
         return ExitCode.USAGE;
     }
 
-    /** Prints one message without a stack trace; the message contains what the user can do. */
+    /** Prints one message without a stack trace. The message states what the user can do. */
     private static int explain(
             Exception failure, CommandLine line, CommandLine.ParseResult parsed) {
         PrintWriter err = line.getErr();
@@ -237,8 +238,8 @@ public final class Main {
 
     /**
      * Returns the lines of a failure's message. Only the exceptions listed here have messages of
-     * several lines. Line ends in other messages are part of a name, such as a file's, and the
-     * printer escapes them.
+     * several lines. In other messages, a line end is part of a name, such as a file name, and the
+     * printer escapes it.
      */
     static List<String> lines(Exception failure) {
         List<String> lines =

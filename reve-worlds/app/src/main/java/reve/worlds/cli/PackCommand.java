@@ -130,7 +130,7 @@ public final class PackCommand implements Callable<Integer> {
     }
 
     /**
-     * Adds the laws in the world's own folder, and the laws from {@code --laws} that the world
+     * Adds the laws in the world's own folder, and those laws from {@code --laws} that the world
      * names.
      */
     private void addLaws(WorldDescription description, WorldFolder own, SortedMap<String, Path> to)

@@ -24,8 +24,9 @@ import java.time.Instant;
 
 /**
  * The private folder into which a pack (a world in one file) is unpacked. Only this account can
- * read it; the process removes it when it ends. It holds a lock while it uses the folder, so that a
- * later process recognizes and removes the folders of processes that were killed.
+ * read the folder. The process removes it when it ends. The process holds a lock while it uses the
+ * folder. By the missing lock, a later process recognizes and removes the folders of killed
+ * processes.
  */
 final class PackFolder {
     private static final String PREFIX = "reve-pack-";
@@ -35,7 +36,10 @@ final class PackFolder {
 
     private static final String WORLD = "world";
 
-    /** A younger folder may belong to a process that has not locked it yet. */
+    /**
+     * Age from which an unlocked folder counts as abandoned. A younger folder may belong to a
+     * process that has not locked it yet.
+     */
     private static final Duration YOUNG = Duration.ofMinutes(1);
 
     private PackFolder() {}
@@ -74,7 +78,8 @@ final class PackFolder {
                 }
             }
         } catch (IOException | DirectoryIteratorException unreadable) {
-            // The folders remain for the next process.
+            // The exception is ignored. The abandoned folders remain, and a later process removes
+            // them.
         }
     }
 
@@ -96,13 +101,16 @@ final class PackFolder {
         }
     }
 
-    /** Removes the folder; the channel keeps it locked until then. */
+    /**
+     * Removes the folder. Keeps the folder locked through the channel until the removal is
+     * complete.
+     */
     private static void removeOwn(Path place, FileChannel lock) {
         remove(place);
         try {
             lock.close();
         } catch (IOException closed) {
-            // The process ends.
+            // The exception is ignored, because the process ends and releases the lock anyway.
         }
     }
 

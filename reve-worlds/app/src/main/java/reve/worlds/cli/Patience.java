@@ -5,8 +5,9 @@ import java.io.PrintStream;
 import java.time.Duration;
 
 /**
- * A notice on standard error about work that takes longer than two seconds and reports no progress.
- * One thread opens it before the work and closes it after the work.
+ * A notice on standard error for work that reports no progress. It appears if the work takes longer
+ * than two seconds. The thread that does the work opens this object before the work and closes it
+ * after the work.
  */
 final class Patience implements AutoCloseable {
     private static final Duration UNTIL_TOLD = Duration.ofSeconds(2);
@@ -22,7 +23,8 @@ final class Patience implements AutoCloseable {
                                         Thread.sleep(UNTIL_TOLD);
                                         out.println(what + " ...");
                                     } catch (InterruptedException done) {
-                                        // Interrupted: the work ended before the notice was due.
+                                        // The interrupt means that the work ended before the notice
+                                        // was due.
                                     }
                                 });
     }

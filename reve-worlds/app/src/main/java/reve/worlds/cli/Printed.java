@@ -3,9 +3,9 @@ package reve.worlds.cli;
 
 import java.util.Set;
 
-/** The selection of server events that are printed. */
+/** Selects the server events that are printed. */
 enum Printed {
-    /** Prints only when the worlds are ready, faults, and the end. */
+    /** Prints only that the worlds are ready, faults, and the end. */
     LITTLE {
         @Override
         boolean includes(String event) {

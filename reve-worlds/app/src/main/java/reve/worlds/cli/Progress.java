@@ -6,14 +6,14 @@ import java.util.Locale;
 import java.util.function.LongSupplier;
 
 /**
- * A progress line on standard error for a long run, every two seconds, from the third second on,
- * with the time that is left if the end is known. Used by one thread. On a terminal the line is
- * rewritten in place; other outputs receive appended lines.
+ * A progress line on standard error for a long run. It is printed every two seconds, beginning with
+ * the third second. It shows the remaining time if the end of the run is known. On a terminal the
+ * line is rewritten in place; other outputs receive one line after another. For one thread.
  */
 final class Progress {
     private static final long EVERY_NANOS = 2_000_000_000L;
 
-    /** Part of the work from which on the time that is left is estimated. */
+    /** Fraction of the work that must be done before the remaining time is estimated. */
     private static final double LEAST_PART = 0.02;
 
     private final PrintStream out;
@@ -73,7 +73,7 @@ final class Progress {
     /**
      * Prints the progress of other work if the next line is due. May be called in every frame.
      *
-     * @param part of the work that is done, 0 to 1
+     * @param part the fraction of the work that is done, from 0 to 1
      */
     void at(String what, double part) {
         long now = clock.getAsLong();

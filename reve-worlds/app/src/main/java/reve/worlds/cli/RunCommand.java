@@ -73,7 +73,7 @@ public final class RunCommand implements Callable<Integer> {
 
     private volatile boolean wholeRecording = true;
 
-    /** True if Ctrl-C or SIGTERM has ended the run before its time. */
+    /** True if Ctrl-C or SIGTERM has ended the run before its planned end. */
     private boolean cut;
 
     @Override
@@ -106,7 +106,8 @@ public final class RunCommand implements Callable<Integer> {
             interrupt.stopWith(simulation.loop()::stop);
             List<Problem> warnings = Warnings.print(spec, simulation.warnings(true));
             simulation.physics().setLedger(ledger);
-            // otherwise results would depend on the speed of the machine
+            // Budgets apply only in real time. In a faster run they would make results depend on
+            // the speed of the machine.
             simulation.physics().enforceBudgets(realTime);
             RunReport report = recorded(simulation, frames, pacing, recording);
             cut = interrupt.wasAsked() && report.frames() < frames;

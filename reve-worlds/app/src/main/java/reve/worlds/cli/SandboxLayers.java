@@ -14,8 +14,8 @@ final class SandboxLayers {
     private SandboxLayers() {}
 
     /**
-     * Returns one line for each layer that this machine lacks, with the reason of the system.
-     * Blocks for a few milliseconds.
+     * Returns one line for each layer that this machine lacks. Each line contains the reason that
+     * the operating system gives. Blocks for a few milliseconds.
      */
     static List<String> missing() {
         Path program = Product.nativeFolder().resolve("vesper-sandbox");

@@ -306,9 +306,9 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * Records the file of an option; refuses it if another option uses it. Derived names count,
-     * too: a store uses names that begin with its name and {@code -}; older recordings and audit
-     * files are named {@code FILE.1} and so on.
+     * Records the file of an option. Refuses the file if another option uses it. Derived names
+     * count, too. A store uses names that begin with its name and {@code -}. Older recordings and
+     * audit files are named {@code FILE.1} and so on.
      */
     private void requireOwn(Map<Path, String> taken, String option, Optional<Path> given)
             throws IOException {
@@ -344,7 +344,7 @@ public final class ServeCommand implements Callable<Integer> {
         taken.put(file, option);
     }
 
-    /** Returns a path with all links resolved. */
+    /** Returns a path in which all links are resolved. */
     private static Path real(Path given) throws IOException {
         Path file = given.toAbsolutePath().normalize();
         return Files.exists(file)
@@ -412,8 +412,8 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * Returns the file of one world for an option: the named file itself, or, if there are several
-     * worlds, a file in the named folder.
+     * Returns the file of one world for an option. For a single world this is the named file. For
+     * several worlds it is a file in the named folder.
      */
     private Optional<Path> fileOf(Optional<Path> named, String name) {
         return paths.size() > 1 ? named.map(folder -> folder.resolve(name)) : named;
@@ -450,8 +450,8 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * Ends the process although the thread of a world hangs. The world's journal contains all
-     * frames up to the last complete one.
+     * Ends the process even though the thread of a world hangs. The journal of this world contains
+     * all frames up to its last complete frame.
      */
     private static void exit(EventPrinter events) {
         System.err.println("reve: a world stands still, and --stalled is exit: ended");
@@ -488,7 +488,7 @@ public final class ServeCommand implements Callable<Integer> {
                 return Optional.of(Duration.ofNanos(Math.round(seconds * 1e9)));
             }
         } catch (NumberFormatException e) {
-            // The message after this block reports it.
+            // The exception is ignored, because the message after this block reports the problem.
         }
         throw new ParameterException(
                 spec.commandLine(),

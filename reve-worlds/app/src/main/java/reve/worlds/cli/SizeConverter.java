@@ -9,7 +9,7 @@ import reve.worlds.render.ImageFormat;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
-/** A converter of a text such as {@code 960x640} to a picture format. */
+/** Converts a text such as {@code 960x640} to a picture format. */
 final class SizeConverter implements ITypeConverter<ImageFormat> {
     private static final Pattern SIZE = Pattern.compile("(\\d{1,5})x(\\d{1,5})");
 

@@ -209,7 +209,7 @@ public final class SnapshotCommand implements Callable<Integer> {
         }
     }
 
-    /** A state of the world: its scene, its time, and the names of its items. */
+    /** The state of a world that is drawn: its scene, its time, and the names of its items. */
     private record State(Scene scene, double time, Map<ItemId, ItemSymbols> items) {
         static State of(Simulation simulation, Viewpoint viewpoint) {
             try (WorldSnapshot snapshot = simulation.snapshots().acquireLatest().orElseThrow()) {

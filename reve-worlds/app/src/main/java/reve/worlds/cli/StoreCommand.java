@@ -18,7 +18,10 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** The command {@code store}: checks a store that no server has open, and repairs a damaged one. */
+/**
+ * The command {@code store}. It checks a store that no server has open, and repairs a damaged
+ * store.
+ */
 @Command(
         name = "store",
         description = "Checks a store that no server has open, and repairs a damaged " + "one.")

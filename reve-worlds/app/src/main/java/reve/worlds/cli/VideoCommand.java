@@ -133,16 +133,18 @@ public final class VideoCommand implements Callable<Integer> {
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
 
-    /** The states that a video shows, one after the other. */
+    /** A source of the states that a video shows, in order. */
     private interface Source extends AutoCloseable {
-        /** Goes to the next frame of the world; returns false at the end. */
+        /** Advances the world to the next frame. Returns false at the end. */
         boolean advance();
 
         WorldSnapshot snapshot();
 
         Timing timing();
 
-        /** Returns the part of a recording that was read; 0 if the source has no end. */
+        /**
+         * Returns the fraction of a recording that was read. Returns 0 if the source has no end.
+         */
         double part();
 
         @Override
@@ -272,7 +274,7 @@ public final class VideoCommand implements Callable<Integer> {
                                                 + " which need no other program"));
     }
 
-    /** Returns the place of the video; makes the folder for pictures. */
+    /** Returns the path of the video. Creates the folder if the video is a folder of pictures. */
     private Path place() throws IOException {
         if (ending().equals(GIF)) {
             return WritableFile.require(spec, "--out", out, "GIF8", "a GIF");

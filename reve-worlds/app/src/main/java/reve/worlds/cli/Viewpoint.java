@@ -17,7 +17,10 @@ import reve.worlds.server.Pictures;
 import java.util.List;
 import java.util.Optional;
 
-/** The camera that a command selected, or the world's. For one thread; states in order of time. */
+/**
+ * The camera that a command selected, or the camera of the world. For one thread. States of the
+ * world must be passed in order of time.
+ */
 final class Viewpoint {
     private final ImageFormat format;
     private final Optional<CameraMount> mount;
@@ -30,9 +33,10 @@ final class Viewpoint {
     }
 
     /**
-     * Returns the camera of the option {@code --camera}, or the world's if it is not given.
+     * Returns the camera of the option {@code --camera}. Without this option, returns the camera of
+     * the world.
      *
-     * @param description of the world; empty for a recording without its world file
+     * @param description the description of the world; empty for a recording without its world file
      */
     static Viewpoint of(
             CommandSpec spec,
@@ -65,7 +69,7 @@ final class Viewpoint {
                 spec.commandLine(), "--camera: the world has no camera `" + name + "`" + known);
     }
 
-    /** Returns the scene of a state, which may be closed afterwards. */
+    /** Returns the scene of a state of the world. The caller may close the state afterwards. */
     Scene scene(WorldSnapshot snapshot) {
         Optional<Camera> camera = mount.map(moving -> moving.at(snapshot)).or(() -> fixed);
         return Pictures.sceneBuilder(format, camera).build(snapshot);

@@ -11,7 +11,7 @@ import java.util.concurrent.atomic.AtomicLong;
 /**
  * Standard output that tolerates a full disk or a closed pipe. It throws no exception, drops data
  * that cannot be written, and keeps the reason. After a gap, output continues on a new line. One
- * thread writes; any thread may query it.
+ * thread writes to it; any thread may query it.
  */
 final class WatchedOutput extends OutputStream {
     private static final String CLOSED_PIPE = "Broken pipe";

@@ -25,8 +25,8 @@ import java.util.Optional;
 import java.util.function.Consumer;
 
 /**
- * The argument WORLD of most commands: a world file, a folder with one, or a pack (a world in one
- * file).
+ * The argument WORLD of most commands. It names a world file, a folder with a world file, or a pack
+ * (a world in one file).
  */
 final class WorldArgument {
     /** Maximum number of worlds that a message lists. */
@@ -50,7 +50,8 @@ final class WorldArgument {
     }
 
     /**
-     * Returns the end of a message about a missing world: the names of worlds in the same folder.
+     * Returns the end of a message about a missing world. It lists the names of worlds in the same
+     * folder.
      */
     private String others() {
         Path parent = path.toAbsolutePath().normalize().getParent();
@@ -93,8 +94,8 @@ final class WorldArgument {
     }
 
     /**
-     * Returns the path of the world file; for a pack, unpacks it first and returns the unpacked
-     * file.
+     * Returns the path of the world file. If the argument is a pack, unpacks it first and returns
+     * the unpacked file.
      */
     Path file() throws IOException {
         if (!isPack()) {
@@ -107,8 +108,8 @@ final class WorldArgument {
     }
 
     /**
-     * Refuses an option whose file would store the path of the world's folder if the world is a
-     * pack, because this folder is removed at the end.
+     * Refuses an option for a pack if the option's file would store the path of the world's folder.
+     * The folder of a pack is removed when the command ends.
      */
     void requireLasting(CommandSpec spec, String option, boolean given) {
         if (given && isPack()) {

@@ -14,15 +14,15 @@ import java.nio.file.Path;
 final class WritableFile {
     private static final int MARK_BYTES = 65_536;
 
-    /** The beginning of a pack. */
+    /** The first characters of every pack file. */
     static final String PACK = "PK\u0003\u0004";
 
     private WritableFile() {}
 
     /**
-     * Returns the path to write: the absolute path, or the target of a link. Before the command
-     * starts its work, refuses a path whose folder cannot be written to, and a path that is a
-     * folder, a device or a pipe.
+     * Returns the path to which a command writes: the absolute path, or the target of a link. The
+     * check runs before the command starts its work. It refuses a folder, a device and a pipe, and
+     * a path whose folder cannot be written to.
      */
     static Path require(CommandSpec spec, String option, Path given) throws IOException {
         Path file = given.toAbsolutePath().normalize();
@@ -51,8 +51,8 @@ final class WritableFile {
     }
 
     /**
-     * Like {@link #require}. Also refuses an existing file of another kind, such as a database or a
-     * file with secrets, so that a mistyped name does not destroy it.
+     * Checks the path like {@link #require}. Also refuses an existing file of another kind, such as
+     * a database or a file with secrets, so that a mistyped name does not destroy this file.
      *
      * @param mark text that every file of the right kind contains in its first 64 KiB
      * @param kind name of this kind, for messages
@@ -64,7 +64,7 @@ final class WritableFile {
             try (InputStream in = Files.newInputStream(file)) {
                 String begin = new String(in.readNBytes(MARK_BYTES), StandardCharsets.ISO_8859_1);
                 boolean isPack =
-                        begin.startsWith(PACK) && !mark.equals(PACK); // may contain any mark
+                        begin.startsWith(PACK) && !mark.equals(PACK); // a pack may contain any mark
                 if (isPack || !begin.contains(mark)) {
                     throw refused(
                             spec,

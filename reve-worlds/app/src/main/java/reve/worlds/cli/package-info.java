@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The commands of {@code ./reve}: they parse options, print results and return exit codes. */
+/** The commands of {@code ./reve}. They parse options, print results and return exit codes. */
 @NullMarked
 package reve.worlds.cli;
 

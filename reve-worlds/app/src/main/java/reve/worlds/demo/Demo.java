@@ -15,17 +15,20 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * The demonstration: a headless server on {@code worlds/spring-orbit}, a Python and a Java agent
- * over TCP, a law library that is added to the laws folder and removed while the world runs, and
- * pictures before and after. Each of the three programs is a separate process.
+ * The demonstration. A headless server runs {@code worlds/spring-orbit}. A Python agent and a Java
+ * agent connect over TCP. A law library is added to the laws folder and removed while the world
+ * runs. Pictures show the world without and with the law. Each of the three programs is a separate
+ * process.
  */
 public final class Demo {
     private static final String LAW = "gravity_field";
 
-    /** World times of the two pictures [s]; the law is added between them. */
+    /** World times of the two pictures [s]. The law is added between them. */
     private static final String PICTURES_AT = "2,5";
 
-    /** World time after which the server ends, and for which the agents stay [s]. */
+    /**
+     * World time after which the server ends [s]. The agents stay in the world for the same time.
+     */
     private static final String SERVER_SECONDS = "60";
 
     private static final String AGENT_SECONDS = "5";
@@ -37,7 +40,7 @@ public final class Demo {
 
     /**
      * @param root folder of the checkout
-     * @param folder for pictures and log files; created if missing
+     * @param folder the folder for pictures and log files; it is created if it is missing
      * @param progress receives a line for each stage
      */
     public Demo(Path root, Path folder, PrintStream progress) {

@@ -15,8 +15,8 @@ import java.util.concurrent.TimeUnit;
 import java.util.function.Predicate;
 
 /**
- * A child process that writes JSON objects, one per line, to its standard output. Its standard
- * error goes to a log file. Closing this object ends the process.
+ * A child process that writes JSON objects to its standard output, one object per line. Its
+ * standard error is written to a log file. Closing this object ends the process.
  */
 final class JsonProcess implements AutoCloseable {
     private static final JsonMapper MAPPER = new JsonMapper();
@@ -27,7 +27,10 @@ final class JsonProcess implements AutoCloseable {
     private final Process process;
     private final Thread reader;
 
-    /** Lines read so far. Its monitor guards this list and {@link #reading}. */
+    /**
+     * The lines that were read so far. The monitor of this list guards the list and {@link
+     * #reading}.
+     */
     private final List<JsonNode> lines = new ArrayList<>();
 
     private boolean reading = true;
@@ -52,7 +55,8 @@ final class JsonProcess implements AutoCloseable {
                 }
             }
         } catch (IOException ended) {
-            // The pipe broke because the process ended; await() reports the missing line.
+            // The pipe broke because the process ended. The method await() then reports the missing
+            // line.
         } catch (JacksonException notJson) {
             process.destroy();
         } finally {
@@ -64,8 +68,8 @@ final class JsonProcess implements AutoCloseable {
     }
 
     /**
-     * Returns the first line of this event that matches. Waits for it, until the process ends or
-     * reports a failure.
+     * Returns the first line of this event that matches the condition. Waits for the line until the
+     * process ends or reports a failure.
      */
     JsonNode await(String event, Predicate<JsonNode> wanted) throws InterruptedException {
         synchronized (lines) {
@@ -93,7 +97,7 @@ final class JsonProcess implements AutoCloseable {
         }
     }
 
-    /** Asks the process to end, like Ctrl-C. Its output is still read. */
+    /** Asks the process to end, as Ctrl-C does. Its output is still read. */
     void interrupt() {
         process.toHandle().destroy();
     }

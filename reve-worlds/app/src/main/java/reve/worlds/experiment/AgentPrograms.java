@@ -29,14 +29,14 @@ import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
 
 /**
- * The programs of a run's agents: each is a process with a token of its own. The server waits for
- * all of them before the first frame.
+ * The programs of a run's agents. Each program is a process with its own token. The server waits
+ * for all of them before the first frame.
  */
 final class AgentPrograms implements AutoCloseable {
     private static final long GRACE_SECONDS = 5;
     private static final int LAST_WORDS = 300;
 
-    /** Reason of an event {@code left} of an agent that has said bye. */
+    /** Reason in the event {@code left} of an agent that has sent bye. */
     private static final String GOODBYE = "goodbye";
 
     private final RunPlan plan;
@@ -52,7 +52,7 @@ final class AgentPrograms implements AutoCloseable {
     /**
      * Creates a token for each agent.
      *
-     * @param folder of the experiment file, in which the programs run
+     * @param folder the folder of the experiment file, in which the programs run
      * @param logs folder for the output of the programs
      * @param deadline longest time to join, and for one answer
      */
@@ -90,7 +90,7 @@ final class AgentPrograms implements AutoCloseable {
                 .withWaiting(Optional.empty());
     }
 
-    /** Starts the programs, and stops the server if they do not all join in time. */
+    /** Starts the programs. Stops the server if not all of them join in time. */
     void start(WorldServer server) throws IOException {
         server.agents().expect(plan.world().name(), plan.agents().size());
         for (AgentProgram program : plan.agents()) {
@@ -161,7 +161,7 @@ final class AgentPrograms implements AutoCloseable {
         return logs.resolve("run-" + plan.point().number() + "-" + agent + ".log");
     }
 
-    /** Notes that the first frame has been made. For the world's thread only. */
+    /** Records that the first frame was made. For the world's thread only. */
     void begun(WorldServer server) {
         begun.countDown();
         int count = server.agents().inLockStep(plan.world().name());
@@ -213,7 +213,7 @@ final class AgentPrograms implements AutoCloseable {
         }
     }
 
-    /** Returns why the run is no result, if anything failed. */
+    /** Returns the reason why the run has no valid result; empty if nothing failed. */
     synchronized Optional<String> failure() {
         return failure;
     }
@@ -226,7 +226,7 @@ final class AgentPrograms implements AutoCloseable {
                 + lastWords(agent);
     }
 
-    /** Returns the end of a program's output, for a message. */
+    /** Returns the last part of a program's output, for a message. */
     private String lastWords(String agent) {
         try {
             List<String> lines =
@@ -262,7 +262,8 @@ final class AgentPrograms implements AutoCloseable {
             Files.deleteIfExists(tokenFile());
             Files.deleteIfExists(secrets);
         } catch (IOException remains) {
-            // The folder is private, and its tokens are valid for a server that has ended.
+            // The exception is ignored. The folder is private, and its tokens are valid only for a
+            // server that has ended.
         }
     }
 }

@@ -49,7 +49,8 @@ public record Difference(
     }
 
     /**
-     * Compares two results, each as tables of runs and of measurements with headers.
+     * Compares two results. Each result consists of a table of runs and a table of measurements,
+     * both with headers.
      *
      * @param now describes the runs
      */

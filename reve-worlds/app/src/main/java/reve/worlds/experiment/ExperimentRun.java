@@ -33,7 +33,10 @@ import java.util.OptionalDouble;
 import java.util.function.Consumer;
 import java.util.stream.Collectors;
 
-/** One run of an experiment. One thread; {@link #stop} may be called on any. */
+/**
+ * One run of an experiment. For one thread, except {@link #stop}, which may be called on any
+ * thread.
+ */
 final class ExperimentRun {
     private final Experiment experiment;
     private final int index;
@@ -71,7 +74,7 @@ final class ExperimentRun {
         stop.run();
     }
 
-    /** Runs the world; a failure becomes part of the result. */
+    /** Runs the world. A failure becomes part of the result. */
     RunResult run() {
         try {
             RunPlan plan = experiment.plan(index);
@@ -248,7 +251,10 @@ final class ExperimentRun {
                                 + faults.getFirst().fields().get("message"));
     }
 
-    /** Returns which value is outside of its tolerance. */
+    /**
+     * Returns a message about the first value that is outside of its tolerance; empty if there is
+     * none.
+     */
     private static Optional<String> outside(
             RunPlan plan, List<Optional<Object>> values, List<Optional<Double>> expected) {
         for (int i = 0; i < values.size(); i++) {

@@ -46,7 +46,8 @@ public final class ExperimentRuns {
     }
 
     /**
-     * Runs all runs, and returns their results in order; fewer if {@link #stop} was called.
+     * Runs all runs, and returns their results in order. Returns fewer results if {@link #stop} was
+     * called.
      *
      * @param jobs number of runs at a time
      */
@@ -97,7 +98,10 @@ public final class ExperimentRuns {
         }
     }
 
-    /** Ends all runs after their current frames, and begins no more. For any thread. */
+    /**
+     * Ends all runs that are in progress after their current frames, and begins no further runs.
+     * For any thread.
+     */
     public void stop() {
         stopped = true;
         active.forEach(ExperimentRun::stop);

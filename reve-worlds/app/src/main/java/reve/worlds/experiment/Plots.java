@@ -22,7 +22,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.TreeMap;
 
-/** Plots of results, as PNG files. Needs no display. */
+/** Plots of results, as PNG files. No display is needed. */
 final class Plots {
     private static final Logger LOG = LoggerFactory.getLogger("reve.experiment");
 
@@ -44,8 +44,9 @@ final class Plots {
     }
 
     /**
-     * Writes the plots: of each measure over the variable with the most values, and over time if it
-     * is measured during the runs. A machine without fonts gets no plots, and the log says so.
+     * Writes the plots. Each measure is plotted over the variable with the most values. A measure
+     * that is taken during the runs is also plotted over time. On a machine without fonts no plots
+     * are written, and the log reports this.
      *
      * @return the names of the files
      */
@@ -111,7 +112,10 @@ final class Plots {
         save(chart, name + "-over-" + variable.get() + ".png", drawn);
     }
 
-    /** Returns the variable with the most values, the last of several; empty if none varies. */
+    /**
+     * Returns the variable with the most values. If several have the most values, returns the last
+     * of them. Empty if no variable has several values.
+     */
     private Optional<String> mostVaried() {
         Optional<String> most = Optional.empty();
         long values = 2;
@@ -133,7 +137,10 @@ final class Plots {
                 .add(y);
     }
 
-    /** Adds the means of values, with their standard deviations if there are several for one x. */
+    /**
+     * Adds the means of the values. If there are several values for one x, adds their standard
+     * deviations, too.
+     */
     private static XYSeries series(
             XYChart chart, String label, Map<Double, List<Double>> points, Color colour) {
         double[] x = new double[points.size()];

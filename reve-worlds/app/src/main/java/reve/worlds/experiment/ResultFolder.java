@@ -30,8 +30,8 @@ import java.util.TreeMap;
 import java.util.stream.Stream;
 
 /**
- * A folder with the results of an experiment: {@value #RUNS} (a row for each run), {@value #SERIES}
- * (all measurements), {@value #RESULT} (hashes and versions) and plots.
+ * A folder with the results of an experiment. It contains {@value #RUNS} (a row for each run),
+ * {@value #SERIES} (all measurements), {@value #RESULT} (hashes and versions) and plots.
  */
 public final class ResultFolder {
     /** The table of runs. */
@@ -40,7 +40,9 @@ public final class ResultFolder {
     /** The table of all measurements. */
     public static final String SERIES = "series.csv";
 
-    /** Hashes and versions; the file that makes a folder one of results. */
+    /**
+     * The file with hashes and versions. A folder that contains this file is a folder of results.
+     */
     public static final String RESULT = "result.json";
 
     /** Folder for results that differ from earlier ones. */
@@ -55,7 +57,7 @@ public final class ResultFolder {
 
     private final Path folder;
 
-    /** Creates an object for a folder, which need not exist. */
+    /** Creates an object for a folder. The folder need not exist. */
     public ResultFolder(Path folder) {
         this.folder = folder;
     }
@@ -66,7 +68,7 @@ public final class ResultFolder {
     }
 
     /**
-     * Refuses a folder with other files than results of this experiment.
+     * Refuses a folder that contains other files than results of this experiment.
      *
      * @throws IOException with the reason
      */
@@ -124,7 +126,7 @@ public final class ResultFolder {
      * A comparison with earlier results.
      *
      * @param difference the first difference; empty if the results are identical
-     * @param since changes of versions, files and laws since the earlier results
+     * @param since the changes of versions, files and laws since the earlier results
      */
     public record Comparison(Optional<Difference> difference, List<String> since) {}
 
@@ -184,7 +186,7 @@ public final class ResultFolder {
     }
 
     /**
-     * Writes results and plots; replaces earlier ones.
+     * Writes results and plots. Replaces earlier ones.
      *
      * @return the names of the plots
      */

@@ -12,8 +12,8 @@ import java.util.Optional;
 import java.util.stream.Collectors;
 
 /**
- * The results of an experiment as CSV with all digits: the table of runs, and the table of all
- * measurements. Numbers are in SI units.
+ * The results of an experiment as CSV with all digits. There is one table of runs, and one table of
+ * all measurements. Numbers are in SI units.
  */
 final class ResultTable {
     /** Name of the column that contains the hash of a run's final state. */
@@ -25,7 +25,10 @@ final class ResultTable {
     /** Name of the column with the number of the frame. */
     static final String FRAME = "frame";
 
-    /** Name of the column that says why a run failed; it may differ between equal runs. */
+    /**
+     * Name of the column with the reason why a run failed. The reason may differ between equal
+     * runs.
+     */
     static final String MESSAGE = "message";
 
     private static final double LARGEST_WHOLE = 1e15;
@@ -49,7 +52,7 @@ final class ResultTable {
         return columns;
     }
 
-    /** Returns the table of runs: its header, and one row for each run. */
+    /** Returns the table of runs. It contains a header, and one row for each run. */
     List<List<String>> runs() {
         List<String> header = pointColumns();
         header.add("frames");
@@ -85,7 +88,10 @@ final class ResultTable {
         return rows;
     }
 
-    /** Returns the table of all measurements: its header, and one row for each. */
+    /**
+     * Returns the table of all measurements. It contains a header, and one row for each
+     * measurement.
+     */
     List<List<String>> series() {
         List<String> header = new ArrayList<>(List.of(RUN, FRAME, "time"));
         header.addAll(experiment.measures());
@@ -118,7 +124,7 @@ final class ResultTable {
                 + (parts.isEmpty() ? "" : " (" + String.join(", ", parts) + ")");
     }
 
-    /** Returns a value with all digits; the components of a list are separated by blanks. */
+    /** Returns a value with all digits. The components of a list are separated by spaces. */
     static String text(Object value) {
         return switch (value) {
             case Double number -> number(number);
@@ -146,7 +152,7 @@ final class ResultTable {
         return quoted ? '"' + text.replace("\"", "\"\"") + '"' : text;
     }
 
-    /** Returns the rows of a CSV text that {@link #line} wrote; empty if it is no CSV. */
+    /** Returns the rows of a CSV text that {@link #line} wrote; empty if the text is no CSV. */
     static Optional<List<List<String>>> parse(String text) {
         List<List<String>> rows = new ArrayList<>();
         List<String> row = new ArrayList<>();

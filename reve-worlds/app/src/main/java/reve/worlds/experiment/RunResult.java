@@ -12,13 +12,14 @@ import java.util.TreeMap;
 /**
  * The result of a run.
  *
- * @param message why the run failed, or which value is outside of its tolerance; empty if neither
+ * @param message the reason why the run failed, or the value that is outside of its tolerance;
+ *     empty if there is neither
  * @param frames number of frames made
  * @param stateHash hash of the state at the end, in hexadecimal; empty if the run failed
  * @param samples measurements, in the order of frames
  * @param values the value of each measure for the table of runs; empty if it has none
  * @param expected the expected value of each measure, if it has one
- * @param notes measures without a value, and why
+ * @param notes measures without a value, with the reason
  * @param laws SHA-256 of the law libraries at the end, by name
  */
 public record RunResult(
@@ -36,7 +37,7 @@ public record RunResult(
     public enum State {
         /** The run is complete. */
         OK,
-        /** The run is complete, and a value is outside of its tolerance. */
+        /** The run is complete, but a value is outside of its tolerance. */
         OUTSIDE,
         /** The run ended early, or a law failed in it. */
         FAILED
@@ -68,14 +69,14 @@ public record RunResult(
     }
 
     /**
-     * Returns the relative error of a value, (value - expected) / |expected|; the absolute error if
-     * 0 is expected.
+     * Returns the relative error of a value, (value - expected) / |expected|. Returns the absolute
+     * error if the expected value is 0.
      */
     static double relativeError(double value, double expected) {
         return expected == 0 ? value : (value - expected) / Math.abs(expected);
     }
 
-    /** Returns the error of a measure, if it has a value and an expected one. */
+    /** Returns the error of a measure. Empty if the measure has no value or no expected value. */
     public Optional<Double> error(int measure) {
         return expected.get(measure)
                 .flatMap(

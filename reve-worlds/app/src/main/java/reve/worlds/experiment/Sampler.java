@@ -26,8 +26,8 @@ import java.util.OptionalInt;
 import java.util.stream.Stream;
 
 /**
- * Measures a run in the phase PUBLISH: frame 0, every n-th frame, and the last frame. World's
- * thread.
+ * Measures a run in the phase PUBLISH. Measures frame 0, every n-th frame, and the last frame. For
+ * the world's thread only.
  */
 final class Sampler implements FrameListener {
     private static final List<String> LINES = List.of("client", "ground", "unloaded", "total");
@@ -44,7 +44,7 @@ final class Sampler implements FrameListener {
     /** A measure, with the bindings of its expression if it has one. */
     private record Reading(Measure measure, Optional<Bindings> bindings) {}
 
-    /** Why a measure has no value. */
+    /** The reason why a measure has no value. */
     private static final class NoValue extends Exception {
         private static final long serialVersionUID = 1;
 
@@ -265,7 +265,7 @@ final class Sampler implements FrameListener {
         return List.copyOf(samples);
     }
 
-    /** Returns why measures had no value, one note for each. */
+    /** Returns the reasons why measures had no value, one note for each measure. */
     List<String> notes() {
         return List.copyOf(notes.values());
     }

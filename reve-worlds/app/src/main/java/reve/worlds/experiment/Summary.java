@@ -6,14 +6,15 @@ import reve.core.file.Measure;
 import java.util.List;
 import java.util.Optional;
 
-/** The value of a measure for the table of runs, from the measurements of a run. */
+/** The value of a measure for the table of runs. It is computed from the measurements of a run. */
 final class Summary {
     private Summary() {}
 
     /**
-     * Returns the value; empty if there are no measurements for it.
+     * Returns the value for the table. Empty if there are no measurements from which it can be
+     * computed.
      *
-     * @param index of the measure in each sample
+     * @param index the index of the measure in each sample
      */
     static Optional<Object> of(Measure.Take take, List<Sample> samples, int index) {
         if (take == Measure.Take.END) {
@@ -42,7 +43,7 @@ final class Summary {
         };
     }
 
-    /** Returns the mean time between passages through 0 from below [s]. */
+    /** Returns the mean time between upward passages of the value through 0 [s]. */
     private static Optional<Double> period(List<Sample> samples, int index) {
         double first = Double.NaN;
         double last = Double.NaN;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Experiments: many runs of one world, what is measured in them, and comparisons of results. */
+/**
+ * Experiments. An experiment makes many runs of one world, measures values in them, and compares
+ * the results with earlier ones.
+ */
 @NullMarked
 package reve.worlds.experiment;
 

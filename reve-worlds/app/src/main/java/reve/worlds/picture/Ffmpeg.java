@@ -22,13 +22,13 @@ import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 
-/** A video that the program ffmpeg encodes in a process of its own. */
+/** A video that the program ffmpeg encodes in a separate process. */
 public final class Ffmpeg implements FrameSink {
     private static final String PROGRAM = "ffmpeg";
     private static final int MESSAGE_CHARACTERS = 2000;
     private static final Duration PATIENCE = Duration.ofSeconds(5);
 
-    /** The options of the encoder and the format, by the ending of the file's name. */
+    /** The options for the encoder and the format, by the ending of the file name. */
     private static final Map<String, String> FORMATS =
             Map.of(
                     ".mp4",
@@ -39,7 +39,7 @@ public final class Ffmpeg implements FrameSink {
                     ".webp",
                     "-c:v libwebp_anim -q:v 80 -loop 0 -f webp");
 
-    /** Text that each file contains near its beginning, by the ending of its name. */
+    /** Text that each file contains near its beginning, by the ending of the file name. */
     private static final Map<String, String> MARKS =
             Map.of(".mp4", "ftyp", ".webm", "webm", ".webp", "WEBP");
 
@@ -55,7 +55,7 @@ public final class Ffmpeg implements FrameSink {
     /**
      * Starts the program.
      *
-     * @param program as {@link #find()} returns it
+     * @param program the path of the program that {@link #find()} returns
      * @param fps pictures per second
      * @throws IOException if the program cannot be started
      */
@@ -99,7 +99,8 @@ public final class Ffmpeg implements FrameSink {
 
     static Optional<Path> find(String path) {
         for (String folder : path.split(File.pathSeparator)) {
-            // an empty or relative entry means the current folder, which may belong to others
+            // An entry that is empty or relative is skipped. It means the current folder, which may
+            // belong to another user.
             Path program = Path.of(folder).resolve(PROGRAM);
             if (program.isAbsolute() && Files.isExecutable(program)) {
                 return Optional.of(program);
@@ -141,7 +142,7 @@ public final class Ffmpeg implements FrameSink {
 
     private IOException failed(@Nullable IOException cause) {
         try {
-            reader.join(PATIENCE); // before the end of the process, which closes the stream
+            reader.join(PATIENCE); // first, because the end of the process closes it
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
         }

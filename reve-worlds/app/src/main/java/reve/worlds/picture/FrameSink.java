@@ -5,12 +5,12 @@ import java.awt.image.BufferedImage;
 import java.io.IOException;
 
 /**
- * A video that receives its pictures in order. For one thread. Nothing appears at its place before
- * {@link #finish()}.
+ * A video that receives its pictures in order. For one thread. The video appears at its place only
+ * after {@link #finish()}.
  */
 public interface FrameSink extends AutoCloseable {
     /**
-     * Adds a picture; all have the same size.
+     * Adds a picture. All pictures of a video have the same size.
      *
      * @throws IOException if it cannot be written
      */
@@ -23,7 +23,7 @@ public interface FrameSink extends AutoCloseable {
      */
     void finish() throws IOException;
 
-    /** Removes what was written unless the video is complete. */
+    /** Removes the written data unless the video is complete. */
     @Override
     void close() throws IOException;
 }

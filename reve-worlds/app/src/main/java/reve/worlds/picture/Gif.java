@@ -28,9 +28,9 @@ import javax.imageio.metadata.IIOMetadataNode;
 import javax.imageio.stream.ImageOutputStream;
 
 /**
- * An animated GIF that repeats for ever, written by the JDK's encoder. All pictures share one
- * {@link Palette}, which is known when the last picture has come, so the pictures wait in a
- * temporary file. Each picture contains only the box in which it differs from the one before.
+ * An animated GIF that repeats for ever. The JDK's encoder writes it. All pictures share one {@link
+ * Palette}. The palette is known only after the last picture was added, so the pictures wait in a
+ * temporary file. Each picture contains only the box in which it differs from the picture before.
  */
 public final class Gif implements FrameSink {
     private static final String FORMAT = "javax_imageio_gif_image_1.0";
@@ -51,7 +51,7 @@ public final class Gif implements FrameSink {
     private boolean finished;
 
     /**
-     * @param fps pictures per second, 1 to 50; the format counts hundredths of a second
+     * @param fps pictures per second, 1 to 50; the format states times in hundredths of a second
      * @throws IOException if the temporary file cannot be created
      */
     public Gif(Path place, int fps) throws IOException {
@@ -59,7 +59,8 @@ public final class Gif implements FrameSink {
         this.fps = fps;
         part = PartFile.create(place);
         Path file = Files.createTempFile("reve-gif", ".rgb");
-        // on Linux the file has no name any more once it is open, so a killed process leaves none
+        // On Linux the file has no name after it was opened. Therefore a killed process leaves no
+        // file.
         waiting =
                 FileChannel.open(
                         file,
@@ -173,7 +174,8 @@ public final class Gif implements FrameSink {
         control.setAttribute("userInputFlag", "FALSE");
         control.setAttribute("transparentColorFlag", "TRUE");
         control.setAttribute("transparentColorIndex", Integer.toString(TRANSPARENT));
-        // the sum of the delays stays right where one delay is no whole number
+        // Each delay is the difference of two rounded times. The sum of the delays stays right even
+        // if a single delay is no whole number.
         int delay = HUNDREDTHS * (number + 1) / fps - HUNDREDTHS * number / fps;
         control.setAttribute("delayTime", Integer.toString(delay));
         if (number == 0) {

@@ -19,7 +19,10 @@ import java.util.TreeSet;
 
 import javax.imageio.ImageIO;
 
-/** Files of the layers of a picture: PNG for people, and NumPy's format with the exact numbers. */
+/**
+ * Files of the layers of a picture. PNG files are for people; files in NumPy's format contain the
+ * exact numbers.
+ */
 public final class LayerFiles {
     /** Ending of the names of files in NumPy's format. */
     public static final String NUMPY = ".npy";
@@ -34,7 +37,7 @@ public final class LayerFiles {
 
     private LayerFiles() {}
 
-    /** Returns the colours of a picture. */
+    /** Returns the colours of a picture as an image. */
     public static BufferedImage colour(PixelLayers layers) {
         ByteBuffer rgb = layers.colour().orElseThrow();
         var image = new BufferedImage(layers.width(), layers.height(), BufferedImage.TYPE_INT_RGB);
@@ -50,9 +53,10 @@ public final class LayerFiles {
     }
 
     /**
-     * Writes the distances along the view direction: to a file in NumPy's format as (height x
-     * width) f32 [m]; to a PNG as 16-bit grey in steps of a power of ten metres, the smallest with
-     * which the farthest surface fits. 0 means that there is no surface.
+     * Writes the distances along the view direction. A file in NumPy's format contains (height x
+     * width) f32 [m]. A PNG contains 16-bit grey values. One step of grey is a power of ten metres,
+     * the smallest with which the farthest surface fits. The value 0 means that there is no
+     * surface.
      *
      * @return the length of a step of the PNG [m]; 1 for NumPy's format
      * @throws IOException if the file cannot be written
@@ -75,7 +79,7 @@ public final class LayerFiles {
         short[] grey = ((DataBufferUShort) image.getRaster().getDataBuffer()).getData();
         for (int i = 0; i < count; i++) {
             float metres = depth.getFloat(4 * i);
-            // a surface nearer than half a step stays distinct from no surface
+            // A surface nearer than half a step is written as 1, because 0 means no surface.
             long steps = metres > 0 ? Math.max(1, Math.round(metres / step)) : 0;
             grey[i] = (short) Math.min(GREATEST_GREY, steps);
         }
@@ -84,8 +88,8 @@ public final class LayerFiles {
     }
 
     /**
-     * Writes which item each pixel shows: to a file in NumPy's format as (height x width) u32, the
-     * ids of the items; to a PNG in one colour for each item. 0 and black mean no item.
+     * Writes the item that each pixel shows. A file in NumPy's format contains the ids of the items
+     * as (height x width) u32. A PNG has one colour for each item. The id 0 and black mean no item.
      *
      * @return the ids of the visible items, in ascending order, with their colours as {@code
      *     #rrggbb}
@@ -113,7 +117,7 @@ public final class LayerFiles {
         return colours;
     }
 
-    /** Returns a colour that differs from those of the neighbouring ids. */
+    /** Returns a colour for an id. It differs from the colours of the neighbouring ids. */
     private static int rgb(long id) {
         float hue = (float) (id * GOLDEN % 1);
         float brightness = 1 - 0.2f * (id / 8 % 3);

@@ -20,15 +20,15 @@ import java.util.Map;
 import java.util.TreeMap;
 import java.util.function.LongFunction;
 
-/** Text over pictures. Needs no display, but fonts. */
+/** Text that is drawn over pictures. It needs fonts but no display. */
 public final class Overlay {
-    /** Part of a picture's height that a line of text has. */
+    /** Height of a line of text as a fraction of the picture's height. */
     private static final double LINE = 1 / 24.0;
 
     private static final int SMALLEST_FONT = 9;
     private static final int MOST_LABELS = 60;
 
-    /** Fewest pixels of an item with a label. */
+    /** Minimum number of visible pixels of an item that gets a label. */
     private static final int FEWEST_PIXELS = 12;
 
     private static final Color PAPER = new Color(255, 255, 255, 200);
@@ -37,7 +37,7 @@ public final class Overlay {
     private final Font font;
 
     /**
-     * @param height of the pictures [px]
+     * @param height the height of the pictures [px]
      * @throws IOException if the machine has no fonts
      */
     public Overlay(int height) throws IOException {
@@ -76,11 +76,11 @@ public final class Overlay {
     }
 
     /**
-     * Writes the names of visible items: above the part that is visible, or in its middle where
-     * there is no room, or if it is wider than half of the picture. Larger items come first; a
-     * label that would cover another one is left out.
+     * Writes the names of visible items. A label is above the visible part of its item. It is in
+     * the middle of this part if there is no room above, or if the part is wider than half of the
+     * picture. Larger items come first. A label that would cover another label is omitted.
      *
-     * @param layers with the items of the pixels
+     * @param layers the layers of the picture, including the items of the pixels
      * @param names returns the name of an item by its id
      */
     public void labels(BufferedImage picture, PixelLayers layers, LongFunction<String> names) {
@@ -150,7 +150,10 @@ public final class Overlay {
             return pixels;
         }
 
-        /** Returns the box around the pixels, or an empty one in their middle. */
+        /**
+         * Returns the box around the pixels. If the box is wider than half of the picture, returns
+         * an empty box in its middle.
+         */
         Rectangle box(int pictureWidth) {
             return box.width > pictureWidth / 2
                     ? new Rectangle((int) (sumX / pixels), (int) (sumY / pixels), 0, 0)
@@ -158,7 +161,7 @@ public final class Overlay {
         }
     }
 
-    /** Returns the visible items, those with the most pixels first. */
+    /** Returns the visible items. Items with more pixels come first. */
     private static List<Seen> visible(PixelLayers layers) {
         ByteBuffer item = layers.item().orElseThrow();
         Map<Long, Seen> all = new TreeMap<>();

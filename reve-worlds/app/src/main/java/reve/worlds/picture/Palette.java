@@ -8,9 +8,10 @@ import java.util.Comparator;
 import java.util.List;
 
 /**
- * The colours that represent all colours of a video best, found by median cuts: the box of colours
- * with the largest spread is divided until there are enough boxes. The next number means
- * transparent. An ordered dither with a fixed pattern hides the steps between the colours.
+ * The colours that best represent all colours of a video. They are found by median cuts: the box of
+ * colours with the largest spread is divided until there are enough boxes. The number after the
+ * last colour means transparent. An ordered dither with a fixed pattern hides the steps between the
+ * colours.
  */
 final class Palette {
     /** Number of colours. */
@@ -22,15 +23,22 @@ final class Palette {
     private static final int PATTERN = 4;
     private static final int DITHER = 8;
 
-    /** Bayer's matrix: the thresholds 0 to 15 in an order without visible lines. */
+    /**
+     * Bayer's matrix. It contains the thresholds 0 to 15 in an order that makes no visible lines.
+     */
     private static final int[] BAYER = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
 
     private final int[] colours = new int[SIZE];
 
-    /** Numbers of the nearest colours, by cell; -1 where none was searched. */
+    /**
+     * Numbers of the nearest colours, by cell. The value is -1 if no colour was searched for the
+     * cell.
+     */
     private final int[] nearest = new int[CELLS];
 
-    /** Counts of the colours of all pictures, and their sums, by cells of similar colours. */
+    /**
+     * Counts and sums of the colours of all pictures, by cell. A cell is a set of similar colours.
+     */
     static final class Histogram {
         private final long[] counts = new long[CELLS];
         private final long[] sums = new long[3 * CELLS];
@@ -69,7 +77,7 @@ final class Palette {
             spread = cells.size() > 1 ? most : -1;
         }
 
-        /** Returns the sum of squared distances from the mean; rare colours count, too. */
+        /** Returns the sum of squared distances from the mean. Rare colours are included. */
         private static double spread(Histogram histogram, List<Integer> cells, int channel) {
             double weights = 0;
             double sum = 0;
@@ -154,7 +162,7 @@ final class Palette {
         return (red >> shift) << 2 * BITS | (green >> shift) << BITS | blue >> shift;
     }
 
-    /** Returns the colours, followed by transparent. */
+    /** Returns the colours, followed by the transparent one. */
     IndexColorModel colours() {
         int[] all = new int[SIZE + 1];
         for (int i = 0; i < SIZE; i++) {

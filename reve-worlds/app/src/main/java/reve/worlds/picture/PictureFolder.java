@@ -32,16 +32,19 @@ public final class PictureFolder implements FrameSink {
         count++;
     }
 
-    /** Removes the pictures of an earlier, longer video, so that the folder holds one video. */
+    /**
+     * Removes the remaining pictures of an earlier, longer video, so that the folder contains one
+     * video only.
+     */
     @Override
     public void finish() throws IOException {
         for (int next = count; Files.deleteIfExists(folder.resolve(name(next))); next++) {
-            // Empty, because the condition deletes the file.
+            // The loop has no body, because its condition deletes the files.
         }
     }
 
     @Override
     public void close() {
-        // the pictures so far are complete
+        // Nothing is removed, because each picture so far is a complete file.
     }
 }

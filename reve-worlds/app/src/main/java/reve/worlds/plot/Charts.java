@@ -13,12 +13,12 @@ import java.nio.file.Path;
 
 import javax.imageio.ImageIO;
 
-/** Charts of one style, as PNG files. Needs no display, but fonts. */
+/** Charts of one style, as PNG files. They need fonts but no display. */
 public final class Charts {
     private static final int WIDTH = 800;
     private static final int HEIGHT = 500;
 
-    /** Pixels for each unit of the sizes above. */
+    /** Number of pixels for each unit of the sizes above. */
     private static final int SCALE = 2;
 
     private Charts() {}

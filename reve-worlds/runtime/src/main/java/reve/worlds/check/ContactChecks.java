@@ -17,14 +17,19 @@ import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 
-/** The checks for bodies that fall through what is below them. */
+/** The checks for bodies that fall through an item or a floor below them. */
 final class ContactChecks {
-    /** Height above which a law's own floor counts as in use [m]; lower floors are out of reach. */
+    /**
+     * Height above which a law's own floor counts as in use [m]. Bodies do not reach lower floors.
+     */
     private static final double LOWEST_FLOOR = -1e8;
 
     private static final double ROUNDING = 1e-6;
 
-    /** Distance of a hull's centre from the origin that causes a warning, as part of the extent. */
+    /**
+     * Distance of a hull's centre from the origin that causes a warning, as a fraction of the
+     * hull's extent.
+     */
     private static final double OFF_CENTRE = 0.1;
 
     private final WorldDescription world;
@@ -57,7 +62,7 @@ final class ContactChecks {
         }
     }
 
-    /** Checks for balls whose radius only the picture uses, so that no law knows it. */
+    /** Checks for balls whose radius is used only by pictures, because no law reads it. */
     private void checkRadii() {
         if (balls.isEmpty() || items.isSetByActions(LawFacts.RADIUS)) {
             return;
@@ -75,7 +80,10 @@ final class ContactChecks {
                                 + " m under `physics`");
     }
 
-    /** Checks for bodies whose mesh has no convex hull, or one beside its centre of mass. */
+    /**
+     * Checks for bodies whose mesh has no convex hull, or a hull that is not centred at the body's
+     * centre of mass.
+     */
     private void checkHulls() {
         List<ItemFacts.Entry> bodies =
                 items.movable().stream()
@@ -116,7 +124,9 @@ final class ContactChecks {
         }
     }
 
-    /** A mesh with a density was checked when the density was read. */
+    /**
+     * A mesh with a density needs no check here, because it was checked when the density was read.
+     */
     private static boolean isOffCentre(ItemFacts.Entry body) {
         Mesh mesh = mesh(body);
         double extent = Math.max(mesh.size(0), Math.max(mesh.size(1), mesh.size(2)));
@@ -180,7 +190,7 @@ final class ContactChecks {
         found.forEach((fault, bodies) -> report(fault, bodies, below.get(fault), down));
     }
 
-    /** Why a body falls through a floor. */
+    /** The reasons why a body falls through a floor. */
     private enum Fault {
         NO_LAW,
         NO_RADIUS,
@@ -263,8 +273,7 @@ final class ContactChecks {
     }
 
     /**
-     * Returns which of the laws that ship with the release would hold a body, as the end of a
-     * message.
+     * Returns the laws that ship with the release and would hold a body, as the end of a message.
      */
     private String remedy(ItemFacts.Entry body, Floor floor, Down down) {
         if (!laws.shipped("rigid_contact").isEmpty()) {
@@ -280,7 +289,7 @@ final class ContactChecks {
                         + " from items of kind surface with a hardness";
     }
 
-    /** An item with a shape that no law moves, as its bounding box. */
+    /** The bounding box of an item that has a shape and is moved by no law. */
     private record Floor(String name, boolean physics, double radius, double[] low, double[] high) {
         double top(Down down) {
             return down.sign < 0 ? high[down.axis] : low[down.axis];

@@ -9,8 +9,8 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Collector of warnings. If a check finds several items, the warning names the first one, and their
- * number.
+ * Collector of warnings. If a check finds several items, the warning names the first item and the
+ * number of items.
  */
 final class Findings {
     private final WorldDescription world;
@@ -24,7 +24,10 @@ final class Findings {
         return all;
     }
 
-    /** Adds one warning for all items with the same fault, if there are any. */
+    /**
+     * Adds one warning for all items that have the same fault. Adds nothing if there are no such
+     * items.
+     */
     void items(List<ItemFacts.Entry> found, String key, Message message) {
         if (!found.isEmpty()) {
             ItemFacts.Entry first = found.getFirst();

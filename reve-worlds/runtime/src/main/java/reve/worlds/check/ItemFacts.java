@@ -22,8 +22,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The items of a world for the checks: those of the world file, and those that agents and actions
- * may add.
+ * The items of a world for the checks. They include the items of the world file and those that
+ * agents and actions may add.
  */
 final class ItemFacts {
     /** An item of the world file, and its index in the description. */
@@ -128,7 +128,7 @@ final class ItemFacts {
         return entries.stream().filter(Entry::isMovable).toList();
     }
 
-    /** Returns whether there is, or may be later, a body that laws may move. */
+    /** Returns whether a body that laws may move exists, or may exist later. */
     boolean mayMove() {
         return setByActions.contains("mass")
                 || entries.stream().anyMatch(Entry::isMovable)
@@ -139,7 +139,7 @@ final class ItemFacts {
                                                 && has(item, "mass"));
     }
 
-    /** Returns whether there is, or may be later, an item of a kind with physics. */
+    /** Returns whether an item of a kind with physics exists, or may exist later. */
     boolean mayExist(String kind) {
         return count(kind) > 0
                 || additional.stream().anyMatch(item -> item.kind().equals(kind) && physics(item));
@@ -154,8 +154,8 @@ final class ItemFacts {
     }
 
     /**
-     * Returns whether at least one of these properties differs from 0, or can differ from 0 later,
-     * at one or more items of the kind.
+     * Returns whether at least one of these properties differs from 0 at an item of the kind, or
+     * may differ from 0 later.
      */
     boolean mayDiffer(String kind, Collection<String> properties) {
         return properties.stream().anyMatch(setByActions::contains)

@@ -19,7 +19,7 @@ import java.util.function.Predicate;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
-/** What the laws of a world do, judged by the properties that they declare. */
+/** The effects of a world's laws, as the properties that the laws declare show them. */
 final class LawFacts {
     static final String POSITION = "position";
     static final String VELOCITY = "velocity";
@@ -30,7 +30,10 @@ final class LawFacts {
     static final String SURFACE = "surface";
     static final String FLOOR = "floorHeight";
 
-    /** Properties of the state or the rest shape of a body; 0 is a usual value for them. */
+    /**
+     * Properties of the state or the rest shape of a body. For them 0 is a usual value, so it is no
+     * sign of a mistake.
+     */
     private static final Set<String> STATE =
             Set.of(
                     POSITION,
@@ -44,13 +47,19 @@ final class LawFacts {
                     "length",
                     "softening");
 
-    /** Kind of the rows of items without physics; laws may use their shapes. */
+    /**
+     * Name of the kind that contains the rows of items without physics. Laws may use the shapes of
+     * these items.
+     */
     static final String SCENERY = "scenery";
 
-    /** Kind of the rows of meshes; laws may use their hulls and triangles. */
+    /**
+     * Name of the kind that contains the rows of meshes. Laws may use the hulls and triangles of
+     * the meshes.
+     */
     static final String MESH = "meshForm";
 
-    /** Names of properties that tell a law the shape of a body. */
+    /** Pattern of the names of properties from which a law gets the shape of a body. */
     private static final Pattern EXTENT =
             Pattern.compile("(?i).*(shape|size|extent|dimension|hull|mesh).*");
 
@@ -99,7 +108,10 @@ final class LawFacts {
         return first(use -> isBody(use, POSITION) && use.access().contains(Access.WRITE));
     }
 
-    /** Returns whether a law moves bodies by their velocities, and not to places of its own. */
+    /**
+     * Returns whether a law moves bodies according to their velocities. Other laws that move bodies
+     * compute places without regard to velocities.
+     */
     boolean integrates(PhysicsLaw mover) {
         return uses(mover, WorldPrototype.BODY, VELOCITY);
     }
@@ -109,7 +121,7 @@ final class LawFacts {
         return first(use -> isBody(use, ORIENTATION) && use.access().contains(Access.WRITE));
     }
 
-    /** Returns the first law that exerts forces, or changes velocities in another way. */
+    /** Returns the first law that exerts forces or changes velocities. */
     Optional<PhysicsLaw> pusher() {
         return laws.stream().filter(this::pushes).findFirst();
     }
@@ -128,7 +140,7 @@ final class LawFacts {
                         && law.uses().stream().noneMatch(use -> isBody(use, FORCE));
     }
 
-    /** Returns whether any law reads a property, given by the name that it has in the world. */
+    /** Returns whether any law reads a property. The property is given by its name in the world. */
     boolean isRead(String kind, String property) {
         return laws.stream()
                 .flatMap(law -> law.uses().stream())
@@ -175,8 +187,8 @@ final class LawFacts {
     }
 
     /**
-     * Returns the properties whose values decide how strongly a law acts: those that it reads, that
-     * no law writes, and that are neither state nor references.
+     * Returns the properties whose values decide how strongly a law acts. The law reads these
+     * properties, no law writes them, and they are neither state nor references.
      */
     Stream<PropertyUse> strengths(PhysicsLaw law) {
         return law.uses().stream()

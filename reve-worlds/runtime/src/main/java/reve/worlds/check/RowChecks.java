@@ -15,7 +15,10 @@ import java.util.Set;
 
 /** The checks for laws without rows to act on, and for values that no law reads. */
 final class RowChecks {
-    /** For a value that no law reads: laws of this release that read it, for the remedy. */
+    /**
+     * Laws of this release that read a property, by property. Warnings about a value that no law
+     * reads name such a law as a remedy.
+     */
     private static final Map<String, String> READERS =
             Map.of(
                     "spring", "hooke_spring",
@@ -163,7 +166,7 @@ final class RowChecks {
         return items.mayDiffer(use.kind(), LawFacts.columns(use));
     }
 
-    /** Warns of springs that exert no force, or move nothing. */
+    /** Warns of springs that exert no force, or that are attached to no movable body. */
     private void checkSprings() {
         if (!laws.isUsed("spring")) {
             return;

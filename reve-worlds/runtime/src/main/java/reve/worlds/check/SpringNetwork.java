@@ -11,8 +11,8 @@ import java.util.Optional;
 /**
  * The fastest oscillation of bodies that springs join, at their positions in the world file.
  * Springs act along their directions; springs without a direction are ignored. The estimate is the
- * largest eigenvalue of M^-1/2 (dt² K + 2 dt C) M^-1/2 by power iteration, which approaches it from
- * below.
+ * largest eigenvalue of M^-1/2 (dt² K + 2 dt C) M^-1/2. It is computed by power iteration, which
+ * approaches the eigenvalue from below.
  */
 final class SpringNetwork {
     private static final int ITERATIONS = 60;
@@ -127,7 +127,7 @@ final class SpringNetwork {
         return new Stiffest(stiffness, step(part), springs.get(most));
     }
 
-    /** Returns the length of a step t [s] with ω² t² + 2 γ t = 1. */
+    /** Returns the length t of a step [s] for which ω² t² + 2 γ t = 1. */
     private double step(double[] part) {
         double square = 0;
         double linear = 0;
@@ -144,7 +144,11 @@ final class SpringNetwork {
         return 2 / (linear + Math.sqrt(linear * linear + 4 * square));
     }
 
-    /** Computes next = A now, the contribution of each spring to now·A·now, and returns the sum. */
+    /**
+     * Computes the product {@code next} of the matrix A and the vector {@code now}, and the
+     * contribution of each spring to {@code now}·A·{@code now}. Returns the sum of these
+     * contributions.
+     */
     private double multiply(double[] now, double[] next, double[] part) {
         Arrays.fill(next, 0);
         double sum = 0;

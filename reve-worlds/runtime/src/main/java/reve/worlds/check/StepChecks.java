@@ -12,11 +12,12 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The checks for steps that are too long for the forces of laws, by stiffness k, mass m and step
- * dt.
+ * The checks for steps that are too long for the forces of laws. The checks use the stiffness k,
+ * the mass m and the length of a step dt.
  *
- * <p>An oscillation of the angular frequency ω that is damped at the rate γ is stable if (ω dt)² +
- * 2 γ dt is at most 4 for integrators with one stage, and about 8 for those with four.
+ * <p>An oscillation has the angular frequency ω and is damped at the rate γ. It is stable if (ω
+ * dt)² + 2 γ dt is at most 4 for integrators with one stage, and about 8 for integrators with four
+ * stages.
  */
 final class StepChecks {
     private static final double LIMIT = 4;
@@ -204,7 +205,9 @@ final class StepChecks {
         return Math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     }
 
-    /** Returns a remedy: the number of steps in a frame that makes a step short enough. */
+    /**
+     * Returns a remedy that states the number of steps in a frame at which a step is short enough.
+     */
     private String remedy(double seconds) {
         double frame = 1.0 / world.timing().framesPerSecond();
         double steps = Math.ceil(frame / seconds - 1e-9);

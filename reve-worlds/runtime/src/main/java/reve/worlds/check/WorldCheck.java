@@ -10,9 +10,9 @@ import java.util.List;
 import java.util.Set;
 
 /**
- * The check of a world and its loaded laws, before the first frame. A warning names the place in
- * the file, the reason and a remedy. The checks judge laws by the properties that they declare,
- * never by their names; only remedies contain names.
+ * The check of a world and its loaded laws before the first frame. A warning names the place in the
+ * file, the reason and a remedy. The checks judge laws by the properties that they declare, never
+ * by their names. Only remedies contain names of laws.
  */
 public final class WorldCheck {
     private WorldCheck() {}

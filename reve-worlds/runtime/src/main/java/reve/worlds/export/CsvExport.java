@@ -22,14 +22,15 @@ import java.util.Map;
 import java.util.stream.Collectors;
 
 /**
- * Tables in CSV (RFC 4180) with all digits: {@code KIND.csv} with one row for each item in each
- * frame, and {@code frame-events.csv}. The header names the unit of each column.
+ * Tables in CSV (RFC 4180). Each table {@code KIND.csv} has one row for each item in each frame.
+ * The table {@code frame-events.csv} contains the events. Numbers have all digits. The header names
+ * the unit of each column.
  */
 public final class CsvExport implements Export {
     /** Text with which the header of each table begins. */
     public static final String MARK = "frame,time [s],";
 
-    /** No kind can have this name. */
+    /** Name of the table of events. No kind of items can have this name. */
     private static final String EVENTS = "frame-events";
 
     private static final JsonMapper JSON = new JsonMapper();
@@ -66,7 +67,7 @@ public final class CsvExport implements Export {
      * Creates the tables.
      *
      * @param folder an existing folder
-     * @param kinds of the tables, in order
+     * @param kinds the kinds of items that get a table, in order
      * @throws IOException if a file cannot be created
      */
     public CsvExport(Path folder, Collection<String> kinds) throws IOException {

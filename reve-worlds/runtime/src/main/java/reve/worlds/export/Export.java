@@ -4,9 +4,9 @@ package reve.worlds.export;
 import java.io.IOException;
 
 /**
- * A file, or a folder of files, that receives the frames of a run in order. For one thread. Nothing
- * appears at its place before {@link #finish()}; without that call, {@link #close()} removes what
- * was written.
+ * A file, or a folder of files, that receives the frames of a run in order. For one thread. The
+ * files appear at their place only after {@link #finish()}. Without that call, {@link #close()}
+ * removes the written data.
  */
 public interface Export extends AutoCloseable {
     /**

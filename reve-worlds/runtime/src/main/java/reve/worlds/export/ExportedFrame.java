@@ -10,7 +10,7 @@ import java.util.Map;
  * A frame that an export receives.
  *
  * @param snapshot the state at the end of the frame; the caller closes it
- * @param events of the frame, in order
+ * @param events the events of the frame, in order
  */
 public record ExportedFrame(WorldSnapshot snapshot, List<Event> events) {
     /**

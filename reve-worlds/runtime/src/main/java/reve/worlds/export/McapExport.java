@@ -45,7 +45,7 @@ public final class McapExport implements Export {
     private static final int ERROR = 4;
     private static final Set<String> WARNINGS = Set.of("late", "away", "over-budget", "stalled");
 
-    /** The rotation by 90° about the x axis, as xyzw: it turns +Y to +Z. */
+    /** The rotation by 90° about the x axis, as a quaternion xyzw. It turns +Y to +Z. */
     private static final double[] Y_TO_Z = {Math.sqrt(0.5), 0, 0, Math.sqrt(0.5)};
 
     private final WholeFile file;
@@ -60,14 +60,14 @@ public final class McapExport implements Export {
     private final int connections;
     private final int log;
 
-    /** The channel of pictures; 0 before the first one. */
+    /** Number of the channel for pictures; 0 before the first picture. */
     private int pictures;
 
     /**
      * Creates the file.
      *
      * @param world name of the world
-     * @param kinds whose properties are written
+     * @param kinds the kinds of items whose properties are written
      * @throws IOException if the file cannot be created
      */
     public McapExport(
@@ -156,7 +156,10 @@ public final class McapExport implements Export {
         }
     }
 
-    /** Returns the time of a frame [ns]; two divisions, because the product may be too large. */
+    /**
+     * Returns the time of a frame [ns]. Seconds and the rest are divided separately, because a
+     * single product may be too large for a long.
+     */
     private long nanos(long frame) {
         long rate = timing.framesPerSecond();
         return frame / rate * SECOND_NANOS + frame % rate * SECOND_NANOS / rate;

@@ -20,15 +20,15 @@ import java.util.TreeMap;
 import java.util.zip.CRC32;
 
 /**
- * A writer of the MCAP format, version 0 (specification at mcap.dev): messages in chunks that are
- * compressed with LZ4, an index of each chunk, and a summary with statistics at the end. Equal
- * input gives equal bytes. For one thread.
+ * A writer of the MCAP format, version 0 (specification at mcap.dev). The file contains messages in
+ * chunks that are compressed with LZ4, an index of each chunk, and a summary with statistics at the
+ * end. Equal input gives equal bytes. For one thread.
  */
 final class McapWriter {
     private static final byte[] MAGIC = {(byte) 0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
     private static final String COMPRESSION = "lz4";
 
-    /** Size of a chunk before compression, from which on it is written [bytes]. */
+    /** Size before compression at which a chunk is complete and is written [bytes]. */
     private static final int CHUNK_BYTES = 1 << 20;
 
     private static final int HEADER = 0x01;
@@ -54,7 +54,7 @@ final class McapWriter {
     private final TreeMap<Integer, Long> messages = new TreeMap<>();
     private Record chunk = new Record();
 
-    /** For each channel of the chunk: time and place of each message, alternating. */
+    /** Time and position of each message of the chunk, alternating, by channel. */
     private final TreeMap<Integer, List<Long>> places = new TreeMap<>();
 
     private long position;
@@ -63,7 +63,7 @@ final class McapWriter {
     private long first = Long.MAX_VALUE;
     private long last;
 
-    /** The content of a record, or a list of records: numbers are little-endian. */
+    /** The content of a record, or a list of records. Numbers are little-endian. */
     private static final class Record extends ByteArrayOutputStream {
         private final ByteBuffer number = ByteBuffer.allocate(8).order(ByteOrder.LITTLE_ENDIAN);
 
@@ -238,7 +238,10 @@ final class McapWriter {
         chunkLast = 0;
     }
 
-    /** Returns an LZ4 frame, from an encoder in Java: a native one would depend on the machine. */
+    /**
+     * Returns an LZ4 frame. Uses an encoder in Java, because the output of a native encoder would
+     * depend on the machine.
+     */
     private static byte[] compressed(byte[] plain) {
         var packed = new ByteArrayOutputStream();
         try (var frame =

@@ -25,8 +25,8 @@ final class Properties {
     private Properties() {}
 
     /**
-     * Returns the name of each component: x, y, z and w for vectors and quaternions, numbers from 0
-     * for references and other lists, and an empty text for a single number.
+     * Returns the names of a property's components. Vectors and quaternions have x, y, z and w.
+     * References and other lists have numbers from 0. A single number has an empty text.
      */
     static List<String> components(PropertyDescriptor property) {
         if (property.components() > 1 && property.type() == ScalarType.REF) {
@@ -44,7 +44,10 @@ final class Properties {
         return numbers;
     }
 
-    /** Returns whether the values are texts: references, shapes and colours. */
+    /**
+     * Returns whether the values are written as texts. This is so for references, shapes and
+     * colours.
+     */
     static boolean isText(PropertyDescriptor property) {
         return property.type() == ScalarType.REF || isLook(property);
     }
@@ -79,8 +82,8 @@ final class Properties {
     }
 
     /**
-     * Returns a number with all its digits: a reader that parses it in the precision of the column
-     * gets the same bits.
+     * Returns a number with all its digits. A reader that parses the text in the precision of the
+     * column gets the same bits.
      */
     static String number(ColumnView column, int row, int component) {
         double value = column.getDouble(row, component);

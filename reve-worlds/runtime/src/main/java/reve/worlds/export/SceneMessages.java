@@ -25,9 +25,10 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The messages that describe shapes: of bodies, in their own reference frames, which move; and of
- * springs and surfaces, in the reference frame of the world. Each message contains everything, so
- * that a program that begins at any message shows the whole scene. For one thread.
+ * The messages that describe shapes. Bodies are described in their own reference frames, which
+ * move. Springs and surfaces are described in the reference frame of the world. Each message
+ * contains everything, so a program that begins at any message shows the whole scene. For one
+ * thread.
  */
 final class SceneMessages {
     /** Reference frame of the world, with +Y up. */
@@ -44,7 +45,8 @@ final class SceneMessages {
     private static final double[] NO_TURN = {0, 0, 0, 1};
 
     /**
-     * The rotation by -90° about the x axis, as xyzw: it turns +Z, the axis of cylinders, to +Y.
+     * The rotation by -90° about the x axis, as a quaternion xyzw. It turns +Z, the axis of
+     * cylinders, to +Y.
      */
     private static final double[] Z_TO_Y = {-Math.sqrt(0.5), 0, 0, Math.sqrt(0.5)};
 
@@ -66,7 +68,10 @@ final class SceneMessages {
         return RESERVED.contains(body) ? "body " + body : body;
     }
 
-    /** Returns the shapes of all bodies; null if the last message still describes them. */
+    /**
+     * Returns the message with the shapes of all bodies. Returns null if the last message is still
+     * correct.
+     */
     byte @Nullable [] shapes(WorldSnapshot snapshot, long nanos) {
         TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);
         ColumnView colour = bodies.column("colour");
@@ -229,7 +234,8 @@ final class SceneMessages {
     }
 
     /**
-     * Returns the springs and surfaces; null if there are none, and were none in the last frame.
+     * Returns the message with the springs and surfaces. Returns null if there are none and the
+     * last frame had none.
      */
     byte @Nullable [] connections(WorldSnapshot snapshot, long nanos) {
         TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);

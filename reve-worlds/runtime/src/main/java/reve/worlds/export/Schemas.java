@@ -11,8 +11,8 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * The JSON schemas of the messages in MCAP files. Those with names of Foxglove contain the fields
- * of its schemas that this project writes.
+ * The JSON schemas of the messages in MCAP files. Schemas with names of Foxglove contain only those
+ * fields of Foxglove's schemas that this project writes.
  */
 final class Schemas {
     private static final JsonMapper JSON = new JsonMapper();

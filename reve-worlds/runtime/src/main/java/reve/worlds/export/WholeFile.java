@@ -10,7 +10,10 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
 
-/** A file that is written beside its place, and moved to it when it is complete. For one thread. */
+/**
+ * A file that is written under a temporary name, and moved to its place when it is complete. For
+ * one thread.
+ */
 final class WholeFile implements AutoCloseable {
     private static final int BUFFER_BYTES = 1 << 16;
 
@@ -30,12 +33,12 @@ final class WholeFile implements AutoCloseable {
         this.out = new BufferedOutputStream(Files.newOutputStream(part), BUFFER_BYTES);
     }
 
-    /** Returns the stream to write to, which this object closes. */
+    /** Returns the stream for the content. This object closes the stream. */
     OutputStream out() {
         return out;
     }
 
-    /** Moves the complete file to its place; an existing one is replaced. */
+    /** Moves the complete file to its place. Replaces an existing file. */
     void finish() throws IOException {
         closed = true;
         try {

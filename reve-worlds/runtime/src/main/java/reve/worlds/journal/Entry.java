@@ -16,12 +16,18 @@ import java.util.Map;
  * reused.
  */
 final class Entry {
-    /** A change; if a column was edited, with the column's rows after the change. */
+    /**
+     * A change of the world. If a column was edited directly, {@code columnRows} contains the
+     * column's rows after the change; otherwise it is null.
+     */
     record Noted(WorldChange change, byte @Nullable [] columnRows) {}
 
     long frame;
 
-    /** Changes before PHYSICS (the frame's phase in which laws act), and changes after it. */
+    /**
+     * Changes before PHYSICS (the frame's phase in which laws act). The next field contains the
+     * changes after it.
+     */
     final List<Noted> early = new ArrayList<>();
 
     final List<Noted> late = new ArrayList<>();
@@ -29,19 +35,19 @@ final class Entry {
     List<WorldEvent> events = List.of();
     final long[] digest;
 
-    /** Digest of the world before PHYSICS; valid if there are early changes. */
+    /** Digest of the world before PHYSICS. It is valid only if there are early changes. */
     final long[] earlyDigest;
 
     /** Image (complete state) of the world at the end of this frame, if one is due. */
     @Nullable SimulationImage image;
 
     /**
-     * Whether the journal stores the image instead of the frame, because the frame's changes do not
+     * True if the journal stores the image instead of the frame, because the frame's changes do not
      * describe the world completely.
      */
     boolean begins;
 
-    /** Whether this is only the journal's final image, which belongs to no frame. */
+    /** True if this entry is only the journal's final image, which belongs to no frame. */
     boolean last;
 
     Map<String, Long> members = Map.of();

@@ -8,8 +8,8 @@ import java.nio.file.Path;
 import java.nio.file.attribute.BasicFileAttributes;
 
 /**
- * A path and the identity of the file that was opened there, to detect that the file was moved or
- * removed: data written to it afterwards would be lost. For any thread.
+ * A path and the identity of the file that was opened there. They show whether the file was moved
+ * or removed, because data written to the file afterwards would be lost. For any thread.
  */
 record FilePlace(Path path, Object key) {
     static FilePlace of(Path path) throws IOException {

@@ -55,7 +55,7 @@ final class FileTrouble {
         return new IOException(file + " could not be " + what + ": " + reason, e);
     }
 
-    /** If the object at the path is not a readable file, returns what it is. */
+    /** Returns what the object at the path is; empty if it is a readable file. */
     static Optional<String> noFile(Path file) {
         if (Files.isDirectory(file)) {
             return Optional.of(file + " is a folder");

@@ -22,11 +22,20 @@ import java.util.Map;
 import java.util.function.Function;
 
 /**
- * The codec of a journal's frames as JSON. Fields: {@code frame}; {@code changes} before PHYSICS
- * (the phase in which laws act), {@code late} changes after it; changes of the {@code laws}; the
- * {@code events}, which a replay ignores; and digests (checksums of the state). {@code before} is
- * the digest before PHYSICS if there were changes, and {@code digest} that of the frame's end. Each
- * digest contains only the parts that differ from the previous one. One thread; frames in order.
+ * The codec of a journal's frames as JSON.
+ *
+ * <ul>
+ *   <li>{@code frame}: the number of the frame.
+ *   <li>{@code changes} and {@code late}: the changes before and after PHYSICS (the phase in which
+ *       laws act).
+ *   <li>{@code laws}: the changes of the laws.
+ *   <li>{@code events}: the events, which a replay ignores.
+ *   <li>{@code before}: the digest (checksum of the state) before PHYSICS, if there were changes.
+ *   <li>{@code digest}: the digest at the end of the frame.
+ * </ul>
+ *
+ * <p>Each digest contains only the parts that differ from the previous digest. One thread uses a
+ * codec, and passes frames in order.
  */
 public final class FrameCodec {
     private static final int PART_BYTES = Short.BYTES + 2 * Long.BYTES;
@@ -77,7 +86,8 @@ public final class FrameCodec {
     /**
      * Returns the complete digest of a frame; valid until the next call.
      *
-     * @param name {@code digest}; in frames that have it, first {@code before}
+     * @param name {@code before} or {@code digest}; in frames with {@code before}, that one must be
+     *     read first
      * @throws CorruptException if it cannot be read
      */
     public long[] readDigest(JsonNode frame, String name) {
@@ -239,8 +249,8 @@ public final class FrameCodec {
     }
 
     /**
-     * Encodes the parts that changed since the last digest: for each, its index (2 bytes) and its
-     * two numbers.
+     * Encodes the parts that changed since the last digest. Each part consists of its index (2
+     * bytes) and its two numbers.
      */
     private String delta(long[] now) {
         ByteBuffer parts = ByteBuffer.allocate(PART_BYTES * now.length / 2);

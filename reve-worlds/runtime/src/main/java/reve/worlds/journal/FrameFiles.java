@@ -12,13 +12,13 @@ import java.util.TreeMap;
 import java.util.stream.Stream;
 
 /**
- * The files beside a store that contain its frames, STORE-frames-1 and so on, and the manifest,
- * which lists their content. With each image a new file begins, which names the previous one. Files
+ * The files beside a store that contain its frames (STORE-frames-1 and so on), and the manifest,
+ * which lists their content. A new file begins with each image, and names the previous file. Files
  * before the oldest image are removed.
  */
 final class FrameFiles {
     /**
-     * Suffix of the longest file name; at ten images per second, its number is reached after 30
+     * Suffix of the longest file name. At ten images per second, this number is reached after 30
      * years.
      */
     static final String LONGEST_ENDING = "-frames-9999999999";
@@ -36,8 +36,8 @@ final class FrameFiles {
      * Opens the files; writes nothing before {@link #next}.
      *
      * @param claim initial content of the manifest
-     * @param number of the newest existing file; 0 if there is none
-     * @param id of that file
+     * @param number the number of the newest existing file; 0 if there is none
+     * @param id the identity of that file
      */
     FrameFiles(Path store, Manifest.Claim claim, long number, long id) {
         this.store = store.toAbsolutePath();
@@ -46,7 +46,7 @@ final class FrameFiles {
         this.id = id;
     }
 
-    /** The file before the newest one; it receives no more frames. */
+    /** The file before the newest one. It receives no more frames. */
     record Finished(RunLog.@Nullable Writer file) implements AutoCloseable {
         /** Closes the file after its data was flushed to the disk. Idempotent. */
         @Override
@@ -99,7 +99,7 @@ final class FrameFiles {
     }
 
     /**
-     * Flushes the manifest before an image is committed to the database. Any thread, after the
+     * Flushes the manifest before an image is committed to the database. For any thread, after the
      * first {@link #next}.
      */
     void forceManifest() throws IOException {
@@ -110,8 +110,8 @@ final class FrameFiles {
     }
 
     /**
-     * Records in the manifest that an image was committed to the database. Any thread, after the
-     * first {@link #next}.
+     * Records in the manifest that an image was committed to the database. For any thread, after
+     * the first {@link #next}.
      */
     void keep(long image, long frame, long sum) throws IOException {
         Manifest listed = manifest;
@@ -160,17 +160,18 @@ final class FrameFiles {
                                 file == null ? "" : file.trouble())
                         .filter(each -> !each.isEmpty())
                         .toList();
-        // otherwise the files changed during the check; the next check finds out
+        // If the manifest or the file was replaced during this check, its result is not valid. The
+        // next check then finds the problem.
         return listed == manifest && file == current ? found : List.of();
     }
 
-    /** Returns the manifest; creates it again if its file is missing. */
+    /** Returns the manifest. Creates a new one if its file is missing. */
     private Manifest manifest() throws IOException {
         Manifest now = manifest;
         if (now == null || !now.trouble().isEmpty()) {
             if (now != null) {
                 claim = now.claim();
-                manifest = null; // the next one may be refused, and later calls begin here again
+                manifest = null; // a later call creates it if this call fails
                 now.close();
             }
             now = new Manifest(store, claim);

@@ -44,7 +44,7 @@ public final class ImageCodec {
     }
 
     /**
-     * An image of which only the outer structure was read; its content is not decoded yet.
+     * An image of which only the outer structure was read. Its content is not decoded yet.
      *
      * @param members ids of the agents' bodies by agent
      */
@@ -177,7 +177,10 @@ public final class ImageCodec {
         return tree;
     }
 
-    /** Returns the budget of a library or of a change of it; empty if it has none. */
+    /**
+     * Returns the budget of a library, or the budget in a change of its budget; empty if there is
+     * none.
+     */
     static Optional<TimeBudget> budget(JsonNode tree) {
         if (!tree.has("budget")) {
             return Optional.empty();

@@ -28,14 +28,14 @@ import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
 
 /**
- * The journal of a running world: it begins with an image (the complete state) and repeats one at a
- * fixed interval of frames; between images it contains, for each frame, a digest and all changes
- * that laws did not cause. The world's thread copies data and computes digests; the journal's
- * threads write. A frame is published only after the previous frame was written, so a crash of the
- * process loses at most one frame, unless the disk is slower than FRAME_PATIENCE_NANOSECONDS. If a
- * write fails, the world continues, and the journal resumes with the next image. If the journal's
- * own thread fails, the world stops with an IOError. The world's thread creates and closes the
- * journal, between frames.
+ * The journal of a running world. It begins with an image (the complete state) and contains further
+ * images at a fixed interval of frames. Between images it contains, for each frame, a digest and
+ * all changes that laws did not cause. The world's thread copies data and computes digests; the
+ * journal's threads write. A frame is published only after the previous frame was written.
+ * Therefore a crash of the process loses at most one frame, unless the disk is slower than
+ * FRAME_PATIENCE_NANOSECONDS. If a write fails, the world continues, and the journal resumes with
+ * the next image. If the journal's own thread fails, the world stops with an IOError. The world's
+ * thread creates and closes the journal, between frames.
  */
 public final class Journal implements AutoCloseable {
     private static final int FRAMES_WAITING = 2048;
@@ -50,7 +50,7 @@ public final class Journal implements AutoCloseable {
     private static final long FRAME_PATIENCE_NANOSECONDS = 1_000_000_000;
 
     /**
-     * Maximum time that a frame waits while an earlier image is written or its own image must be
+     * Maximum time that a frame waits until an earlier image is written or its own image can be
      * copied [ns].
      */
     private static final long IMAGE_PATIENCE_NANOSECONDS = 5_000_000_000L;
@@ -75,10 +75,10 @@ public final class Journal implements AutoCloseable {
     private boolean published;
     private boolean imageWanted = true;
 
-    /** True if the disk is too slow, so that frames no longer wait for it. */
+    /** True if the disk is too slow. Frames then do not wait for it. */
     private boolean behind;
 
-    /** True if the last attempt to copy an image failed; this was reported. */
+    /** True if the last attempt to copy an image failed and this failure was reported. */
     private boolean imageFailed;
 
     private Optional<Shortfall> shortfall = Optional.empty();
@@ -87,14 +87,14 @@ public final class Journal implements AutoCloseable {
      * The intervals and waiting policy of a journal.
      *
      * @param imageFrames frames between two images; 0 writes the first image only
-     * @param waits true if the world waits for a slow disk without limit, for worlds that run as
-     *     fast as they can, without a clock. If false, the journal warns the operator after a
-     *     second, and the world continues without waiting.
+     * @param waits true if the world waits for a slow disk without limit, as worlds without a fixed
+     *     rate do. If false, the journal warns the operator after a second, and the world continues
+     *     without waiting.
      */
     public record Plan(long imageFrames, boolean waits) {}
 
     /**
-     * A journal with images that ended without its last image.
+     * A report that a journal with images ended without its last image.
      *
      * @param reached last frame that the journal can restore; -1 if it can restore no frame of this
      *     run
@@ -134,7 +134,7 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * Begins the journal; its first record is an image of the next published frame.
+     * Begins the journal. Its first record is an image of the next published frame.
      *
      * @param members ids of the bodies of agents in the world, by agent
      * @param sink storage, which the journal closes
@@ -163,8 +163,8 @@ public final class Journal implements AutoCloseable {
         writer = new JournalWriter(header, digest.size(), ring, rooms, plan, sink, problems);
         lawListener = laws::add;
         physics.laws().addListener(lawListener);
-        // Both subscriptions are needed: the server may send results of acts from ACT on, and
-        // publishes a rewind without INTAKE.
+        // The journal subscribes to both INTAKE and ACT, for two reasons. The server may send
+        // results of acts from ACT on. A rewind publishes a frame without INTAKE.
         subscriptions.add(bus.subscribe(FramePhase.INTAKE, "journal", this::awaitFrameBefore));
         subscriptions.add(bus.subscribe(FramePhase.ACT, "journal", this::noteEarlyChanges));
         subscriptions.add(bus.subscribe(FramePhase.DERIVE, "journal", this::awaitFrameBefore));
@@ -244,8 +244,8 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * Waits for the previous frame to be written. So what agents have seen is at most one frame
-     * ahead of the journal.
+     * Waits until the previous frame is written. Therefore the frames that agents have received are
+     * at most one frame ahead of the journal.
      */
     private void awaitFrameBefore(FrameEvent frame) {
         requireWriter();
@@ -275,7 +275,7 @@ public final class Journal implements AutoCloseable {
 
     /**
      * Records the changes before PHYSICS, the phase in which laws act. Runs as the last listener of
-     * ACT, because the laws of this frame do not see later changes.
+     * ACT, because later changes come after the laws of this frame.
      */
     private void noteEarlyChanges(FrameEvent frame) {
         List<WorldChange> changes = world.changes();
@@ -284,8 +284,8 @@ public final class Journal implements AutoCloseable {
             early.add(noted(changes.get(i)));
         }
         if (earlyCount > 0) {
-            // a digest before PHYSICS locates a deviation; later, laws would have spread it from
-            // one item to others
+            // This digest helps to locate a deviation, because the laws of the frame have not yet
+            // spread it from one item to others.
             digest.compute(earlyDigest);
         }
     }
@@ -316,7 +316,7 @@ public final class Journal implements AutoCloseable {
         }
     }
 
-    /** Omits a frame from the journal; an image replaces the omitted frames. */
+    /** Omits a frame from the journal. An image later replaces the omitted frames. */
     private void skip(long frame) {
         if (!imageWanted) {
             imageWanted = true;

@@ -5,7 +5,7 @@ import java.io.IOException;
 import java.util.List;
 import java.util.Optional;
 
-/** The storage of a journal. One thread, unless a method says otherwise. */
+/** The storage of a journal. For one thread, unless a method says otherwise. */
 public interface JournalSink extends AutoCloseable {
     /**
      * Appends a library or a frame. After it returns, the record survives the end of this process.
@@ -15,8 +15,8 @@ public interface JournalSink extends AutoCloseable {
     void write(JournalRecord record) throws IOException;
 
     /**
-     * Reserves the place for an image of the last written frame in the order of records: before all
-     * later ones.
+     * Reserves the position of an image of the last written frame in the order of records. The
+     * image comes before all records that are written later.
      *
      * @throws IOException naming the file, if no place can be reserved
      */
@@ -24,13 +24,13 @@ public interface JournalSink extends AutoCloseable {
 
     /**
      * Flushes the written data to the disk, if the sink was configured to survive power failures.
-     * Any thread, also during a write.
+     * For any thread, also during a write.
      */
     void sync() throws IOException;
 
     /**
-     * If the sink's file was moved, removed or truncated, so that readers would miss new data,
-     * returns its name and what happened to it.
+     * Returns the name of the sink's file and what happened to it, if the file was moved, removed
+     * or truncated. Readers would then miss new data. Empty otherwise.
      */
     default Optional<String> missing() {
         return Optional.empty();
@@ -64,8 +64,8 @@ public interface JournalSink extends AutoCloseable {
     void close() throws IOException;
 
     /**
-     * Thrown if a file of the sink was lost and a new one was begun: the image must be written
-     * again.
+     * Thrown if a file of the sink was lost and a new file was begun. The image must then be
+     * written again.
      */
     final class BegunAnewException extends IOException {
         private static final long serialVersionUID = 1L;
@@ -77,8 +77,8 @@ public interface JournalSink extends AutoCloseable {
     }
 
     /**
-     * A reserved place for an image. Any thread, also during a write; images must be written in the
-     * order of their places.
+     * A reserved position for an image. For any thread, also during a write. Images must be written
+     * in the order of their positions.
      */
     interface Place {
         /**

@@ -22,8 +22,8 @@ import java.util.function.Supplier;
 import java.util.regex.Pattern;
 
 /**
- * The two threads that write a journal: one appends each frame as soon as the world's thread passes
- * it; the other writes images and flushes to the disk.
+ * The two threads that write a journal. One appends each frame as soon as the world's thread passes
+ * it. The other writes images and flushes data to the disk.
  */
 final class JournalWriter {
     private static final int SPINS = 1_000;
@@ -54,7 +54,7 @@ final class JournalWriter {
                     1, Thread.ofPlatform().name("journal images").factory());
     private final AtomicBoolean syncDue = new AtomicBoolean();
 
-    /** True once an image is stored; the journal must begin with one. */
+    /** True after the first image was stored, because the journal must begin with an image. */
     private boolean begun;
 
     /**
@@ -63,7 +63,10 @@ final class JournalWriter {
      */
     private long reached = -1;
 
-    /** Frame of the image with which the journal began, or last began again. */
+    /**
+     * Frame of the image with which the journal began, or with which it last began again after a
+     * gap.
+     */
     private long begunAt = -1;
 
     private boolean lastImageKept = true;
@@ -73,14 +76,18 @@ final class JournalWriter {
     /** True while the file is moved, removed or truncated and not yet replaced. */
     private boolean missing;
 
-    /** True while a recording that could not be written does not yet continue in another file. */
+    /**
+     * True if a write of the recording failed and the recording does not yet continue in another
+     * file.
+     */
     private volatile boolean refused;
 
-    /** True if it was already reported why the recording cannot continue in another file. */
+    /** True after a report stated why the recording cannot continue in another file. */
     private boolean toldStay;
 
     /**
-     * The time of the last report of each failure [ns]; emptied when the journal is whole again.
+     * The time of the last report of each failure [ns]. The map is cleared when the journal is
+     * complete again.
      */
     private final Map<String, Long> reported = new ConcurrentHashMap<>();
 
@@ -147,22 +154,24 @@ final class JournalWriter {
     }
 
     /**
-     * Returns, after the writer's end, the last frame that the journal can restore without a gap;
-     * -1 for none.
+     * Returns the last frame that the journal can restore without a gap; -1 for none. Valid after
+     * the writer has ended.
      */
     long reached() {
         return reached;
     }
 
     /**
-     * Returns, after the writer's end, the frames that a recording lacks, except those beyond its
-     * size limit.
+     * Returns the frames that a recording lacks, except those beyond its size limit. Valid after
+     * the writer has ended.
      */
     Optional<Journal.Gap> gap() {
         return gap;
     }
 
-    /** Returns, after the writer's end, whether the final image is stored or none was due. */
+    /**
+     * Returns whether the final image is stored, or none was due. Valid after the writer has ended.
+     */
     boolean isLastImageKept() {
         return lastImageKept && failure == null;
     }
@@ -187,7 +196,7 @@ final class JournalWriter {
     private void run() {
         try {
             writeAll();
-        } catch (Throwable e) { // the world's thread gets it from failure()
+        } catch (Throwable e) { // failure() returns it to the world's thread
             failure = e;
         } finally {
             disk.close();
@@ -231,8 +240,8 @@ final class JournalWriter {
     }
 
     /**
-     * Spins briefly before it blocks: if the world runs as fast as it can, the next entry arrives
-     * soon.
+     * Waits for the next entry. Spins briefly before it blocks, because in a fast world the next
+     * entry arrives soon.
      */
     private void waitForMore() {
         for (int i = 0; i < SPINS && ring.peek() == null; i++) {
@@ -422,8 +431,8 @@ final class JournalWriter {
     }
 
     /**
-     * Writes an image. Meanwhile the other thread continues to write frames, unless the journal has
-     * no image to begin with yet.
+     * Writes an image. Meanwhile the other thread continues to write frames. It waits only if the
+     * journal has no first image yet.
      */
     private void keepImage(Entry entry, SimulationImage image) throws IOException {
         Map<String, Long> members = entry.members;
@@ -440,7 +449,7 @@ final class JournalWriter {
                     CompletableFuture.supplyAsync(
                             () -> writeImage(image, members, place, tries, otherwise), disk);
         } catch (Throwable e) {
-            rooms.add(image); // otherwise the buffer is returned after the image was written
+            rooms.add(image); // otherwise writeImage() returns the buffer
             throw e;
         }
         if (entry.begins || entry.last || !begun) {

@@ -16,12 +16,12 @@ import java.util.UUID;
 import java.util.zip.CRC32C;
 
 /**
- * The file STORE-manifest: a list of the data that the other files of a store contain at least. It
- * is written in place, by one small write after each frame and each image, so it never claims data
- * that is not yet written. If files contain less than it claims, data was lost. The manifest names
- * a file of frames before the file contains a frame, and is flushed before the image that begins
- * the file is committed. So a manifest that does not name the newest file of frames is an older
- * copy, from which nothing follows about the newest frames. For any thread.
+ * The file STORE-manifest. It lists the minimum content of the other files of a store. After each
+ * frame and each image, one small write updates it in place, so it never claims data that is not
+ * yet written. If files contain less than the manifest claims, data was lost. The manifest names a
+ * file of frames before the file contains a frame, and is flushed before the image that begins the
+ * file is committed. Therefore a manifest that does not name the newest file of frames is an older
+ * copy, which does not show whether the newest frames are complete. For any thread.
  */
 final class Manifest implements AutoCloseable {
     private static final byte[] MARK =
@@ -63,8 +63,8 @@ final class Manifest implements AutoCloseable {
         }
 
         /**
-         * Returns whether the machine was booted since then; if so, a power failure may have lost
-         * frames.
+         * Returns whether the machine was booted again after the manifest was written. If so, a
+         * power failure may have lost frames.
          */
         boolean isOfAnotherBoot() {
             return !boot.equals(thisBoot());
@@ -79,7 +79,8 @@ final class Manifest implements AutoCloseable {
     Manifest(Path store, Claim claim) throws IOException {
         file = path(store);
         this.claim = claim;
-        // opening a pipe would block until another process reads it
+        // Only a regular file is opened, because opening a pipe would block until another process
+        // reads from it.
         if (Files.exists(file) && !Files.isRegularFile(file)) {
             throw new IOException(
                     file
@@ -194,7 +195,7 @@ final class Manifest implements AutoCloseable {
         }
     }
 
-    /** Returns a message if the file was moved, removed or truncated; otherwise empty. */
+    /** Returns a message if the file was moved, removed or truncated; empty otherwise. */
     String trouble() {
         String what = place.trouble(BYTES);
         return what.isEmpty() ? "" : file + " " + what;

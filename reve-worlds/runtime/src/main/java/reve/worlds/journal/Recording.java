@@ -38,8 +38,8 @@ public final class Recording implements JournalSink {
     }
 
     private OwnedFile open() throws IOException {
-        // this reads the file, so it comes before the lock: closing a read file would release the
-        // lock
+        // This check comes before the lock is taken. It reads the file, and closing the file after
+        // reading would release the lock.
         requireRecording(file);
         try {
             OwnedFile.requireName(file, "." + plan.keep());
@@ -123,7 +123,7 @@ public final class Recording implements JournalSink {
 
     @Override
     public void sync() {
-        // a recording need not survive a power failure
+        // This method does nothing, because a recording need not survive a power failure.
     }
 
     @Override
@@ -157,8 +157,8 @@ public final class Recording implements JournalSink {
     }
 
     /**
-     * Empties a file that another program has truncated, unless it still begins like a recording.
-     * Without the beginning, its records cannot be replayed.
+     * Empties a file that another program has truncated. Keeps the file if it still begins like a
+     * recording. Without its beginning, its records cannot be replayed.
      */
     private void emptyUnlessRecording() throws IOException {
         try (InputStream held = Files.newInputStream(file)) {
@@ -172,8 +172,8 @@ public final class Recording implements JournalSink {
     }
 
     /**
-     * Refuses to rename if this would delete an older recording: otherwise a disk that fills
-     * repeatedly would delete all older ones.
+     * Throws an exception if renaming would delete an older recording. Otherwise a disk that fills
+     * up repeatedly would cause the deletion of all older recordings.
      */
     private void requireRoomForOlder() throws IOException {
         if (Files.size(file) > RunLog.EMPTY_BYTES

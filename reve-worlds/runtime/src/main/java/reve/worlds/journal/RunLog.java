@@ -55,8 +55,8 @@ public final class RunLog {
     static final int MAX_BYTES = 1_000_000_000;
 
     /**
-     * Size of a content from which its checksum is verified before memory is allocated for it
-     * [bytes].
+     * Size of a content from which its checksum is verified before memory is allocated for the
+     * content [bytes].
      */
     private static final int LARGE_BYTES = 1 << 20;
 
@@ -71,9 +71,10 @@ public final class RunLog {
      * The first record in a file of frames of a store; recordings have none.
      *
      * @param store identity of the store
-     * @param number of the file
-     * @param id of the file
-     * @param before id of the previous file; 0 if there is no previous file with an id
+     * @param number the number of the file
+     * @param id the identity of the file
+     * @param before the identity of the previous file; 0 if there is no previous file with an
+     *     identity
      */
     record Link(UUID store, long number, long id, long before) {
         private static final int BYTES = 4 * Long.BYTES;
@@ -170,7 +171,7 @@ public final class RunLog {
             }
         }
 
-        /** Opens a file of a store; never writes through a link, and never waits for a pipe. */
+        /** Opens a file of a store. Does not follow a link, and does not wait for a pipe. */
         private static FileChannel emptied(Path file) throws IOException {
             if (Files.exists(file, LinkOption.NOFOLLOW_LINKS)
                     && !Files.isRegularFile(file, LinkOption.NOFOLLOW_LINKS)
@@ -179,8 +180,8 @@ public final class RunLog {
                         file + " is no regular file, expected a file of the store; move it away");
             }
             try {
-                // With APPEND, a file that another program truncates stays shorter than {@code
-                // written}, which trouble() detects.
+                // A file opened with APPEND stays shorter than {@code written} after another
+                // program has truncated it. The method trouble() detects this.
                 return FileChannel.open(
                                 file,
                                 LinkOption.NOFOLLOW_LINKS,
@@ -248,7 +249,7 @@ public final class RunLog {
         }
 
         /**
-         * Returns a message if a file of frames was moved, removed or truncated; otherwise empty.
+         * Returns a message if a file of frames was moved, removed or truncated; empty otherwise.
          */
         String trouble() {
             long bytes = written;
@@ -387,7 +388,7 @@ public final class RunLog {
 
         /**
          * Returns the number of the last frame that the file seems to have, for a progress message;
-         * -1 for none. Reads the heads of the records only, and does not check them.
+         * -1 for none. Reads only the heads of the records, and does not check their checksums.
          */
         public long lastFrame() throws IOException {
             ByteBuffer head = ByteBuffer.allocate(HEAD_BYTES).order(ByteOrder.LITTLE_ENDIAN);
@@ -407,7 +408,7 @@ public final class RunLog {
         }
 
         /**
-         * Returns whether the file ends in the middle of a record; known after the last record was
+         * Returns whether the file ends in the middle of a record. Valid after the last record was
          * read.
          */
         public boolean wasCut() {
@@ -489,8 +490,8 @@ public final class RunLog {
         }
 
         /**
-         * Returns whether the checksum of a content is right. Reads it before memory is allocated,
-         * because a damaged or sparse file can claim any length.
+         * Returns whether the checksum of a content is right. The checksum is verified before
+         * memory is allocated, because a damaged or sparse file can claim any length.
          */
         private boolean isGood(int length) throws IOException {
             long from = at + HEAD_BYTES + SUM_BYTES;

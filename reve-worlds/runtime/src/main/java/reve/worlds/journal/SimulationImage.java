@@ -38,7 +38,7 @@ public final class SimulationImage implements AutoCloseable {
 
     /**
      * Copies into this image a world of the same prototype and its physics at the end of a frame.
-     * World's thread, between frames or in PUBLISH.
+     * For the world's thread, between frames or in PUBLISH.
      */
     public void copyFrom(World from, PhysicsAdapter itsPhysics, long frame) {
         world.copyFrom(from, frame);
@@ -50,7 +50,7 @@ public final class SimulationImage implements AutoCloseable {
         physics = newPhysics;
     }
 
-    /** Returns the frame at whose end the state was copied. */
+    /** Returns the number of the frame at whose end the state was copied. */
     public long frame() {
         return world.frame();
     }

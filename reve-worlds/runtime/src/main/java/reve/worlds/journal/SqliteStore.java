@@ -26,8 +26,9 @@ import java.util.stream.Stream;
  * manifest that lists the expected content. One thread at a time, except for {@link #sync} and
  * {@link JournalSink.Place}. The database is locked, so that one process at a time has it open.
  *
- * <p>If the database's path leads to another file, that file may belong to another server. Then it
- * and its files stay as they are, and the store continues under a name of its own.
+ * <p>If the database's path leads to a different file than before, that file may belong to another
+ * server. In this case the file and the files beside it are not changed, and the store continues
+ * under a new name.
  */
 public final class SqliteStore implements JournalSink {
     private static final int GENERATIONS = 3;
@@ -38,16 +39,16 @@ public final class SqliteStore implements JournalSink {
     private volatile Target target;
     private Connection connection;
 
-    /** Where the database is that {@link #connection} has open. */
+    /** The file of the database that {@link #connection} has open. */
     private volatile FilePlace place;
 
-    /** Size that the database has at least [bytes]. */
+    /** Minimum size of the database [bytes], for the detection of a truncated file. */
     private volatile long bytes;
 
     private boolean hasIdentity;
 
     /**
-     * Where the next image goes.
+     * The files that receive the next image.
      *
      * @param since number of the first file of frames that contains the identity
      */
@@ -55,16 +56,19 @@ public final class SqliteStore implements JournalSink {
 
     /** The maximum loss by a power failure. A crash of the process alone never loses a record. */
     public enum Durability {
-        /** Loses the frames of the last 0.1 s, and those that arrive while an image is written. */
+        /**
+         * Loses the frames of the last 0.1 s, and the frames that arrive while an image is written.
+         */
         FULL,
         /** Loses the frames since the last image. */
         NORMAL
     }
 
     /**
-     * Opens a store to resume from it, or creates an empty one. A refused store stays unchanged.
+     * Opens a store to resume from it, or creates an empty one. If the store is refused, it stays
+     * unchanged.
      *
-     * @param contents of the store, just read; not retained
+     * @param contents the contents of the store, which the caller has just read; not retained
      * @throws CorruptException if the store is incomplete
      * @throws IOException if it cannot be opened, or another process has it open
      */
@@ -115,7 +119,7 @@ public final class SqliteStore implements JournalSink {
         };
     }
 
-    /** Returns a target of a name that no file has yet. */
+    /** Returns a target with a file name that does not exist yet. */
     private Target elsewhere() throws IOException {
         Path taken = target.file.toAbsolutePath();
         Set<String> names = new HashSet<>();
@@ -180,7 +184,10 @@ public final class SqliteStore implements JournalSink {
         frames.dropBefore(oldest);
     }
 
-    /** Writes the store's identity with the first image; later files of frames refer to it. */
+    /**
+     * Writes the store's identity with the first image. Later files of frames refer to this
+     * identity.
+     */
     private void identify(Target to) throws SQLException {
         try (Statement statement = connection.createStatement()) {
             statement.executeUpdate(StoreDatabase.IDENTITY_IF_ABSENT);
@@ -200,7 +207,7 @@ public final class SqliteStore implements JournalSink {
             try (Statement statement = connection.createStatement()) {
                 statement.execute("PRAGMA wal_checkpoint(TRUNCATE)");
             } catch (SQLException stays) {
-                // the image stays in the log until a later checkpoint
+                // The checkpoint failed, so the image stays in the log until a later checkpoint.
             }
             connection.setAutoCommit(false);
         } catch (SQLException e) {
@@ -237,7 +244,7 @@ public final class SqliteStore implements JournalSink {
         }
     }
 
-    /** Opens another database, and reports it. */
+    /** Continues the store in another database, and reports this. */
     private void continueIn(Path file) throws IOException {
         Path left = place.path();
         StoreDatabase.closeAfter(connection, new IOException("replaced"));
@@ -353,9 +360,9 @@ public final class SqliteStore implements JournalSink {
     }
 
     /**
-     * Undoes what a failed write has changed. If SQLite has undone it already, as it does when the
-     * disk is full, the connection's transaction state is wrong; then it is closed, and the next
-     * write opens a new connection.
+     * Undoes the changes of a failed write. When the disk is full, SQLite has already undone them,
+     * and the transaction state of the connection is wrong. In this case the connection is closed,
+     * and the next write opens a new one.
      */
     private void rollback(SQLException after) {
         try {

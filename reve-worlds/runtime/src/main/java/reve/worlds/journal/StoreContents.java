@@ -20,8 +20,8 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * The content of a store's files, and what is missing. Reading it changes no file. One thread; no
- * other process may have the store open.
+ * The content of a store's files, and what is missing. Reading it changes no file. For one thread.
+ * No other process may have the store open.
  */
 public final class StoreContents {
     private static final String NOT_VOUCHED = ", so the newest frames may be missing, too";
@@ -30,10 +30,10 @@ public final class StoreContents {
     private static final Pattern OWN_NAME =
             Pattern.compile("-(wal|shm|journal|manifest|frames-\\d+)$");
 
-    /** Damage that loses no data: one message each, which names the file. */
+    /** Messages about damage that loses no data. Each message names the file. */
     private final List<String> harmless = new ArrayList<>();
 
-    /** Damage that loses data: one message each, which names the file. */
+    /** Messages about damage that loses data. Each message names the file. */
     private final List<String> damage = new ArrayList<>();
 
     private final Path file;
@@ -45,7 +45,7 @@ public final class StoreContents {
     private @Nullable Start start;
     private long known;
 
-    /** The readable part of a file of frames. */
+    /** The part of a file of frames that can be read. */
     private record FrameFile(
             long number,
             Path file,
@@ -56,8 +56,8 @@ public final class StoreContents {
     /**
      * An image and the frames that follow it without a gap.
      *
-     * @param why reason why the frames end there, or why the image was read from another place than
-     *     expected
+     * @param why the reason why the frames end there, or why the image was not read from the
+     *     expected place
      * @param isTail whether all damage may be an incomplete record at the end of the newest file
      */
     private record Start(
@@ -131,8 +131,8 @@ public final class StoreContents {
     }
 
     /**
-     * Returns the damage, one message each, which names the file; damage that loses data comes
-     * first.
+     * Returns the damage, one message for each. Each message names the file. Damage that loses data
+     * comes first.
      */
     public List<String> problems() {
         return Stream.concat(damage.stream(), harmless.stream()).distinct().toList();
@@ -181,9 +181,9 @@ public final class StoreContents {
     }
 
     /**
-     * Returns an exception that says why a store is not opened.
+     * Returns an exception that states why a store is not opened.
      *
-     * @param frame from which the world could resume; -1 for none
+     * @param frame the frame from which the world could resume; -1 for none
      */
     public CorruptException refusal(String reason, long frame) {
         String left =
@@ -208,7 +208,7 @@ public final class StoreContents {
                 file + " is not whole: " + reason + ". " + left + " (nothing was changed)");
     }
 
-    /** Returns the content of the manifest for a store that resumes from here. */
+    /** Returns the content of the manifest for a store that resumes from this content. */
     Manifest.Claim claim() {
         Manifest.Claim begin = Manifest.Claim.nothing(id);
         return start == null
@@ -250,7 +250,8 @@ public final class StoreContents {
     }
 
     /**
-     * Returns the SHA-256, as recorded in the database, of libraries whose bytes differ from it.
+     * Returns the SHA-256 of damaged libraries, as the database records it. The bytes of these
+     * libraries have a different SHA-256.
      */
     public List<String> damagedLibraries() {
         return rows.damagedLibraries();
@@ -336,8 +337,8 @@ public final class StoreContents {
     }
 
     /**
-     * Checks that each file of frames belongs to this store and continues the previous file;
-     * ignores files of other stores.
+     * Checks that each file of frames belongs to this store and continues the previous file. Files
+     * of other stores are ignored.
      */
     private void checkLinks() throws IOException {
         long first =
@@ -359,9 +360,9 @@ public final class StoreContents {
 
     /**
      * Compares the files of frames with the manifest. The manifest names a file of frames before
-     * the file contains a frame. So a file with frames that it does not name is damage, unless a
-     * power failure has lost the manifest's newest content. The manifest is flushed before an image
-     * is committed.
+     * the file contains a frame. Therefore a file with frames that the manifest does not name is
+     * damage. The only exception is a power failure that has lost the manifest's newest content.
+     * The manifest is flushed before an image is committed.
      */
     private void compareFramesWithManifest() {
         claim.ifPresent(
@@ -416,7 +417,10 @@ public final class StoreContents {
                 : Optional.of(each.file() + " belongs to another copy of the store");
     }
 
-    /** Returns the number from which on files must exist and name their store. */
+    /**
+     * Returns the smallest number of a file of frames that must exist and contain the store's
+     * identity.
+     */
     private long since() {
         return rows.identity().map(StoreDatabase.Identity::since).orElse(Long.MAX_VALUE);
     }
@@ -445,8 +449,8 @@ public final class StoreContents {
     }
 
     /**
-     * Chooses the image to start from: the newest readable one, or an older one if frames after it
-     * lead further.
+     * Chooses the image to start from. This is the newest readable image, or an older image if the
+     * frames after it reach a later frame.
      */
     private void findStart() throws IOException {
         for (StoreDatabase.ImageRow row : rows.images()) {
@@ -520,7 +524,7 @@ public final class StoreContents {
         return first < before;
     }
 
-    /** Decides from all findings which damage loses data. */
+    /** Decides which damage loses data, after all parts were read. */
     private void judge() {
         Start from = start;
         if (from == null) {
@@ -575,7 +579,9 @@ public final class StoreContents {
         }
     }
 
-    /** Marks the damage of files that only older images than the used one need as harmless. */
+    /**
+     * Marks the damage of a file as harmless if only images older than the used one need the file.
+     */
     private void addOlderFiles(long used) {
         long next = rows.images().getLast().framesFile();
         for (long number : read.headMap(used).keySet()) {
@@ -620,8 +626,8 @@ public final class StoreContents {
     }
 
     /**
-     * Refuses paths that are not regular files; reading a pipe would block until another process
-     * writes.
+     * Refuses paths that are not regular files, because reading a pipe would block until another
+     * process writes to it.
      */
     private static void requireFiles(Path file, TreeMap<Long, Path> files) throws IOException {
         List<Path> own = new ArrayList<>(files.values());
@@ -638,7 +644,7 @@ public final class StoreContents {
                                 + "; move it away (nothing was changed)");
             }
         }
-        // SQLite would create the file to which a dangling link points
+        // A dangling link is refused, because SQLite would create the file to which it points.
         for (Path each : StoreDatabase.besides(file)) {
             if (Files.isSymbolicLink(each) && !Files.exists(each)) {
                 throw new IOException(

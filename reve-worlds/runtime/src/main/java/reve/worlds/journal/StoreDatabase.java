@@ -34,14 +34,19 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.stream.Collectors;
 import java.util.zip.CRC32C;
 
-/** The SQLite database of a store: its schema, and queries that do not change any byte of it. */
+/**
+ * The SQLite database of a store. This class contains its schema and the queries that do not change
+ * any byte of it.
+ */
 final class StoreDatabase {
     /** "REVE" in SQLite's header, which identifies the application. */
     static final int APPLICATION_ID = 0x52455645;
 
     static final int VERSION = 3;
 
-    /** Version of stores without an identity; they receive one at the next write. */
+    /**
+     * Version of stores without an identity. Such a store receives an identity at the next write.
+     */
     private static final int OLD_VERSION = 2;
 
     private static final String LIBRARY =
@@ -72,7 +77,7 @@ final class StoreDatabase {
     private static final int NAME_LENGTH = 60;
 
     /**
-     * System property that names the folder of SQLite's native library; without it, the driver
+     * System property that names the folder of SQLite's native library. Without it, the driver
      * unpacks the library to a temporary file.
      */
     private static final String LIBRARY_FOLDER = "org.sqlite.lib.path";
@@ -100,8 +105,8 @@ final class StoreDatabase {
      *
      * @param isIdentified whether stores of this version have an identity
      * @param images newest first
-     * @param libraries by the SHA-256 of their actual bytes
-     * @param damagedLibraries expected SHA-256 of libraries whose bytes differ
+     * @param libraries the libraries, by the SHA-256 of their actual bytes
+     * @param damagedLibraries expected SHA-256 of libraries whose bytes have a different SHA-256
      */
     record Rows(
             boolean isIdentified,
@@ -172,7 +177,7 @@ final class StoreDatabase {
                 damage);
     }
 
-    /** Reads the image of an intact row. */
+    /** Reads the image of a row that is not damaged. */
     static JournalRecord.Image image(Path file, ImageRow row) throws IOException {
         List<JournalRecord.Image> found = new ArrayList<>();
         reading(
@@ -269,8 +274,8 @@ final class StoreDatabase {
 
     /**
      * Runs a query on a read-only connection, because other connections change the write-ahead log.
-     * Removes the files that SQLite creates beside the database nevertheless. If there is a
-     * rollback journal, because the creation of the store was interrupted, SQLite must write to
+     * SQLite nevertheless creates files beside the database; this method removes them. If the
+     * creation of the store was interrupted, there is a rollback journal, and SQLite must write to
      * apply it.
      */
     private static void reading(Path file, Query query) throws IOException {
@@ -296,8 +301,8 @@ final class StoreDatabase {
     }
 
     /**
-     * Forbids functions and attached databases, because the file, and thus its schema, may be
-     * untrusted.
+     * Forbids functions and attached databases, because the file may be untrusted, and so may its
+     * schema.
      */
     private static void restrict(Connection connection, Statement statement) throws SQLException {
         var limited = connection.unwrap(SQLiteConnection.class);
@@ -370,8 +375,8 @@ final class StoreDatabase {
     }
 
     /**
-     * Refuses any other schema. A view, trigger, check or generated column would run an untrusted
-     * author's SQL, which may never end or show data that is not stored.
+     * Throws an exception for any other schema. A view, trigger, check or generated column would
+     * run SQL of an untrusted author. Such SQL may run for ever, or show data that is not stored.
      */
     private static void requireSchema(Path file, Statement statement, long version)
             throws SQLException {

@@ -17,12 +17,12 @@ import java.util.Map;
 /**
  * The data of a recorded or stored world that never changes.
  *
- * @param folder of its world file, with its meshes and textures
+ * @param folder the folder of the world file, with the world's meshes and textures
  */
 public record WorldHeader(String name, WorldPrototype prototype, Timing timing, Path folder) {
 
     /**
-     * Returns a reader of the world's meshes and textures, which are read on first use. For one
+     * Returns a reader of the world's meshes and textures. They are read on first use. For one
      * thread.
      */
     public Assets assets() {

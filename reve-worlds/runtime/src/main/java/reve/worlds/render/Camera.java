@@ -10,15 +10,16 @@ import reve.core.file.CameraDescription;
  * @param target point that it looks at [m], different from the eye
  * @param up direction that is up in the picture, not parallel to the line of sight
  * @param orthographic whether lines of sight are parallel
- * @param extent vertical field of view [rad], 0.001 to 3.1, or, if orthographic, height of the view
- *     [m]
+ * @param extent vertical field of view [rad], from 0.001 to 3.1; for an orthographic camera, the
+ *     height of the view [m]
  */
 public record Camera(Point eye, Point target, Point up, boolean orthographic, double extent) {
 
     private static final Point UP = new Point(0, 1, 0);
 
     /**
-     * Direction from the target to the eye: slightly to the right and above, a three-quarter view.
+     * Direction from the target to the eye. It points slightly to the right and upwards, which
+     * gives a three-quarter view.
      */
     private static final Point THREE_QUARTER = new Point(0.48, 0.42, 1).normalized();
 
@@ -27,12 +28,17 @@ public record Camera(Point eye, Point target, Point up, boolean orthographic, do
     /** Maximum fraction of the picture's width and height that a fitted box fills. */
     private static final double FIT_FILL = 0.82;
 
-    /** Returns a perspective camera; the angle is the picture's vertical field of view [rad]. */
+    /**
+     * Returns a perspective camera. The angle is the vertical field of view of the picture [rad].
+     */
     public static Camera perspective(Point eye, Point target, Point up, double verticalFovRadians) {
         return new Camera(eye, target, up, false, verticalFovRadians);
     }
 
-    /** Returns an orthographic camera; the height is that of the complete picture [m]. */
+    /**
+     * Returns an orthographic camera. The height is the height of the complete picture in the world
+     * [m].
+     */
     public static Camera orthographic(Point eye, Point target, Point up, double heightMetres) {
         return new Camera(eye, target, up, true, heightMetres);
     }

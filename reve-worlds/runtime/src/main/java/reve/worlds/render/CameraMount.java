@@ -14,8 +14,8 @@ import reve.core.world.WorldSnapshot;
 import java.util.Optional;
 
 /**
- * A named camera that follows the items of a running world. If an item leaves the world, its last
- * place counts. For one thread.
+ * A named camera that follows the items of a running world. If an item leaves the world, the camera
+ * uses the item's last known place. For one thread.
  */
 public final class CameraMount {
     private static final Point DOWN_Z = new Point(0, 0, -1);
@@ -24,7 +24,7 @@ public final class CameraMount {
     private final Tracked followed;
     private final Tracked lookedAt;
 
-    /** The place of an item, and its last known one. */
+    /** The place of an item, or its last known place if the item has left the world. */
     private static final class Tracked {
         private final Optional<String> name;
         private @Nullable ItemId id;
@@ -65,7 +65,10 @@ public final class CameraMount {
             }
         }
 
-        /** Returns the row of the item: by its id, or for the first time by its name. */
+        /**
+         * Returns the row of the item. The item is found by its name at first, and by its id
+         * afterwards.
+         */
         private int row(WorldSnapshot snapshot, TableSnapshot bodies, String wanted) {
             if (id != null) {
                 return bodies.rowOf(id);
@@ -78,7 +81,7 @@ public final class CameraMount {
             return -1;
         }
 
-        /** Returns a vector turned as the item is. */
+        /** Returns a vector rotated by the item's orientation. */
         Point turned(Point v) {
             var axis = new Point(turn[0], turn[1], turn[2]);
             double w = turn[3];
@@ -86,7 +89,8 @@ public final class CameraMount {
             if (!(length > 0)) {
                 return v;
             }
-            // v + 2 q x (q x v + w v), for a quaternion (q, w) of length 1
+            // The formula v + 2 q x (q x v + w v) rotates a vector v by a quaternion (q, w) of
+            // length 1.
             Point inner = axis.cross(v).plus(w, v);
             return v.plus(2 / length, axis.cross(inner));
         }
@@ -119,7 +123,10 @@ public final class CameraMount {
         return offset.plus(1, followed.place);
     }
 
-    /** Returns a camera with another target or up direction where the given ones show nothing. */
+    /**
+     * Returns a camera that shows something. Uses another target if the given one is too near to
+     * the eye, and another up direction if the given one is parallel to the line of sight.
+     */
     private static Camera sighted(Point eye, Point target, Point up, double fov) {
         Point aim = target;
         double farthest = Math.max(largest(eye), largest(target));

@@ -7,7 +7,7 @@ import reve.core.world.Mesh;
 final class Cylinder {
     private static final int SIDES = 32;
 
-    /** The mesh; instances scale it to their size. */
+    /** The mesh. Instances scale it to their size. */
     static final Mesh MESH = make();
 
     private Cylinder() {}
@@ -21,7 +21,8 @@ final class Cylinder {
             double angle = 2 * Math.PI * side / SIDES;
             float x = (float) Math.cos(angle);
             float z = (float) Math.sin(angle);
-            // Rings of corners: lower and upper edge of the side, then those of the two caps.
+            // The corners form rings: first the lower and upper edge of the side, then the edges of
+            // the two caps.
             for (int ring = 0; ring < 4; ring++) {
                 int at = 3 * (ring * SIDES + side);
                 boolean upper = ring % 2 == 1;

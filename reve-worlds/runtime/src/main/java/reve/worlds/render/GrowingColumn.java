@@ -6,8 +6,8 @@ import java.nio.ByteOrder;
 import java.util.List;
 
 /**
- * A growing buffer of packed little-endian numbers of 4 bytes, the format of columns in messages to
- * the renderer.
+ * A growing buffer of packed little-endian numbers of 4 bytes. This is the format of columns in
+ * messages to the renderer.
  */
 final class GrowingColumn {
 
@@ -31,7 +31,7 @@ final class GrowingColumn {
     }
 
     /**
-     * Returns the number of rows of columns that must have the same length.
+     * Returns the number of rows of several columns. The columns must have the same length.
      *
      * @param components numbers per row of each column
      */

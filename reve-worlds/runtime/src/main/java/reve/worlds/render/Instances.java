@@ -4,19 +4,19 @@ package reve.worlds.render;
 import java.util.List;
 
 /**
- * Drawn objects of one shape, as columns; an object's row is its value in each column. Rows may be
- * written item by item or column by column; all columns must have the same length when the scene is
+ * Drawn objects of one shape, as columns. Each object has one row in each column. Rows may be
+ * written item by item or column by column. All columns must have the same length when the scene is
  * rendered.
  */
 public final class Instances {
 
-    /** Flag: draws the exact colour, without light, and casts no shadow. */
+    /** Flag: draws the exact colour, without light. The object casts no shadow. */
     public static final int UNLIT = 1;
 
     /** Flag: draws grid lines on a plane, at distances of powers of ten of a metre. */
     public static final int GRID = 2;
 
-    /** Flag: fades a plane into the background away from the camera's target. */
+    /** Flag: fades a plane into the background with growing distance from the camera's target. */
     public static final int FADE = 4;
 
     private final GrowingColumn positions = new GrowingColumn();

@@ -11,8 +11,8 @@ import java.util.Optional;
  * @param width [px]
  * @param height [px]
  * @param colour red, green and blue in sRGB, one byte each
- * @param depth of the surface at the centre of the pixel, along the view direction [m], f32; 0 if
- *     there is no surface
+ * @param depth the distance of the surface at the centre of the pixel, along the view direction
+ *     [m], f32; 0 if there is no surface
  * @param item number of the item at the centre of the pixel, u32; 0 if there is no item with a
  *     number
  */

@@ -23,8 +23,8 @@ final class RenderProcess {
     RenderProcess(Path program) throws IOException {
         process = new ProcessBuilder(List.of(program.toString())).start();
         stream = new SceneStream(process.getOutputStream(), process.getInputStream());
-        // A platform thread, because reading a pipe would pin a virtual thread's carrier as long as
-        // the process lives.
+        // This is a platform thread, because reading a pipe would block the carrier of a virtual
+        // thread as long as the process lives.
         errorReader =
                 Thread.ofPlatform().daemon().name("vesper-render errors").start(this::keepErrors);
     }
@@ -41,13 +41,14 @@ final class RenderProcess {
         return process.pid();
     }
 
-    /** Ends the process. Any thread; a thread that waits for an answer gets an IOException. */
+    /** Ends the process. For any thread; a thread that waits for an answer gets an IOException. */
     void kill() {
         process.destroyForcibly();
     }
 
     /**
-     * Returns how the process ended and its error output, for a message; waits briefly for both.
+     * Returns how the process ended and its error output, for a message. Waits a short time for
+     * both.
      */
     String describeEnd() {
         try {

@@ -14,16 +14,16 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.ReentrantLock;
 
 /**
- * Renderer of scenes in a separate process, so that a crash in a graphics library loses a picture
- * but does not end the world's process. The process starts with the first picture, and again after
- * it has ended.
+ * Renderer of scenes in a separate process. A crash in a graphics library therefore loses a picture
+ * but does not end the world's process. The process starts with the first picture, and starts again
+ * after it has ended.
  *
- * <p>Any thread may call it; pictures are made one after the other, and callers wait. {@link
- * #close()} never waits, and aborts the picture in progress.
+ * <p>Any thread may call this class. Pictures are made one after the other, and callers wait for
+ * their picture. {@link #close()} never waits, and aborts the picture in progress.
  */
 public final class Renderer implements AutoCloseable {
 
-    /** Default time limit for a picture; enough for the largest picture on a busy machine. */
+    /** Default time limit for a picture. It is enough for the largest picture on a busy machine. */
     public static final Duration DEFAULT_DEADLINE = Duration.ofSeconds(60);
 
     private static final int ATTEMPTS = 2;
@@ -152,7 +152,7 @@ public final class Renderer implements AutoCloseable {
         }
     }
 
-    /** Returns the running process, or starts one. */
+    /** Returns the running process. Starts a process if none runs. */
     private RenderProcess running() throws IOException {
         RenderProcess live = process;
         if (live != null && live.isAlive()) {
@@ -178,8 +178,8 @@ public final class Renderer implements AutoCloseable {
     }
 
     /**
-     * Ends the process, whose stream is in an unknown state. Returns if another attempt makes
-     * sense; otherwise throws an exception with the reason.
+     * Ends the process, because the state of its stream is unknown. Returns normally if another
+     * attempt may succeed; otherwise throws an exception with the reason.
      */
     private void explain(IOException cut, boolean expired, int attempt) {
         RenderProcess broken = process;

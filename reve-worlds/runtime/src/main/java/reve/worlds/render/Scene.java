@@ -13,8 +13,9 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * The content of one picture, as columns in the form that the renderer reads. One thread fills it;
- * then it may be rendered any number of times. Coordinates are in metres, finite and at most 1e15.
+ * The content of one picture, as columns in the form that the renderer reads. One thread fills the
+ * scene; afterwards it may be rendered any number of times. Coordinates are in metres, finite and
+ * at most 1e15.
  */
 public final class Scene {
 
@@ -110,7 +111,7 @@ public final class Scene {
         return instances.computeIfAbsent(look, key -> new Instances());
     }
 
-    /** Returns the triangles that are drawn as they are, without a mesh; the caller adds rows. */
+    /** Returns the triangles that belong to no mesh. The caller adds rows. */
     public Triangles triangles() {
         return triangles;
     }

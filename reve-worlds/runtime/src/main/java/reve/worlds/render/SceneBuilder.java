@@ -18,18 +18,19 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * Builder of a scene from the state of a world at the end of a frame: bodies by shape and material,
- * springs as lines, surfaces as triangles in the colours of the bodies at their corners. Items
- * farther than {@link #FARTHEST} from the origin, or larger, are left out, so that one item cannot
- * prevent all pictures. Each drawn item has the value of its {@link ItemId} as its number. A body
- * whose colour has alpha 0 is hidden, and so is a surface whose corners are three such bodies.
- * Planes have a grid. In a world without planes, a faint ground that fades with distance is added,
- * so that depth and motion are visible.
+ * Builder of a scene from the state of a world at the end of a frame. Bodies are drawn by shape and
+ * material, springs as lines. Surfaces are drawn as triangles in the colours of the bodies at their
+ * corners. Items that are larger than {@link #FARTHEST}, or farther than it from the origin, are
+ * omitted, so that one item cannot prevent all pictures. The number of a drawn item is the value of
+ * its {@link ItemId}. A body whose colour has alpha 0 is hidden. A surface is hidden if all its
+ * corners are hidden bodies. Planes have a grid. In a world without planes, a faint ground that
+ * fades with distance is added, so that depth and motion are visible.
  *
  * @param image size and quality
  * @param environment background and light
- * @param camera viewpoint; if empty, all bodies except planes are fitted into the picture, which
- *     needs their bounding boxes, computed in DERIVE (the frame's phase for derived properties)
+ * @param camera viewpoint; if empty, all bodies except planes are fitted into the picture. This
+ *     needs their bounding boxes, which are computed in DERIVE (the frame's phase for derived
+ *     properties).
  * @param without a body that is not drawn, for example the one that carries the camera
  */
 public record SceneBuilder(
@@ -54,12 +55,15 @@ public record SceneBuilder(
     private static final float SPRING_WIDTH = 1 / 200f;
 
     /**
-     * Side of the added ground as a multiple of the world's longest side; the ground fades out
-     * before its edge.
+     * Side of the added ground as a multiple of the longest side of the world's bounds. The ground
+     * fades out before its edge.
      */
     private static final double GROUND_SIDE = 60;
 
-    /** The renderer refuses a scene with larger numbers than twice this [m]. */
+    /**
+     * Largest coordinate or size of a drawn item [m]. The renderer refuses scenes with numbers
+     * larger than twice this value.
+     */
     private static final double FARTHEST = 5e14;
 
     private static final double INFINITY = Double.POSITIVE_INFINITY;
@@ -295,7 +299,7 @@ public record SceneBuilder(
         return hasPlane;
     }
 
-    /** Adds a cylinder; for a capsule, a cylinder and two balls. */
+    /** Adds a cylinder. A capsule is drawn as a cylinder and two balls. */
     private static void addRound(
             Scene scene, TableSnapshot bodies, int row, Point place, ItemSymbols item) {
         Material material = item.material().orElse(Material.DEFAULT);
@@ -330,8 +334,8 @@ public record SceneBuilder(
     }
 
     /**
-     * Returns the instances to which an item is added: one, or one per part if the item's mesh has
-     * materials of its own.
+     * Returns the instances to which an item is added. If the item's mesh has materials of its own,
+     * there is one for each part of the mesh; otherwise there is one.
      */
     private static List<Instances> looks(Scene scene, ItemSymbols item) {
         Material material = item.material().orElse(Material.DEFAULT);
@@ -362,8 +366,8 @@ public record SceneBuilder(
     }
 
     /**
-     * Adds a ground below all items. Its height is rounded, so that it does not move when items
-     * move slightly.
+     * Adds a ground below all items. The height of the ground is rounded, so that it does not move
+     * when items move slightly.
      */
     private static void addGround(Scene scene, Bounds bounds) {
         double side = Math.max(bounds.longestSide(), 1e-3);

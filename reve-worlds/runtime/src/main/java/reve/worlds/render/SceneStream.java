@@ -54,8 +54,8 @@ final class SceneStream {
     private static final int MAX_ANSWER_BYTES = 256 << 20;
 
     /**
-     * An answer of the renderer: if the status is OK, the PNG, the pixels or nothing; otherwise the
-     * reason.
+     * An answer of the renderer. If the status is OK, the payload is a PNG, pixels or nothing.
+     * Otherwise the payload is the reason.
      */
     record Answer(int status, byte[] payload) {
         String reason() {
@@ -98,7 +98,7 @@ final class SceneStream {
     /**
      * Sends a scene and waits for its pixels.
      *
-     * @param layers as in {@link PixelLayers}
+     * @param layers the requested layers, a sum of the constants of {@link PixelLayers}
      */
     Answer pixels(Scene scene, int layers) throws IOException {
         ByteBuffer wanted = ByteBuffer.allocate(4).order(ByteOrder.LITTLE_ENDIAN).putInt(layers);
@@ -115,8 +115,8 @@ final class SceneStream {
     }
 
     /**
-     * After a failed write, reads the answer that the renderer sent before it stopped reading: it
-     * contains the reason.
+     * Reads the renderer's last answer after a failed write. The renderer sent this answer before
+     * it stopped reading, and the answer contains the reason.
      */
     private Answer lastWords(IOException cut) throws IOException {
         try {
@@ -172,8 +172,8 @@ final class SceneStream {
     }
 
     /**
-     * Sends the scene's meshes that the renderer lacks, and makes it free those that the scene does
-     * not use.
+     * Sends the meshes of the scene that the renderer lacks. Makes the renderer free the meshes
+     * that the scene does not use.
      */
     private void writeMeshes(Scene scene) throws IOException {
         Set<Mesh> wanted = new LinkedHashSet<>();
@@ -232,8 +232,8 @@ final class SceneStream {
     }
 
     /**
-     * Sends the textures that the renderer lacks, and makes it free those that the scene does not
-     * use.
+     * Sends the textures that the renderer lacks. Makes the renderer free the textures that the
+     * scene does not use.
      */
     private void writeTextures(Collection<Material> materials) throws IOException {
         Set<Texture> wanted = new LinkedHashSet<>();
@@ -292,8 +292,8 @@ final class SceneStream {
     }
 
     /**
-     * Begins a message in the scratch buffer. The length in front is set when the message is
-     * complete.
+     * Begins a message in the scratch buffer. The length at the beginning is set when the message
+     * is complete.
      */
     private ByteBuffer begin(int type) {
         return scratch.clear().putInt(type).putInt(0);

@@ -13,7 +13,7 @@ public final class Triangles {
     Triangles() {}
 
     /**
-     * Adds the next corner [m]; three corners make a triangle.
+     * Adds the next corner [m]. Three corners make a triangle.
      *
      * @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is ignored
      */

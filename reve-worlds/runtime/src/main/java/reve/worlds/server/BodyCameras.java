@@ -29,7 +29,7 @@ import java.util.concurrent.ThreadPoolExecutor;
 import java.util.concurrent.TimeUnit;
 
 /**
- * Renders the pictures of bodies' cameras, one after the other, on its own thread. A picture does
+ * Renders the pictures of bodies' cameras on its own thread, one after the other. A picture does
  * not show the body that carries the camera.
  */
 final class BodyCameras implements Cameras, AutoCloseable {
@@ -38,7 +38,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
     private static final int MAX_WAITING = 1024;
 
     /**
-     * Maximum number of attempts at a picture; an attempt fails if its snapshot is overwritten
+     * Maximum number of attempts to make a picture. An attempt fails if its snapshot is overwritten
      * while the scene is built.
      */
     private static final int ATTEMPTS = 3;
@@ -57,7 +57,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
                     Thread.ofPlatform().daemon().name("cameras of bodies").factory());
 
     /**
-     * @param renderer closed by this object
+     * @param renderer the renderer, which this object closes
      */
     BodyCameras(SnapshotRing snapshots, Renderer renderer) {
         this.snapshots = snapshots;
@@ -156,7 +156,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
         return ByteBuffer.wrap(bytes).order(ByteOrder.LITTLE_ENDIAN);
     }
 
-    /** Clears pixels beyond the camera's range: they become black and have no item. */
+    /** Clears the pixels beyond the camera's range. They become black and show no item. */
     private static void forgetBeyond(
             float range, byte[] depth, Optional<byte[]> colour, Optional<byte[]> items) {
         ByteBuffer depths = numbers(depth);

@@ -14,23 +14,23 @@ import java.time.Duration;
 
 /** The process in which a world's engine and laws run. */
 public interface EnginePlace {
-    /** The server's own process: a law that crashes ends the server. */
+    /** The server's own process. A law that crashes ends the server. */
     EnginePlace IN_PROCESS =
             (config, prototype, apart, arena) -> new VesperEngine(config, prototype);
 
     /**
      * Creates an engine.
      *
-     * @param apart decides which libraries run in a sandbox; has no effect on an engine in the
-     *     server's own process, where there is no sandbox
+     * @param apart decides which libraries run in a sandbox; has no effect if the engine runs in
+     *     the server's own process, which has no sandbox
      * @param arena memory of the columns that the engine will use
      */
     PhysicsEngine engine(
             VesperConfig config, Prototype prototype, ApartRule apart, SharedArena arena);
 
     /**
-     * Returns a place that starts a process for each engine: after the crash of a law, only one
-     * frame is repeated.
+     * Returns a place that starts a separate process for each engine. After the crash of a law,
+     * only one frame is repeated.
      */
     static EnginePlace hosted(Hosts hosts, Duration frameLimit) {
         return (config, prototype, apart, arena) ->

@@ -31,7 +31,8 @@ import java.util.Optional;
 
 /**
  * The states of a recording or a store, frame by frame. Each frame is repeated and compared with
- * the journal, so a state that differs from the recorded one is never returned. For one thread.
+ * the journal. Therefore a state that differs from the recorded one is never returned. For one
+ * thread.
  */
 public final class History implements AutoCloseable {
     private static final byte[] DATABASE = "SQLite format 3\0".getBytes(StandardCharsets.US_ASCII);
@@ -122,7 +123,7 @@ public final class History implements AutoCloseable {
     }
 
     /**
-     * Goes on to the next frame; the first one is that of the journal's first image (a complete
+     * Makes the next frame. The first frame is the frame of the journal's first image (a complete
      * state).
      *
      * @return false if the journal has ended
@@ -204,17 +205,17 @@ public final class History implements AutoCloseable {
         return happenings;
     }
 
-    /** Returns the name of the world; after the first {@link #next()}. */
+    /** Returns the name of the world. Valid after the first {@link #next()}. */
     public String world() {
         return replay.simulation().description().name();
     }
 
-    /** Returns the properties of the world's items; after the first {@link #next()}. */
+    /** Returns the properties of the world's items. Valid after the first {@link #next()}. */
     public WorldPrototype prototype() {
         return replay.simulation().description().prototype();
     }
 
-    /** Returns the frame rate of the world; after the first {@link #next()}. */
+    /** Returns the frame rate of the world. Valid after the first {@link #next()}. */
     public Timing timing() {
         return replay.simulation().description().timing();
     }
@@ -224,12 +225,14 @@ public final class History implements AutoCloseable {
         return replay.frame();
     }
 
-    /** Returns the part of the frames that was made, 0 to 1; for a progress message. */
+    /**
+     * Returns the fraction of the frames that was made, from 0 to 1. Used for progress messages.
+     */
     public double part() {
         return last <= first ? 1 : Math.min(1, (double) (frame() - first) / (last - first));
     }
 
-    /** Returns whether a recording ends within a record; known after its last frame. */
+    /** Returns whether a recording ends within a record. Valid after its last frame. */
     public boolean wasCut() {
         return recording != null && recording.wasCut();
     }

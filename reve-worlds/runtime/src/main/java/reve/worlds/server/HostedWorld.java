@@ -132,8 +132,8 @@ final class HostedWorld implements AutoCloseable {
     }
 
     /**
-     * Opens the journals. Called last, because journals must be the last listeners of ACT, the
-     * phase for commands.
+     * Opens the journals. Called as the last step, because journals must be the last listeners of
+     * ACT, the phase for commands.
      */
     private void keepJournals(boolean waits) throws IOException {
         Persistence persistence = plan.persistence();
@@ -171,7 +171,7 @@ final class HostedWorld implements AutoCloseable {
         }
     }
 
-    /** Reports a failure that no single law caused. For any thread. */
+    /** Reports a failure that was not caused by a single law. For any thread. */
     void tellProblem(String source, String message) {
         LOG.warn("{}: {}: {}", name(), source, message);
         events.happened("fault", WorldServer.fault(source, message));
@@ -272,12 +272,12 @@ final class HostedWorld implements AutoCloseable {
         }
     }
 
-    /** Returns, after close, what the store lacks; empty if it is complete. */
+    /** Returns what the store lacks; empty if it is complete. Valid after close. */
     Optional<String> unkept() {
         return unkept;
     }
 
-    /** Returns, after close, what the recording lacks; empty if it is complete. */
+    /** Returns what the recording lacks; empty if it is complete. Valid after close. */
     Optional<String> gap() {
         return Optional.ofNullable(recordingJournal)
                 .flatMap(Journal::gap)

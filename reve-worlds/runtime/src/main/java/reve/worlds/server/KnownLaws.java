@@ -20,19 +20,21 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The file of known law libraries: the libraries that shipped with the release or were in the
- * operator's folder when this account stored or recorded worlds, by the SHA-256 of their bytes.
- * Because of it, a store still opens without {@code --trust} after these libraries were replaced,
- * by an upgrade, or by a new version in the folder if the operator names the same folder. A line
- * contains the SHA-256, the name and, for a library of a folder, the folder. The file belongs to
- * the account; stores and recordings cannot add to it. It keeps at most {@link #MOST_LINES}
- * libraries, the newest ones. For any thread.
+ * The file of known law libraries. A library is known if it shipped with the release or was in the
+ * operator's folder when this account stored or recorded worlds. Libraries are identified by the
+ * SHA-256 of their bytes. Known libraries may be replaced later, by an upgrade or by a new version
+ * in the folder. A store that contains the old bytes still opens without {@code --trust}. For a
+ * library of a folder, the operator must name the same folder again.
+ *
+ * <p>A line contains the SHA-256, the name and, for a library of a folder, the folder. The file
+ * belongs to the account; stores and recordings cannot add to it. It keeps at most {@link
+ * #MOST_LINES} libraries, the newest ones. For any thread.
  */
 final class KnownLaws {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
     private static final Path FILE = folder().resolve("known-laws");
 
-    /** Maximum number of libraries; at the maximum, the older half is dropped. */
+    /** Maximum number of libraries. When the maximum is reached, the older half is dropped. */
     private static final int MOST_LINES = 10_000;
 
     /** Separates the name of a library from its folder. */
@@ -45,7 +47,7 @@ final class KnownLaws {
     /**
      * Returns whether a library with these bytes is known to this account.
      *
-     * @param folder the operator's folder of this command
+     * @param folder the operator's folder that this command uses
      */
     static boolean contains(String sha256, Optional<Path> folder) {
         try {
@@ -69,7 +71,8 @@ final class KnownLaws {
     /**
      * Adds libraries to the file. Blocks on file access.
      *
-     * @param folder that they come from; empty for those that ship
+     * @param folder the folder that contains the libraries; empty for libraries that ship with the
+     *     release
      */
     static synchronized void keep(List<LawLibrary> libraries, Optional<Path> folder) {
         try {
@@ -97,7 +100,7 @@ final class KnownLaws {
                 List<String> kept =
                         new ArrayList<>(present.subList(present.size() / 2, present.size()));
                 kept.addAll(lines);
-                Path part = PartFile.create(FILE); // of this process alone
+                Path part = PartFile.create(FILE); // only this process uses this file
                 Files.write(part, kept);
                 Files.move(part, FILE, StandardCopyOption.ATOMIC_MOVE);
                 return;

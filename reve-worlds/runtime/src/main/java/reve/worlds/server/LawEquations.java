@@ -10,10 +10,7 @@ import java.util.Optional;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.stream.Collectors;
 
-/**
- * Reader of the equations of laws, which are in the section "Equation" of the law's README. Any
- * thread.
- */
+/** Reads the equations of laws from the section "Equation" of each law's README. For any thread. */
 final class LawEquations {
     private static final String SECTION = "## Equation";
     private static final String NEXT = "## ";

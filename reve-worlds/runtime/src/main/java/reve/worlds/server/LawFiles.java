@@ -21,7 +21,7 @@ import java.util.Map;
 import java.util.function.Consumer;
 
 /**
- * Finder of law libraries on disk by the SHA-256 of their bytes, to replace damaged ones of a
+ * Finds law libraries on disk by the SHA-256 of their bytes, to replace damaged libraries of a
  * store. For one thread.
  */
 final class LawFiles {

@@ -28,7 +28,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Finder of wrong parameters of a law and their places in the world file. */
+/** Finds wrong parameters of a law and their places in the world file. */
 final class LawParameters {
     /** Maximum size of a file with parameters [bytes]. */
     private static final int MOST_BYTES = 64 * 1024;
@@ -36,8 +36,8 @@ final class LawParameters {
     private LawParameters() {}
 
     /**
-     * Returns the parameters whose unit has another dimension than the law requires: by name, a
-     * message with the parameter's place.
+     * Returns the parameters whose unit has another dimension than the law requires. The result
+     * contains a message with the parameter's place, by name of the parameter.
      *
      * @param loaded the laws of the library
      */
@@ -106,7 +106,8 @@ final class LawParameters {
                                     }
                                 });
             } catch (PhysicsException notForItsParameters) {
-                // no parameter is wrong, so the law itself is
+                // The engine accepts each parameter alone, so it refuses the law for another
+                // reason. The message names the place of the law.
             }
         }
         if (wrong.isEmpty()) {
@@ -115,7 +116,10 @@ final class LawParameters {
         return wrong;
     }
 
-    /** Returns the engine's refusal of the law with this one parameter, if it refuses it. */
+    /**
+     * Returns the engine's refusal of the law with only this parameter; empty if the engine accepts
+     * it.
+     */
     private static Optional<String> refusal(
             LawReference law, String name, PhysicsEngine engine, LawPath lawPath) {
         try {

@@ -36,18 +36,18 @@ import java.util.stream.Stream;
  * among the shipped laws, then in the operator's folder, then in {@code laws/} beside the world
  * file. Code from {@code laws/} beside the world file, from a store or from a recording came with
  * the world. It is opened only if the operator trusts the world, if its bytes equal a library of
- * the first two places, or in a sandbox. Laws of the operator's folder for untrusted laws, which is
- * searched after the first two places, always run in a sandbox. For any thread.
+ * the first two places, or in a sandbox. The operator may also name a folder of untrusted laws,
+ * which is searched after the first two places. Its laws always run in a sandbox. For any thread.
  *
  * @param shipped folder of the shipped laws
  * @param folder the operator's folder
  * @param world folder of the world file
  * @param trusted whether native code that came with the world may be opened
  * @param place process in which the laws run
- * @param validated whether laws run on guarded copies of the columns, so that accesses against
- *     their declarations are detected (slower)
- * @param excluded names of libraries that must not act, wherever they come from
- * @param sandboxed the laws that run in a sandbox; needs a place in another process
+ * @param validated whether laws run on guarded copies of the columns, which detects accesses that a
+ *     law does not declare but is slower
+ * @param excluded names of libraries that must not act, whatever their origin
+ * @param sandboxed the laws that run in a sandbox; the place must then be another process
  */
 public record LawPath(
         Path shipped,
@@ -88,7 +88,7 @@ public record LawPath(
         }
     }
 
-    /** Where a library comes from. */
+    /** The origin of a library. */
     public enum Origin {
         /** Shipped with the release. */
         SHIPPED,
@@ -108,12 +108,12 @@ public record LawPath(
         }
     }
 
-    /** Returns this path with validation on or off. */
+    /** Returns a copy of this path with validation on or off. */
     public LawPath withValidation(boolean on) {
         return new LawPath(shipped, folder, world, trusted, place, on, excluded, sandboxed);
     }
 
-    /** Returns this path without the libraries of these names. */
+    /** Returns a copy of this path without the libraries of these names. */
     public LawPath without(Set<String> names) {
         return new LawPath(shipped, folder, world, trusted, place, validated, names, sandboxed);
     }
@@ -136,7 +136,7 @@ public record LawPath(
                 Product.nativeFolder().resolve("laws"), Optional.empty(), Optional.empty(), false);
     }
 
-    /** Returns this path for a world whose file is in this folder. */
+    /** Returns a copy of this path for a world whose file is in this folder. */
     public LawPath forWorld(Path worldFolder) {
         return new LawPath(
                 shipped,
@@ -226,8 +226,8 @@ public record LawPath(
     }
 
     /**
-     * Returns a message if the found law is used instead of a library in the world's own folder
-     * that has the same name and other bytes.
+     * Returns a message if the found law hides a library in the world's own folder. It hides a
+     * library that has the same name and other bytes.
      */
     Optional<String> hidden(String name, Found found) {
         try {
@@ -264,8 +264,8 @@ public record LawPath(
     }
 
     /**
-     * Refuses a library if its own name, or the name of one of its laws, is the name of a shipped
-     * law, because users would confuse the two; and libraries that are excluded.
+     * Refuses a library that is excluded. Also refuses a library if its own name, or the name of
+     * one of its laws, is the name of a shipped law, because users would confuse the two.
      *
      * @param library bytes of the file; shipped libraries and their copies may have these names
      * @throws PhysicsException naming both files
@@ -349,14 +349,15 @@ public record LawPath(
     }
 
     /**
-     * Adds those libraries of a stored world that ship with this release, or come from the
-     * operator's folder, to {@link KnownLaws}: their files may be replaced before the store is
-     * opened again. Reads files.
+     * Adds libraries of a stored world to {@link KnownLaws}, because their files may be replaced
+     * before the store is opened again. Adds only libraries that ship with this release or come
+     * from the operator's folder. Reads files.
      */
     void remember(List<LawLibrary> libraries) {
         List<LawLibrary> opened = libraries.stream().filter(library -> !library.isText()).toList();
         KnownLaws.keep(opened.stream().filter(this::ships).toList(), Optional.empty());
-        // without these options, nothing else was opened, whatever the folder contains by now
+        // Without these options, only libraries of the operator and of the release can have been
+        // opened. This holds even if the folder has other content by now.
         boolean onlyOperators = !trusted && !sandboxed.isUsed();
         folder.ifPresent(
                 own ->
@@ -371,7 +372,7 @@ public record LawPath(
                                 folder));
     }
 
-    /** Returns whether a file that ships has the bytes of a library. */
+    /** Returns whether a shipped file has the bytes of a library. */
     boolean ships(LawLibrary library) {
         return holds(shipped, library.bytes());
     }
@@ -427,13 +428,13 @@ public record LawPath(
                     .flatMap(file -> nameOf(file).stream())
                     .toList();
         } catch (IOException unreadable) {
-            return List.of(); // an unreadable folder offers no suggestion
+            return List.of(); // an unreadable folder has no names to suggest
         }
     }
 
     /**
-     * Returns the name of the law for which a file name stands, or nothing if it is no file of a
-     * law. Names of files come with a world, so they may contain anything.
+     * Returns the name of the law that belongs to a file name; empty if the file contains no law.
+     * File names come with a world, so they may contain anything.
      */
     private static Optional<String> nameOf(String file) {
         Optional<String> name =
@@ -452,7 +453,7 @@ public record LawPath(
         return Visible.line(path.toString());
     }
 
-    /** Refuses links, pipes and devices, as the watch of the folder does. */
+    /** Refuses links, pipes and devices. The watch of the folder refuses them, too. */
     private static void requireRegular(Path file) {
         String other;
         try {
@@ -469,7 +470,7 @@ public record LawPath(
         }
     }
 
-    /** Refuses two files for one name in a folder that does not ship. */
+    /** Refuses two files for one name in a folder that the release does not contain. */
     private static void requireOne(String name, List<Path> candidates) {
         if (candidates.size() > 1) {
             throw new PhysicsException(
@@ -490,7 +491,7 @@ public record LawPath(
 
     /**
      * Returns the names of the files for a law, in order of preference: the compiled library, the
-     * text, the file in Python. A name that ends in ".law" or ".py" stands for that file only.
+     * text, the file in Python. A name that ends in ".law" or ".py" means exactly that file.
      */
     public static List<String> filesOf(String name) {
         for (String ending : SOURCES) {

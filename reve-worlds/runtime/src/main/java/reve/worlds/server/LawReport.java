@@ -18,7 +18,10 @@ import java.util.Locale;
 import java.util.Map;
 import java.util.stream.IntStream;
 
-/** The laws of a world for operators: loaded, quarantined and available ones. */
+/**
+ * The report about the laws of a world for operators. It lists loaded, quarantined and available
+ * laws.
+ */
 final class LawReport {
     private static final double NANOSECONDS = 1e9;
 
@@ -29,7 +32,7 @@ final class LawReport {
      *
      * @param available names of libraries that can be loaded
      * @param faults whether to include messages of faults, which may name files of the server
-     * @param trials of new versions, see {@link Shadows#report}
+     * @param trials the trials of new versions, see {@link Shadows#report}
      */
     static Map<String, Object> of(
             PhysicsAdapter physics,

@@ -22,9 +22,9 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Changes of a simulation's laws at given frames, each made in the phase ACT of its frame. If a
- * change is refused, the loop stops after that frame. Created and closed on the thread that owns
- * the world.
+ * Changes of a simulation's laws at given frames. Each change is made in the phase ACT of its
+ * frame. If a change is refused, the loop stops after that frame. Created and closed on the thread
+ * that owns the world.
  */
 public final class LawSchedule implements FrameListener, AutoCloseable {
     private final Simulation simulation;
@@ -32,13 +32,13 @@ public final class LawSchedule implements FrameListener, AutoCloseable {
     private int next;
     private Optional<PhysicsException> failure = Optional.empty();
 
-    /** A step, with its library if it loads one. */
+    /** A step, with its opened library if the step loads one. */
     private record Prepared(LawStep step, Optional<PreparedLibrary> library, Path file) {}
 
     /**
      * Opens all libraries that the steps load, and subscribes to the frames.
      *
-     * @param steps in the order of their frames
+     * @param steps the steps, in the order of their frames
      * @throws PhysicsException with the place of a step whose library cannot be opened
      */
     public LawSchedule(Simulation simulation, List<LawStep> steps) {
@@ -82,7 +82,7 @@ public final class LawSchedule implements FrameListener, AutoCloseable {
         T run();
     }
 
-    /** Runs a task; adds the place of the law in the file to the message of a refusal. */
+    /** Runs a task. If a law is refused, adds its place in the file to the message. */
     private static <T> T placed(LawReference law, Task<T> task) {
         try {
             return task.run();

@@ -10,8 +10,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The ledger of a served world, which is open only while clients ask for it. World's thread,
- * between frames.
+ * The ledger of energy and momentum of a served world. It is open only while clients ask for it.
+ * For the world's thread, between frames.
  */
 final class Ledger {
     private final PhysicsAdapter physics;

@@ -8,15 +8,15 @@ import java.nio.file.Path;
 import java.util.Optional;
 
 /**
- * What is written to disk about a world while it runs.
+ * The data about a world that is written to disk while the world runs.
  *
- * @param folder of the world file
+ * @param folder the folder of the world file
  * @param recording plan for a recording of the run; empty for none
  * @param store file from which the world resumes and in which it is stored; empty for none
  * @param saves folder for world files that are saved while the world runs; belongs to this world
  *     only
  * @param imageSeconds world time between two images in the store [s]
- * @param durability of the store
+ * @param durability the durability of the store
  */
 public record Persistence(
         Path folder,

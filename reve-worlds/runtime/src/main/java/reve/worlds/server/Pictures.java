@@ -42,8 +42,8 @@ public final class Pictures implements AutoCloseable {
     private boolean wanted;
 
     /**
-     * @param folder for the pictures, named by world and frame
-     * @param frames at whose end a picture is taken
+     * @param folder the folder for the pictures; their names contain the world and the frame
+     * @param frames the frames at whose end a picture is taken
      */
     public Pictures(Path folder, List<Long> frames) {
         this.folder = folder;
@@ -55,7 +55,7 @@ public final class Pictures implements AutoCloseable {
         simulation.onPublish("pictures", frame -> onFrame(frame, simulation, events));
     }
 
-    /** Requests a picture of the current frame. World's thread, before PUBLISH. */
+    /** Requests a picture of the current frame. For the world's thread, before PUBLISH. */
     void takeNext() {
         wanted = true;
     }

@@ -34,8 +34,8 @@ import java.util.function.Consumer;
 import java.util.function.Function;
 
 /**
- * A repetition of a journal's frames: starts from its image, applies its inputs, and compares the
- * digest of each frame. One thread, which owns the world.
+ * Repeats the frames of a journal. It starts from the journal's image, applies the recorded inputs,
+ * and compares the digest of each frame. For one thread, which owns the world.
  */
 public final class Replay implements AutoCloseable {
     private final Optional<WorldDescription> wanted;
@@ -60,7 +60,7 @@ public final class Replay implements AutoCloseable {
      * The first difference between a replay and the recorded run.
      *
      * @param item name of the only item that differs, empty if several do
-     * @param property that differs, or {@link WorldDigest#ROWS}, or "laws"
+     * @param property the property that differs, or {@link WorldDigest#ROWS}, or "laws"
      * @param message one line that describes the difference
      */
     public record Divergence(
@@ -85,8 +85,8 @@ public final class Replay implements AutoCloseable {
     /**
      * Creates a replay.
      *
-     * @param description of the world, to continue it later; if empty, it is derived from the
-     *     journal
+     * @param description the description of the world, which is needed to continue the world later;
+     *     if empty, it is derived from the journal
      * @param laws decides which of the journal's law libraries may be opened
      */
     public Replay(Optional<WorldDescription> description, Pacing pacing, LawPath laws) {
@@ -113,7 +113,7 @@ public final class Replay implements AutoCloseable {
     /**
      * Applies the next record of a journal.
      *
-     * @return false from the first difference on
+     * @return false after a difference was found
      * @throws CorruptException if the record cannot be interpreted, or the journal does not begin
      *     with an image
      * @throws PhysicsException if a law library may not be opened, or does not load
@@ -123,8 +123,8 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Applies the next record, but makes no frame after {@code until}. Also returns false once that
-     * frame is made.
+     * Applies the next record, but makes no frame after {@code until}. Returns false also after
+     * that frame was made.
      */
     public boolean take(JournalRecord record, long until) {
         switch (record) {
@@ -164,7 +164,7 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Publishes the restored state if the last record was an image; does nothing after a frame.
+     * Publishes the restored state if the last record was an image. Does nothing if it was a frame.
      *
      * @throws CorruptException if the journal contained no image
      */
@@ -173,7 +173,7 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Returns the simulation at the current frame, which still belongs to the replay.
+     * Returns the simulation at the current frame. The simulation still belongs to the replay.
      *
      * @throws CorruptException if the journal contained no image
      */
@@ -206,8 +206,8 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Keeps a library under the actual hash of its bytes; a damaged one is then not found under the
-     * hash that the journal names.
+     * Stores a library under the actual hash of its bytes. A damaged library is therefore not found
+     * under the hash that the journal names.
      */
     private void keep(JournalRecord.Library library) {
         libraries.put(LawFiles.sha256(library.bytes()), library.bytes());
@@ -335,7 +335,7 @@ public final class Replay implements AutoCloseable {
 
     /**
      * Applies the inputs of the frame. Runs as the last listener of ACT, because the journal
-     * recorded them there.
+     * recorded the inputs at this point.
      */
     private void comeIn(FrameEvent event) {
         apply(
@@ -386,8 +386,8 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Records the failure of a law as a difference: a law that failed in the recorded run was
-     * already removed here.
+     * Records the failure of a law in the replay as a difference. A law that failed in the recorded
+     * run is not present at this point, because its recorded removal was already applied.
      */
     private void compareLaws(JsonNode frame) {
         for (LawChange change : lawChanges) {

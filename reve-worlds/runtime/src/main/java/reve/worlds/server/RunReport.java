@@ -27,8 +27,8 @@ import java.util.stream.IntStream;
  * @param stateHash hash, at the end, of all columns that laws can access
  * @param items number of items, without the one that holds the world's constants
  * @param bodies rows of kind {@code body} that laws may move
- * @param laws loaded at the end, with their cost
- * @param lawTimes their times in the last frames, in the same order
+ * @param laws the laws that are loaded at the end, with their cost
+ * @param lawTimes times of these laws in the last frames, in the same order
  * @param libraries all law libraries that were ever loaded, in order of loading
  * @param snapshotNanoseconds time for copying the world into snapshots [ns]
  */
@@ -138,7 +138,10 @@ public record RunReport(
         out.printf(Locale.ROOT, "state hash: %s%n", hash());
     }
 
-    /** Prints the busy time of each part of a frame, per frame and per body, one line each. */
+    /**
+     * Prints the busy time of each part of a frame, one line each. Gives the time per frame and per
+     * body.
+     */
     public void printProfile(PrintWriter out) {
         double busy = profile.busyNanoseconds();
         out.printf(Locale.ROOT, "%-24s %12s %12s %8s%n", "profile", "ns/frame", "ns/body", "share");
@@ -155,7 +158,10 @@ public record RunReport(
         printLaws(out);
     }
 
-    /** Prints the times of the laws, which are parts of PHYSICS advance, one line each. */
+    /**
+     * Prints the times of the laws, one line each. These times are parts of the line PHYSICS
+     * advance.
+     */
     private void printLaws(PrintWriter out) {
         out.printf(
                 Locale.ROOT,
@@ -177,8 +183,8 @@ public record RunReport(
     }
 
     /**
-     * Returns the parts of the busy time [ns], which do not overlap; PHYSICS is split into the
-     * adapter's parts.
+     * Returns the parts of the busy time [ns]. They do not overlap. The phase PHYSICS is split into
+     * the adapter's parts.
      */
     Map<String, Long> parts() {
         Map<FramePhase, Long> phases = profile.phaseNanoseconds();
@@ -200,7 +206,7 @@ public record RunReport(
         return String.format(Locale.ROOT, "%016x", stateHash);
     }
 
-    /** Returns how the busy time was spent, for JSON. */
+    /** Returns the parts of the busy time for JSON. */
     Map<String, Object> profileFields() {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("busyNanoseconds", profile.busyNanoseconds());

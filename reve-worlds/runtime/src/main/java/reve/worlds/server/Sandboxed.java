@@ -5,14 +5,14 @@ import java.nio.file.Path;
 import java.util.Optional;
 
 /**
- * The native laws that run apart, each library in a sandbox: a process that can access only the
- * columns that its laws declare.
+ * The native laws that run apart. Each such library runs in a sandbox: a process that can access
+ * only the columns that its laws declare.
  *
  * @param folder the folder of laws that the operator does not trust
- * @param worlds whether untrusted native code that comes with a world, a store or a recording runs
- *     apart; otherwise it is refused
- * @param weakly whether laws run apart even if the machine lacks a layer of the sandbox; otherwise
- *     they are refused
+ * @param worlds true if untrusted native code that comes with a world, a store or a recording runs
+ *     apart; false if such code is refused
+ * @param weakly true if laws run apart even if the machine lacks a layer of the sandbox; false if
+ *     they are then refused
  */
 public record Sandboxed(Optional<Path> folder, boolean worlds, boolean weakly) {
     /** No law runs apart. */

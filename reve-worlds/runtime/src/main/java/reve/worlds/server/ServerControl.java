@@ -38,13 +38,16 @@ import java.util.function.Consumer;
 import java.util.regex.Pattern;
 
 /**
- * The operations that a server offers to operators over the network: loading laws by name,
- * pictures, rewinding, saving, forks.
+ * The operations that a server offers to operators over the network: loading laws by name, taking
+ * pictures, rewinding, saving and forking.
  */
 final class ServerControl implements WorldControl, AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("reve.control");
 
-    /** End of messages to remote operators, who must not learn file names of the server. */
+    /**
+     * End of messages to remote operators. The messages omit file names of the server, because
+     * remote operators must not learn them.
+     */
     private static final String SEE_LOG = "; the server's log says why";
 
     /**
@@ -56,7 +59,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
     /** Permitted names for laws that are sent as text. */
     private static final Pattern SOURCE = Pattern.compile("[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}");
 
-    /** Permitted names of world files; they exclude paths. */
+    /** Permitted names of world files. They exclude paths. */
     private static final Pattern FILE = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_-]{0,63}");
 
     private static final long FORESEE_NANOSECONDS = 10_000_000_000L;
@@ -284,7 +287,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
     }
 
-    /** An image of this simulation that a client has named, for rewinding and forks. */
+    /**
+     * An image of this simulation to which a client has given a name. It is used for rewinding and
+     * forks.
+     */
     private final class Kept implements Image {
         private final SimulationImage image;
 
@@ -377,8 +383,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
     }
 
     /**
-     * Loads a library, in place of a loaded text of the same name if both are texts. If the engine
-     * refuses it, the old text stays. World's thread, outside PHYSICS.
+     * Loads a library. It replaces a loaded text of the same name if both are texts. If the engine
+     * refuses the new text, the old text stays loaded. For the world's thread, outside PHYSICS.
      *
      * @return id of the library
      */
@@ -411,7 +417,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         return new ActionRefused("law-refused", String.valueOf(refused.getMessage()));
     }
 
-    /** A prepared library that waits until the world's thread activates it. */
+    /** A prepared library. It waits until the world's thread activates it. */
     private final class Load implements Change {
         private final PreparedLibrary prepared;
         private final Map<String, Double> parameters;

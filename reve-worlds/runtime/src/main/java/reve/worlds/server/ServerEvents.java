@@ -4,8 +4,8 @@ package reve.worlds.server;
 import java.util.Map;
 
 /**
- * A listener for events of a server. Called on the world's and the renderer's thread; must not
- * block.
+ * A listener for events of a server. It is called on the threads of the worlds and of the renderer,
+ * and must not block.
  */
 @FunctionalInterface
 public interface ServerEvents {

@@ -30,7 +30,10 @@ public record ServerReport(
         gaps = List.copyOf(gaps);
     }
 
-    /** Returns this report with what the stores and the recordings lack. */
+    /**
+     * Returns a copy of this report with messages about data that the stores and the recordings
+     * lack.
+     */
     public ServerReport lacking(List<String> inStores, List<String> inRecordings) {
         return new ServerReport(runs, worlds, agents, inStores, inRecordings);
     }

@@ -28,8 +28,8 @@ import java.util.stream.Collectors;
 import java.util.stream.Stream;
 
 /**
- * A copy of a world, with its own engine, in which new versions of laws act on the same frames. It
- * runs on a thread of its own and may lag behind the world, which never waits for it.
+ * A copy of a world, with its own engine, in which new versions of laws act on the same frames. The
+ * copy runs on its own thread and may lag behind the world. The world never waits for it.
  */
 final class Shadow implements AutoCloseable {
     /** Maximum memory of the frames that wait for all copies of this process [bytes]. */
@@ -41,7 +41,7 @@ final class Shadow implements AutoCloseable {
     private final Simulation of;
     private final List<NewVersion> versions;
 
-    /** Changes that give the copy the new versions, one for each. */
+    /** Changes that load the new versions into the copy, one for each version. */
     private final List<LawChange> changes;
 
     private final SwapPlan plan;
@@ -53,18 +53,21 @@ final class Shadow implements AutoCloseable {
     private volatile @Nullable Verdict verdict;
     private volatile boolean cancelled;
 
-    /** What the copy has found so far; only on its thread. */
+    /** The failure that the copy has found; null if none. Only the copy's thread uses the field. */
     private @Nullable PhysicsException failure;
 
-    /** The items that were arrested in the copy in this frame; only on its thread. */
+    /**
+     * The items that were arrested in the copy in this frame. Only the copy's thread uses the
+     * field.
+     */
     private final Set<ItemId> arrests = new LinkedHashSet<>();
 
     /**
-     * How far a trial is.
+     * The progress of a trial.
      *
      * @param frames number of frames that the copy has made
-     * @param energy that the laws have added to the copy's bodies [J], and its limit; null if the
-     *     energy is not known
+     * @param energy the energy that the laws have added to the copy's bodies [J], and its limit;
+     *     null if the energy is not known
      */
     record Progress(
             int frames,
@@ -77,15 +80,16 @@ final class Shadow implements AutoCloseable {
     /**
      * The result of a trial.
      *
-     * @param refused why versions are refused; the others may take over
+     * @param refused the refused versions, each with the reason; the other versions may take over
      */
     record Verdict(Map<NewVersion, PhysicsException> refused) {}
 
     /**
      * Starts the copy.
      *
-     * @param image of the world; closed here
-     * @param changes that give an equal world the new versions, in the order of {@code versions}
+     * @param image image of the world, which the copy closes
+     * @param changes changes that load the new versions into an equal world, in the order of {@code
+     *     versions}
      * @param frames number of frames of the trial
      */
     Shadow(
@@ -113,7 +117,7 @@ final class Shadow implements AutoCloseable {
     }
 
     /**
-     * Gives the next frame to the copy. World's thread.
+     * Passes the next frame to the copy. For the world's thread only.
      *
      * @return false if too many frames wait already
      */
@@ -131,17 +135,20 @@ final class Shadow implements AutoCloseable {
         return WAITING_BYTES.get() + bytes <= MOST_WAITING_BYTES;
     }
 
-    /** Returns how far the copy is. For any thread. */
+    /** Returns the progress of the copy. For any thread. */
     Progress progress() {
         return progress;
     }
 
-    /** Returns the result, once the copy has made all frames or has failed. For any thread. */
+    /**
+     * Returns the result of the trial; empty until the copy has made all frames or has failed. For
+     * any thread.
+     */
     Optional<Verdict> verdict() {
         return Optional.ofNullable(verdict);
     }
 
-    /** Ends the copy as soon as its present frame is done; does not wait for it. */
+    /** Ends the copy as soon as its present frame is done. Does not wait for this. */
     @Override
     public void close() {
         cancelled = true;
@@ -151,7 +158,7 @@ final class Shadow implements AutoCloseable {
         }
     }
 
-    /** Waits until the copy has ended, or for a time [ms]. */
+    /** Waits until the copy has ended or the time has passed [ms]. */
     void join(long milliseconds) throws InterruptedException {
         thread.join(milliseconds);
     }
@@ -202,7 +209,7 @@ final class Shadow implements AutoCloseable {
         }
     }
 
-    /** Refuses a text with all its problems and their lines. */
+    /** Refuses a text that is not valid. The reason lists all its problems with their lines. */
     private void checkText(NewVersion version) {
         LawLibrary library = version.library();
         if (!version.parametersOnly() && library.isText()) {
@@ -214,10 +221,10 @@ final class Shadow implements AutoCloseable {
     }
 
     /**
-     * Gives the copy the new versions. What is refused at first is tried again after the others, on
-     * which it may depend.
+     * Loads the new versions into the copy. A version that is refused at first is tried again after
+     * the others, because it may depend on them.
      *
-     * @return why versions are refused
+     * @return the refused versions, each with the reason
      */
     private Map<NewVersion, PhysicsException> loaded(Simulation copy) {
         Laws laws = copy.physics().laws();
@@ -244,7 +251,10 @@ final class Shadow implements AutoCloseable {
         return refused;
     }
 
-    /** Removes the budgets of all other libraries, which count in the world only. */
+    /**
+     * Removes the budgets of all libraries that are not tried, because their budgets apply only in
+     * the world.
+     */
     private void dropOtherBudgets(Laws laws, long frame) {
         Set<String> tried = names().collect(Collectors.toSet());
         List<LawLibrary> present = laws.libraries();
@@ -302,8 +312,8 @@ final class Shadow implements AutoCloseable {
     }
 
     /**
-     * Fails if an item was arrested in the copy only. If the world has arrested it in the same
-     * frame, an action or an edit is the cause, and not the new version.
+     * Fails if an item was arrested in the copy but not in the world. If the world has arrested the
+     * item in the same frame, the cause is an action or an edit, and not the new version.
      */
     private void failAtArrests(Simulation copy, ShadowFrame frame) {
         arrests.stream()
@@ -333,7 +343,7 @@ final class Shadow implements AutoCloseable {
                 status, "in frame " + made + " of " + frames + " of its shadow: " + why);
     }
 
-    /** Notes a law that failed in the copy, and not in the world. */
+    /** Records the failure of a law that failed in the copy but not in the world. */
     private void note(LawChange change) {
         switch (change) {
             case LawChange.RolledBack back -> fail(back.reason().status(), back.reason().message());
@@ -358,7 +368,7 @@ final class Shadow implements AutoCloseable {
         }
     }
 
-    /** Notes that a new version has exceeded its budget. */
+    /** Records that a new version has exceeded its budget. */
     private void noteBudgets(FrameEvent frame) {
         for (WorldEvent event : frame.world().events()) {
             if (event.type().equals("over-budget")

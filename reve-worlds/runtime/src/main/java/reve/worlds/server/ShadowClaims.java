@@ -17,14 +17,15 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * What new versions claim to conserve, against the ledger of a copy: the forces of a law that
- * claims momentum must sum to zero, and its moments if it claims angular momentum. The limits leave
- * room for rounding in {@code f32}. The copy's thread.
+ * The check of the conservation that new versions claim, by the ledger of a copy. The forces of a
+ * law that claims momentum must sum to zero. The moments of a law that claims angular momentum must
+ * sum to zero. The limits allow for rounding in {@code f32}. For the copy's thread only.
  */
 final class ShadowClaims {
     /**
-     * Maximum sum, relative to the sum of the magnitudes of the impulses plus the momentum of all
-     * bodies at 1 m/s; the last term is for forces that cancel each other at each body.
+     * Maximum sum as a fraction of a reference value. The reference value is the sum of the
+     * magnitudes of the impulses plus the momentum of all bodies at 1 m/s. The momentum is included
+     * because forces may cancel each other at each body.
      */
     private static final double LIMIT = 1e-3;
 
@@ -40,11 +41,11 @@ final class ShadowClaims {
     }
 
     /**
-     * Returns which claim a new version breaks; empty if none.
+     * Returns a message about a claim that a new version breaks; empty if it breaks none.
      *
-     * @param laws of the copy's engine, in load order
-     * @param ledger of the copy; it begins with the lines of these laws, or is empty if there are
-     *     no bodies
+     * @param laws the laws of the copy's engine, in load order
+     * @param ledger the ledger of the copy; it begins with the lines of these laws, or is empty if
+     *     there are no bodies
      */
     Optional<String> broken(List<PhysicsLaw> laws, List<LedgerLine> ledger) {
         if (ledger.isEmpty()) {
@@ -53,8 +54,8 @@ final class ShadowClaims {
         for (int i = 0; i < laws.size(); i++) {
             PhysicsLaw law = laws.get(i);
             LedgerLine line = ledger.get(i);
-            // Laws of other phases exert no forces: their lines contain what bodies exchange with
-            // the ground.
+            // Only laws of the phase FORCE exert forces. The ledger lines of other laws contain the
+            // momentum that bodies exchange with the ground.
             if (!libraries.contains(law.libraryId()) || law.phase() != Phase.FORCE) {
                 continue;
             }
@@ -112,8 +113,8 @@ final class ShadowClaims {
     /**
      * Returns the sum of the magnitudes of all momenta if each body moved with 1 m/s [kg*m/s].
      *
-     * @param angular of all angular momenta about the origin instead, at right angles to it
-     *     [kg*m^2/s]
+     * @param angular true to sum angular momenta about the origin instead, for velocities at right
+     *     angles to the position [kg*m^2/s]
      */
     private double atOneMetrePerSecond(boolean angular) {
         Table bodies = world.table(WorldPrototype.BODY);

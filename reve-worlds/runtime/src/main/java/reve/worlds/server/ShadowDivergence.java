@@ -18,7 +18,7 @@ import java.util.Map;
 import java.util.PriorityQueue;
 
 /**
- * How far the bodies of a copy are from those of the world, in the same frame.
+ * The differences between the bodies of a copy and those of the world, in the same frame.
  *
  * @param position largest distance between a body and its copy [unit of position]
  * @param positionItem name of this body; empty if all distances are 0
@@ -56,7 +56,7 @@ record ShadowDivergence(
     private record Row(int row, double position, double velocity) {}
 
     /**
-     * Compares a copy with a frame of the world. The copy's thread.
+     * Compares a copy with a frame of the world. For the copy's thread only.
      *
      * @throws IllegalArgumentException if they have different bodies
      */
@@ -104,7 +104,10 @@ record ShadowDivergence(
         return item.name();
     }
 
-    /** Returns the Euclidean distance of each row with physics from that of the world. */
+    /**
+     * Returns, for each row with physics, the Euclidean distance between the values of the copy and
+     * of the world.
+     */
     private static double[] distances(Column column, World copy, byte[] ofWorld) {
         MemorySegment there = ShadowFrame.rows(copy, column.name());
         MemorySegment here = MemorySegment.ofArray(ofWorld);
@@ -135,7 +138,7 @@ record ShadowDivergence(
                 : rows.get(ValueLayout.JAVA_FLOAT_UNALIGNED, (long) index * Float.BYTES);
     }
 
-    /** Returns the fields of an event: the largest differences. */
+    /** Returns the fields of an event, which contain the largest differences. */
     Map<String, Object> fields() {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put(ShadowFrame.POSITION, position);

@@ -17,10 +17,11 @@ import java.util.Locale;
 import java.util.Optional;
 
 /**
- * The energy that the laws of a copy add to its bodies: kinetic energy, and the potential energy
- * that laws report. It is compared with the largest kinetic energy of the world in the same frames,
- * plus the potential energy of the copy at the beginning, plus the energy of all bodies at 1 m/s,
- * so that a world at rest has a limit, too. The copy's thread.
+ * The energy that the laws of a copy add to its bodies. It consists of the kinetic energy and of
+ * the potential energy that laws report. The gain is compared with a sum of three energies. They
+ * are the largest kinetic energy of the world in the same frames, the potential energy of the copy
+ * at the beginning, and the energy of all bodies at 1 m/s. The last one gives a world at rest a
+ * limit, too. For the copy's thread only.
  */
 final class ShadowEnergy {
     static final String MASS = "mass";
@@ -60,7 +61,10 @@ final class ShadowEnergy {
         }
     }
 
-    /** Notes the energy before the laws of a frame act, after all changes that they do not make. */
+    /**
+     * Records the energy before the laws of a frame act, and after all changes that laws do not
+     * make.
+     */
     void before() {
         if (known) {
             before = sums(ledger());
@@ -71,9 +75,9 @@ final class ShadowEnergy {
     }
 
     /**
-     * Notes the energy after the laws of a frame have acted.
+     * Records the energy after the laws of a frame have acted.
      *
-     * @param ledger at the end of the frame; empty if the energy is not known
+     * @param ledger the ledger at the end of the frame; empty if the energy is not known
      */
     void after(ShadowFrame frame, List<LedgerLine> ledger) {
         if (known) {
@@ -135,7 +139,7 @@ final class ShadowEnergy {
     /**
      * Returns the kinetic energy of translation of all bodies [J].
      *
-     * @param velocities of the bodies; null: 1 m/s
+     * @param velocities velocities of the bodies; if null, each body has 1 m/s
      */
     private double kinetic(@Nullable MemorySegment velocities) {
         Table bodies = world.table(WorldPrototype.BODY);

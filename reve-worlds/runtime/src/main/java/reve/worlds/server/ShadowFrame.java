@@ -21,13 +21,14 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * A frame of the world, for a copy of it that makes the same frame with other laws: all changes
- * that laws did not cause, and where the laws moved the bodies.
+ * A frame of the world, for a copy of the world that makes the same frame with other laws. It
+ * contains all changes that laws did not cause, and the positions to which the laws moved the
+ * bodies.
  *
  * @param early changes before the laws acted
  * @param late changes after that
- * @param positions of the bodies with physics at the end of the frame, in the column's type; empty
- *     if there was no room for them, so the copy is not compared with the world in this frame
+ * @param positions of the bodies with physics at the end of the frame, in the column's type. Empty
+ *     if there was no room for them; the copy is then not compared with the world in this frame.
  * @param velocities likewise
  * @param arrested items that were arrested in this frame, because a law failed at them
  */
@@ -40,10 +41,15 @@ record ShadowFrame(
     static final String POSITION = "position";
     static final String VELOCITY = "velocity";
 
-    /** A change; if a column was edited directly, with the column's rows after the change. */
+    /**
+     * A change of the world. If a column was edited directly, {@code columnRows} contains the
+     * column's rows after the change; otherwise it is null.
+     */
     record Noted(WorldChange change, byte @Nullable [] columnRows) {}
 
-    /** Returns the changes from an index on. World's thread, in the frame of the changes. */
+    /**
+     * Returns the changes from an index on. For the world's thread, in the frame of the changes.
+     */
     static List<Noted> noted(World world, List<WorldChange> changes, int from) {
         return changes.subList(from, changes.size()).stream()
                 .map(change -> noted(world, change))
@@ -69,7 +75,7 @@ record ShadowFrame(
                 .asSlice(0, (long) bodies.physicsRowCount() * column.descriptor().rowBytes());
     }
 
-    /** Returns whether the frame says where the bodies of the world are. */
+    /** Returns whether the frame contains the positions of the world's bodies. */
     boolean hasRows() {
         return positions.length > 0;
     }
@@ -91,8 +97,8 @@ record ShadowFrame(
     }
 
     /**
-     * Makes changes in the copy. Its thread, between frames. Symbols and actions stay as they are,
-     * because laws do not see them.
+     * Makes changes in the copy. For the copy's thread, between frames. Symbols and actions are not
+     * changed, because laws do not use them.
      */
     static void repeat(World world, List<Noted> changes) {
         changes.forEach(noted -> repeat(world, noted));

@@ -33,33 +33,36 @@ import java.util.Set;
 import java.util.function.Consumer;
 
 /**
- * The trials of new versions of laws in the shadow of a world: a copy makes the same frames with
- * the new version, while the old one moves the world. One trial runs at a time. The new version
- * takes over in ACT, the phase for commands, as a {@link LawChange}, so a replay of the journal
- * needs neither the copy nor a clock. Each stage raises an event {@code law-shadow}. The world
- * never waits for a copy. World's thread only.
+ * The trials of new versions of laws in the shadow of a world. A copy of the world makes the same
+ * frames with the new version, while the old version moves the world. One trial runs at a time. The
+ * new version takes over in ACT, the phase for commands, as a {@link LawChange}. Therefore a replay
+ * of the journal needs neither the copy nor a clock. Each stage raises an event {@code law-shadow}.
+ * The world never waits for a copy. For the world's thread only.
  *
- * <p>If the copy no longer makes the frames of the world, because laws changed, the world was
- * rewound or too many frames wait, a new copy begins. A trial that has not ended after {@link
- * #MOST_TIMES} times its world time, and as much time of the clock but at least a minute, is
- * refused. There is at most one copy at a time, and a copy begins at the earliest when the one
- * before it could have made all its frames: whoever sends new versions or rewinds the world without
- * end costs no more than one copy.
+ * <p>A copy cannot continue to make the frames of the world after a change of laws, after a rewind,
+ * or if too many frames wait. In these cases a new copy begins. A trial is refused if it has not
+ * ended after {@link #MOST_TIMES} times its world time, and as much time of the clock but at least
+ * a minute. There is at most one copy at a time. A copy begins at the earliest when the previous
+ * copy could have made all its frames. Therefore repeated new versions or rewinds cost no more than
+ * one copy.
  */
 final class Shadows implements Trials, AutoCloseable {
     /** Type of the events. */
     static final String EVENT = "law-shadow";
 
-    /** Maximum time of a trial, as a multiple of the time that it covers. */
+    /** Maximum time of a trial, as a multiple of the world time that the trial covers. */
     private static final int MOST_TIMES = 10;
 
-    /** Least time by the clock after which a trial is refused [ns]; a machine may be busy. */
+    /**
+     * Minimum time of the clock after which a trial is refused [ns]. The time is long because a
+     * machine may be busy.
+     */
     private static final double LEAST_NANOS = 60e9;
 
     /** Number of events about the divergence in a trial. */
     private static final int REPORTS = 10;
 
-    /** World time after a replacement in which the old version comes back [s]. */
+    /** World time after a replacement within which a failure restores the old version [s]. */
     private static final long PROBATION_SECONDS = 60;
 
     private static final long CLOSE_MILLISECONDS = 5_000;
@@ -78,13 +81,13 @@ final class Shadows implements Trials, AutoCloseable {
     /** Number of frames that the world has published; a rewind does not reduce it. */
     private long published;
 
-    /** Number of published frames from which on the next copy may begin. */
+    /** Number of published frames at which the next copy may begin. */
     private long nextCopyFrom;
 
     /** The items that were arrested in this frame. */
     private final Set<ItemId> arrests = new HashSet<>();
 
-    /** True if the copy does not have the laws of the world any more. */
+    /** True if the laws of the world have changed since the copy began. */
     private boolean lawsChanged;
 
     /** A trial of versions that take over together. */
@@ -97,7 +100,7 @@ final class Shadows implements Trials, AutoCloseable {
         private int reported;
         private int copies;
 
-        /** Why the last copy was given up. */
+        /** The reason why the last copy was abandoned. */
         private String interruption = "";
 
         Trial(List<NewVersion> versions) {
@@ -115,14 +118,14 @@ final class Shadows implements Trials, AutoCloseable {
         simulation.physics().laws().keepPreviousFor(PROBATION_SECONDS * framesPerSecond);
     }
 
-    /** Follows the frames. Called after all other listeners of ACT have subscribed. */
+    /** Subscribes to the frames. Called after all other listeners of ACT have subscribed. */
     void start() {
         subscriptions.add(simulation.bus().subscribe(FramePhase.ACT, "shadows", this::onAct));
         subscriptions.add(
                 simulation.bus().subscribe(FramePhase.PUBLISH, "shadows", this::onPublish));
     }
 
-    /** Returns whether a new version is tried first. */
+    /** Returns whether a new version is tried in the shadow before it takes over. */
     boolean areDue(boolean text, Optional<LawSwap> asked) {
         return plan.isShadowed(text, asked);
     }
@@ -152,7 +155,7 @@ final class Shadows implements Trials, AutoCloseable {
                             new PhysicsException(
                                     Status.NOT_FOUND, "another change of the law came first"));
                     trial.versions.remove(version);
-                    lawsChanged = true; // the copy begins again without it
+                    lawsChanged = true; // a new copy begins without this version
                 }
             }
             if (trial.versions.isEmpty()) {
@@ -263,7 +266,7 @@ final class Shadows implements Trials, AutoCloseable {
         }
     }
 
-    /** Lets the versions that are not refused take over, in this frame, and ends the trial. */
+    /** Ends the trial. The versions that are not refused take over in this frame. */
     private void finish(long frame, Trial trial, Shadow.Verdict verdict) {
         try {
             take(frame, trial, verdict);
@@ -288,7 +291,7 @@ final class Shadows implements Trials, AutoCloseable {
                 });
     }
 
-    /** Lets a version take over; returns why the world's engine refuses it. */
+    /** Makes a version take over. Returns the reason if the world's engine refuses it. */
     private Optional<PhysicsException> taken(long frame, Trial trial, NewVersion version) {
         try {
             version.take(frame);
@@ -330,7 +333,7 @@ final class Shadows implements Trials, AutoCloseable {
         }
     }
 
-    /** Gives this frame to the copy, or gives the copy up. */
+    /** Passes this frame to the copy, or abandons the copy. */
     private void give(long frame, Trial trial, Set<ItemId> arrested) {
         List<WorldChange> changes = simulation.world().changes();
         boolean isRewound = changes.stream().anyMatch(WorldChange.Restored.class::isInstance);
@@ -398,7 +401,7 @@ final class Shadows implements Trials, AutoCloseable {
     /**
      * Starts a copy of the world as it is at the end of this frame.
      *
-     * @param mayBegin false: only refuses versions whose library was unloaded
+     * @param mayBegin false to start no copy, and only refuse versions whose library was unloaded
      */
     private void begin(long frame, Trial trial, boolean mayBegin) {
         boolean isFirst = trial.begunFrame < 0;
@@ -473,8 +476,8 @@ final class Shadows implements Trials, AutoCloseable {
     }
 
     /**
-     * Waits until the copy of the running trial has made all frames that it was given, or has
-     * ended, and until all earlier copies have ended. For tests.
+     * Waits until the copy of the running trial has made all frames that were passed to it, or has
+     * ended. Also waits until all earlier copies have ended. For tests.
      */
     void await() throws InterruptedException {
         for (Shadow shadow : ended) {

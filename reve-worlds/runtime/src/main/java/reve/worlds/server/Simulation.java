@@ -60,7 +60,7 @@ public final class Simulation implements AutoCloseable {
     private static final int MAX_IMAGES = 64;
     private static final long MAX_IMAGE_BYTES = 1L << 30;
 
-    /** Replaced only when its rules change. */
+    /** The description is replaced only when its rules change. */
     private volatile WorldDescription description;
 
     private final LawPath lawPath;
@@ -97,7 +97,7 @@ public final class Simulation implements AutoCloseable {
      * Builds the world of an image (a saved state). It continues with the same bits as the
      * simulation from which the image was taken.
      *
-     * @param description from which that simulation was built
+     * @param description the description from which that simulation was built
      * @param lawPath search path of laws that are loaded later; the image's laws are opened without
      *     a check
      * @throws IllegalArgumentException if the image belongs to a world with another prototype
@@ -242,7 +242,7 @@ public final class Simulation implements AutoCloseable {
         }
     }
 
-    /** Unloads libraries of a restored state that the law path excludes. Between frames. */
+    /** Unloads libraries of a restored state that the law path excludes. Called between frames. */
     void unloadExcluded() {
         physics.laws()
                 .byId()
@@ -254,7 +254,7 @@ public final class Simulation implements AutoCloseable {
                         });
     }
 
-    /** Gives the law that was loaded last its budget. */
+    /** Sets the budget of the library that was loaded last. */
     private void budget(LawReference law) {
         if (law.budget().isPresent()) {
             try {
@@ -292,7 +292,8 @@ public final class Simulation implements AutoCloseable {
 
     /**
      * Returns warnings about the described world with its loaded laws, for example about values
-     * without effect, bodies that fall for ever, and steps that are too long. Between frames.
+     * without effect, bodies that fall for ever, and steps that are too long. Called between
+     * frames.
      *
      * @param complete whether all laws of the world are loaded
      */
@@ -311,8 +312,8 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Returns a description of the current world, with the laws that are loaded now. World's
-     * thread.
+     * Returns a description of the current world, with the laws that are loaded now. For the
+     * world's thread.
      */
     public WorldDescription descriptionNow() {
         return description.of(
@@ -338,8 +339,8 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Returns the name under which a world file refers to the library; for a shipped text this
-     * includes ".law", because the bare name is the compiled library.
+     * Returns the name by which a world file refers to the library. For a shipped text the name
+     * includes ".law", because the bare name means the compiled library.
      */
     private String nameOf(LawLibrary library) {
         return library.isText() && lawPath.ships(library)
@@ -362,9 +363,9 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Replaces the rules; the symbols that they derive change in the next frame. Journals do not
-     * contain rules: a resumed world has the rules of its world file. World's thread, outside
-     * DERIVE.
+     * Replaces the rules. The symbols that they derive change in the next frame. Journals do not
+     * contain rules, so a resumed world has the rules of its world file. For the world's thread,
+     * outside DERIVE.
      */
     public void setRules(List<Rule> newRules) {
         rules.set(newRules);
@@ -414,9 +415,9 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Takes an image of the current state, for {@link #rewind} and {@link #fork}. It stays valid
-     * until the image or the simulation is closed. Costs one bulk copy of the columns. World's
-     * thread, between frames.
+     * Takes an image of the current state, for {@link #rewind} and {@link #fork}. The image stays
+     * valid until it or the simulation is closed. Taking it costs one bulk copy of the columns. For
+     * the world's thread, between frames.
      *
      * @throws IllegalStateException if the maximum number or size of images is reached
      */
@@ -441,10 +442,10 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Restores an image: time, items and laws. With the same inputs, the same frames follow, with
-     * equal bits. Frame numbers continue; the next frame shows the restored world. What clients
-     * have received about other frames stays as it is. If it fails, nothing has changed. World's
-     * thread, between frames.
+     * Restores time, items and laws from an image. With the same inputs, the same frames follow,
+     * with equal bits. Frame numbers continue; the next frame shows the restored world. Data that
+     * clients have received is not withdrawn. If the restore fails, nothing has changed. For the
+     * world's thread, between frames.
      *
      * @return the number of the next frame
      * @throws IllegalStateException if a frame is in progress, or no process can be started for the
@@ -458,16 +459,16 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Continues with the frame after that of an image, which must not be older than the current
-     * one. For the world's thread only.
+     * Continues with the frame after that of an image. The image must not be older than the current
+     * frame. For the world's thread only.
      */
     void goOnFrom(SimulationImage image) {
         restore(image, image.frame());
     }
 
     /**
-     * Returns an image of the world as its file describes it, before the first frame. Any thread;
-     * the caller closes it.
+     * Returns an image of the world as its file describes it, before the first frame. For any
+     * thread; the caller closes it.
      */
     SimulationImage beginning() {
         try (Simulation begun = new Simulation(description, Pacing.FAST, lawPath)) {
@@ -479,25 +480,28 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Returns a second world that starts from the image and shares nothing with this one, to
-     * predict what would happen. Any thread; the caller runs its loop, reads its snapshots and
-     * closes it.
+     * Returns a second world that starts from the image and shares nothing with this one. It is
+     * used to predict the future of the world. For any thread. The caller runs its loop, reads its
+     * snapshots and closes it.
      */
     public Simulation fork(SimulationImage image) {
         return new Simulation(description, Pacing.FAST, lawPath, image);
     }
 
-    /** Like {@link #fork}, without the rules, which laws do not see. */
+    /**
+     * Returns a second world like {@link #fork}, but without the rules, because laws do not use
+     * them.
+     */
     Simulation shadow(SimulationImage image) {
         return new Simulation(description.withRules(List.of()), Pacing.FAST, lawPath, image);
     }
 
     /**
-     * Starts a journal; its first record is an image of the next published frame. World's thread,
-     * between frames, after all other listeners have subscribed to ACT. The caller closes the
-     * journal before the simulation.
+     * Starts a journal. Its first record is an image of the next published frame. For the world's
+     * thread, between frames, after all other listeners have subscribed to ACT. The caller closes
+     * the journal before the simulation.
      *
-     * @param folder of the world file
+     * @param folder the folder of the world file
      * @param members ids of the bodies of agents in the world, by agent
      */
     public Journal journal(
@@ -533,7 +537,10 @@ public final class Simulation implements AutoCloseable {
         loop.continueAfter(frame);
     }
 
-    /** Calls a listener in PUBLISH of each frame, at which the frame's snapshot is available. */
+    /**
+     * Subscribes a listener that is called in PUBLISH of each frame, when the frame's snapshot is
+     * available.
+     */
     public void onPublish(String name, FrameListener listener) {
         bus.subscribe(FramePhase.PUBLISH, name, listener);
     }

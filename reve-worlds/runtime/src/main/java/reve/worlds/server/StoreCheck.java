@@ -25,14 +25,14 @@ import java.util.Optional;
 import java.util.stream.Stream;
 
 /**
- * The result of checking a store by repeating its frames, and the repair of a store. One thread; no
- * other process may have the store open.
+ * The result of checking a store by repeating its frames, and the repair of a store. For one
+ * thread. No other process may have the store open.
  *
  * @param store the checked file
  * @param isWhole whether no data is lost
- * @param frame from which a world can resume; -1 for none
+ * @param frame the frame from which a world can resume; -1 for none
  * @param knownFrame newest frame that the store is known to have contained
- * @param stateHash of the world at {@code frame}
+ * @param stateHash the hash of the world's state at {@code frame}
  * @param problems damaged or missing parts, one line each
  */
 public record StoreCheck(
@@ -42,7 +42,7 @@ public record StoreCheck(
         long knownFrame,
         long stateHash,
         List<String> problems) {
-    /** The place where a replay ended early: before this frame, for this reason. */
+    /** The frame before which a replay ended early, and the reason. */
     record End(long frame, String reason) {}
 
     /** The result of replaying a store. */
@@ -51,7 +51,7 @@ public record StoreCheck(
     /**
      * Checks a store without changing it.
      *
-     * @param laws where to search for replacements of damaged laws; also decides which of the
+     * @param laws search path for replacements of damaged laws; it also decides which of the
      *     store's laws may be opened
      * @throws CorruptException if it is not a store
      * @throws IOException if it cannot be read, or another process has it open
@@ -97,7 +97,8 @@ public record StoreCheck(
             for (Path file : made.contents().files()) {
                 moves.put(file, aside.resolve(file.getFileName()));
             }
-            // The database is moved last: servers refuse the store until its database exists.
+            // The database is moved as the last file, because servers refuse the store until its
+            // database exists.
             for (Path file : StoreContents.read(repaired).files().reversed()) {
                 moves.put(file, store.resolveSibling(file.getFileName()));
             }
@@ -162,7 +163,7 @@ public record StoreCheck(
     /**
      * Applies the records of a store, up to the first one that cannot be applied.
      *
-     * @return where and why that was; empty if all records were applied
+     * @return the frame and the reason of the failure; empty if all records were applied
      */
     static Optional<End> make(Replay replay, StoreContents contents) {
         for (JournalRecord record : contents.records()) {

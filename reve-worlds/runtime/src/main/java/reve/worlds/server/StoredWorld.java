@@ -21,11 +21,11 @@ import java.util.Optional;
 import java.util.function.Consumer;
 
 /**
- * A world at the last frame of its store, or a new one if the store is empty. The caller closes the
- * simulation and the store.
+ * A world at the last frame of its store, or a new world if the store is empty. The caller closes
+ * the simulation and the store.
  *
- * @param stateHash of the world at that frame, before the agents of the previous process were
- *     removed
+ * @param stateHash the hash of the world's state at that frame, before the agents of the previous
+ *     process were removed
  */
 record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
 
@@ -78,8 +78,8 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
     }
 
     /**
-     * Replays all frames of a store. If this fails, refuses the store before anything in it is
-     * changed.
+     * Replays all frames of a store. If the replay fails, refuses the store before any of its files
+     * is changed.
      */
     private static void make(Replay replay, StoreContents contents) {
         Optional<StoreCheck.End> end = StoreCheck.make(replay, contents);

@@ -6,10 +6,10 @@ import reve.core.frame.LawSwap;
 import java.util.Optional;
 
 /**
- * How new versions of loaded laws take over.
+ * The way in which new versions of loaded laws take over.
  *
- * @param swap for all versions; if empty, native code and Python are tried in the shadow, and texts
- *     take over at once
+ * @param swap the way for all versions; if empty, native code and Python are tried in the shadow,
+ *     and texts take over at once
  * @param seconds world time that a trial covers [s], above 0
  * @param energyLimit maximum gain of energy in a trial, as a multiple of the energies that {@link
  *     ShadowEnergy} compares it with; above 0
@@ -18,10 +18,13 @@ public record SwapPlan(Optional<LawSwap> swap, double seconds, double energyLimi
     /** World time that a trial covers, unless the operator gives another one [s]. */
     public static final double DEFAULT_SECONDS = 1;
 
-    /** Limit of the energy, unless the operator gives another one. */
+    /** Limit of the gain of energy, unless the operator gives another one. */
     public static final double DEFAULT_ENERGY_LIMIT = 10;
 
-    /** Native code and Python in the shadow, texts at once. */
+    /**
+     * The standard plan: native code and Python are tried in the shadow, and texts take over at
+     * once.
+     */
     public static final SwapPlan STANDARD =
             new SwapPlan(Optional.empty(), DEFAULT_SECONDS, DEFAULT_ENERGY_LIMIT);
 

@@ -16,9 +16,10 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * Detects and reports stalled worlds: worlds that should make frames and have made none for some
- * time. Its thread only reads counters that the worlds' threads publish anyway. A world does not
- * stall while it is paused, waits for agents in lock-step, or waits until its next frame is due.
+ * Detects and reports stalled worlds. A world is stalled if it should make frames and has made none
+ * for some time. The watchdog's thread only reads counters, which the worlds' threads publish in
+ * any case. A world does not stall while it is paused, waits for agents in lock-step, or waits
+ * until its next frame is due.
  */
 final class Watchdog implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("watchdog");
@@ -61,8 +62,8 @@ final class Watchdog implements AutoCloseable {
         while (!closed) {
             LockSupport.parkNanos(periodNanos);
             long now = System.nanoTime();
-            // If the whole process was stopped or got no processor, the worlds could not run
-            // either: so one check counts at most two periods.
+            // One check counts at most two periods. The whole process may have been stopped, or
+            // have got no processor; the worlds could not run in that time either.
             long seen = Math.min(now - last, 2 * periodNanos);
             last = now;
             for (Watched world : worlds) {
@@ -71,7 +72,7 @@ final class Watchdog implements AutoCloseable {
         }
     }
 
-    /** The state of one watched world. Thread of the watchdog. */
+    /** The state of one watched world. For the watchdog's thread only. */
     private final class Watched {
         private final Subject subject;
         private long frame = -1;

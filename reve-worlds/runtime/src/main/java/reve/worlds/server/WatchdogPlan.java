@@ -5,7 +5,8 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * The time after which a world counts as stalled, and what else is done besides the report.
+ * The time after which a world counts as stalled, and an action that is taken in addition to the
+ * report.
  *
  * @param limit time without a frame; 0 disables the watchdog
  * @param onStall called after each report, on the watchdog's thread

@@ -19,9 +19,9 @@ import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 
-/** The answers to operators' questions about a world. World's thread, between frames. */
+/** The answers to operators' questions about a world. For the world's thread, between frames. */
 final class WorldAnswers {
-    /** Maximum number of changes that are kept until a client asks for them. */
+    /** Maximum number of changes that are stored until a client asks for them. */
     private static final int MAX_CHANGES = 10_000;
 
     private static final int MAX_FOUND = 1000;
@@ -116,7 +116,7 @@ final class WorldAnswers {
                         + most);
     }
 
-    /** Returns the changes since the last question, and collects further changes from now on. */
+    /** Returns the changes since the last question. Collects further changes from this call on. */
     private Map<String, Object> changes() {
         List<Map<String, Object>> seen = changes == null ? List.of() : changes;
         Map<String, Object> answer = new LinkedHashMap<>();

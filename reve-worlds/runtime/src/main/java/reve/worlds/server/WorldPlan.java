@@ -7,10 +7,11 @@ import reve.core.file.WorldDescription;
  * The plan of a world that a server runs.
  *
  * @param frames number of frames after which the world ends
- * @param persistence the store from which it resumes, if any, and what is stored of the run
+ * @param persistence the store from which the world resumes, if there is one, and the data of the
+ *     run that is stored
  * @param pictures taker of pictures of the world; the server closes it
  * @param laws search path of its laws
- * @param swaps how new versions of its laws take over
+ * @param swaps the way in which new versions of its laws take over
  */
 public record WorldPlan(
         WorldDescription description,

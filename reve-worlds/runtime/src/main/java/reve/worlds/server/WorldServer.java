@@ -20,9 +20,9 @@ import java.util.Optional;
 
 /**
  * A server of worlds that agents join over TCP and that load law libraries while they run. Each
- * world has its own thread and shares only the address with the others. It computes the same bits
- * as it would alone, and its failure does not affect the others. Created, started, run and closed
- * by one thread; {@link #stop} may be called on any thread.
+ * world has its own thread and shares only the address with the other worlds. A world computes the
+ * same bits as it would alone. Its failure does not affect the other worlds. One thread creates,
+ * starts, runs and closes the server; {@link #stop} may be called on any thread.
  */
 public final class WorldServer implements AutoCloseable {
     private final Closing closing = new Closing();
@@ -47,7 +47,7 @@ public final class WorldServer implements AutoCloseable {
     /**
      * Builds the worlds, loads their laws, and starts to listen.
      *
-     * @param plans at least one; the worlds have different names
+     * @param plans the plans of the worlds, at least one; the worlds must have different names
      * @param lawsFolder folder that is watched for law libraries, if present; they act in all
      *     worlds
      * @throws IOException if the port cannot be bound, or a file cannot be opened
@@ -87,7 +87,7 @@ public final class WorldServer implements AutoCloseable {
         }
     }
 
-    /** Returns the fields of a fault event that no single law caused. */
+    /** Returns the fields of a fault event that was not caused by a single law. */
     static Map<String, Object> fault(String source, String message) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("source", source);
@@ -102,7 +102,7 @@ public final class WorldServer implements AutoCloseable {
             public void happened(String event, Map<String, Object> fields) {
                 Map<String, Object> all = new LinkedHashMap<>();
                 all.put("world", world);
-                fields.forEach(all::putIfAbsent); // no event speaks for another world
+                fields.forEach(all::putIfAbsent); // an event cannot replace the name
                 events.happened(event, all);
             }
 
@@ -114,7 +114,7 @@ public final class WorldServer implements AutoCloseable {
     }
 
     /**
-     * Returns the server for agents; programs in this process may also connect clients to it
+     * Returns the server for agents. Programs in this process may also connect clients to it
      * directly.
      */
     public AgentServer agents() {
@@ -161,7 +161,7 @@ public final class WorldServer implements AutoCloseable {
     }
 
     /**
-     * Starts as {@link #start()}.
+     * Starts the server like {@link #start()}, and reports the address of the web page.
      *
      * @param page address of the web page that shows the worlds
      */
@@ -223,14 +223,14 @@ public final class WorldServer implements AutoCloseable {
     }
 
     /**
-     * Returns, after close, what the stores of the worlds lack, one message for each incomplete
-     * store.
+     * Returns messages about data that the stores of the worlds lack, one for each incomplete
+     * store. Valid after close.
      */
     public List<String> unkept() {
         return worlds.stream().flatMap(world -> world.unkept().stream()).toList();
     }
 
-    /** Returns, after close, what the recordings lack. */
+    /** Returns messages about frames that the recordings lack. Valid after close. */
     public List<String> gaps() {
         return worlds.stream().flatMap(world -> world.gap().stream()).toList();
     }

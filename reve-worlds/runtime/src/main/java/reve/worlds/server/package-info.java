@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Builds running worlds from world files, and connects them to agents, journals, pictures and a
- * watched laws folder.
+ * Running worlds. This package builds them from world files, and connects them to agents, journals,
+ * pictures and a watched laws folder.
  */
 @NullMarked
 package reve.worlds.server;

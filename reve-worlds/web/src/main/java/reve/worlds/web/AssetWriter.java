@@ -29,9 +29,14 @@ final class AssetWriter {
     private AssetWriter() {}
 
     /**
-     * Encodes a mesh as a message: type, id, number of vertices, of indices, attributes, number of
-     * parts; then coordinates, normals, texture coordinates, colours, indices; then for each part
-     * the first triangle, the number of triangles, colour, roughness, metallic, id of the texture.
+     * Encodes a mesh as a message. The message consists of:
+     *
+     * <ul>
+     *   <li>type, id, number of vertices, number of indices, attributes, number of parts;
+     *   <li>coordinates, normals, texture coordinates, colours, indices;
+     *   <li>for each part: the first triangle, the number of triangles, colour, roughness,
+     *       metallic, id of the texture.
+     * </ul>
      */
     static ByteBuffer mesh(int id, Mesh mesh, ToIntFunction<Object> assetId) {
         FloatBuffer vertices = mesh.vertices();
@@ -73,7 +78,10 @@ final class AssetWriter {
         return out.flip().asReadOnlyBuffer();
     }
 
-    /** Returns a texture: type, id, width, height, then bytes r g b a from the upper left. */
+    /**
+     * Returns a texture as a message: type, id, width, height, then the bytes r g b a of each pixel
+     * from the upper left.
+     */
     static ByteBuffer texture(int id, Texture texture) {
         ByteBuffer rgba = texture.rgba();
         ByteBuffer out =

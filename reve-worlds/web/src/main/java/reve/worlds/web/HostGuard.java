@@ -13,9 +13,8 @@ import java.net.URI;
 import java.util.Set;
 
 /**
- * Refuses requests that a page of another origin may have caused: the Host header of a request must
- * name this server, which prevents DNS rebinding, and a WebSocket must come from a page of this
- * origin.
+ * Refuses requests that a page of another origin may have caused. The Host header of a request must
+ * name this server, which prevents DNS rebinding. A WebSocket must come from a page of this origin.
  */
 final class HostGuard extends Handler.Wrapper {
 

@@ -16,8 +16,8 @@ import java.nio.channels.SocketChannel;
 import java.util.concurrent.Executor;
 
 /**
- * A connector that closes connections beyond the limits of {@link Visitors} at once, and reads the
- * others within their {@link ReadBudget}.
+ * A connector that enforces limits. It closes connections beyond the limits of {@link Visitors} at
+ * once, and reads the other connections within their {@link ReadBudget}.
  */
 final class LimitedConnector extends ServerConnector {
 
@@ -56,12 +56,13 @@ final class LimitedConnector extends ServerConnector {
                 return true;
             }
         } catch (IOException closed) {
-            // The peer has already closed the connection.
+            // The exception is ignored, because the client has already closed the connection.
         }
         try {
             channel.close();
         } catch (IOException e) {
-            // Ignored: close frees the descriptor even if it fails.
+            // The exception is ignored, because the operating system frees the file descriptor even
+            // if close() fails.
         }
         return false;
     }

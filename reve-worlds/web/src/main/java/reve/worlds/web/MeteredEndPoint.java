@@ -31,7 +31,7 @@ final class MeteredEndPoint extends SocketChannelEndPoint {
     /** Returns the budget of the connection of a request. */
     static ReadBudget budgetOf(Request request) {
         EndPoint end = request.getConnectionMetaData().getConnection().getEndPoint();
-        while (end instanceof EndPoint.Wrapper wrapper) { // TLS
+        while (end instanceof EndPoint.Wrapper wrapper) { // the wrapper is the TLS layer
             end = wrapper.unwrap();
         }
         return ((MeteredEndPoint) end).budget;

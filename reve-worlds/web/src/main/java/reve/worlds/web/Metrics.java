@@ -24,8 +24,8 @@ import java.util.function.ToDoubleFunction;
 import java.util.function.ToLongFunction;
 
 /**
- * The counters of a server, or of some of its worlds, in the text format of Prometheus. They are
- * read only on request, so they cost nothing in frames. For any thread.
+ * The counters of a server, or of some of its worlds, in the text format of Prometheus. The
+ * counters are read only on request, so they cost nothing in frames. For any thread.
  */
 final class Metrics {
 
@@ -81,7 +81,7 @@ final class Metrics {
                 AgentStats::unrecorded);
     }
 
-    /** Returns whether a world's frame loop is running, that is, owned by a thread. */
+    /** Returns whether a world's frame loop is running. A loop runs while a thread owns it. */
     static boolean isRunning(FrameLoop loop) {
         return loop.thread() != null && !loop.isStopped();
     }

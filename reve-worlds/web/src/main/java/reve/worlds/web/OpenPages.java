@@ -12,15 +12,15 @@ import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.locks.LockSupport;
 
 /**
- * The connections to all web pages, and the memory of the frames that these have not read. A frame
- * that several pages share is counted once. Above a limit, the pages that have been slow the
- * longest are disconnected. For any thread.
+ * The connections to all web pages, and the memory of the frames that wait for them. A frame that
+ * several pages share is counted once. If the memory exceeds its limit, the pages that have been
+ * slow the longest are disconnected. For any thread.
  */
 final class OpenPages implements AutoCloseable {
 
     private static final long MOST_BYTES = 256L * 1024 * 1024;
 
-    /** The memory limit is this fraction of a small heap (1/8). */
+    /** Divisor of the heap's size that gives the memory limit for a small heap. */
     private static final int SHARE = 8;
 
     private static final long CHECK_NANOS = 500_000_000;
@@ -29,7 +29,10 @@ final class OpenPages implements AutoCloseable {
     private final long startNanos = System.nanoTime();
     private final Set<PageOutput> open = ConcurrentHashMap.newKeySet();
 
-    /** The frame that waits for each page, slowest page first. Guarded by this object's lock. */
+    /**
+     * The frame that waits for each page. The page that has been slow the longest comes first.
+     * Guarded by this object's lock.
+     */
     private final Map<PageOutput, ByteBuffer> waiting = new LinkedHashMap<>();
 
     /** Number of pages that wait for each frame. Guarded by this object's lock. */
@@ -91,7 +94,7 @@ final class OpenPages implements AutoCloseable {
         return slowest;
     }
 
-    /** Records that no frame waits for the page any more. */
+    /** Records that no frame waits for the page. */
     synchronized void release(PageOutput page) {
         ByteBuffer frame = waiting.remove(page);
         if (frame != null && holders.merge(frame, -1, Integer::sum) == 0) {

@@ -23,10 +23,10 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The HTTP paths for monitoring: {@code /health} answers 200 if all worlds make frames or wait,
- * else 503, and names no world; {@code /metrics} returns the counters. If the server requires
- * tokens, the counters require a bearer token with the role observer or control. A token for some
- * worlds reads the counters of these worlds only.
+ * The HTTP paths for monitoring. The path {@code /health} answers 200 if all worlds make frames or
+ * wait, and 503 otherwise; it names no world. The path {@code /metrics} returns the counters. If
+ * the server requires tokens, the counters require a bearer token with the role observer or
+ * control. A token for some worlds reads the counters of these worlds only.
  */
 final class Operations extends Handler.Wrapper {
 
@@ -87,7 +87,10 @@ final class Operations extends Handler.Wrapper {
                 rights.worlds().isEmpty() ? Optional.of(agents) : Optional.empty());
     }
 
-    /** Returns the rights of the request's token; empty if it may not read the counters. */
+    /**
+     * Returns the rights of the request's token. Empty if the token does not permit reading the
+     * counters.
+     */
     private Optional<Rights> reader(@Nullable String authorization) {
         if (tokens.isEmpty()) {
             return Optional.of(Rights.ALL);

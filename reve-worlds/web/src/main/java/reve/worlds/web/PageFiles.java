@@ -24,8 +24,8 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Serves the files of the web page from jars on the class path, and no others. The content security
- * policy permits the page requests to this server only.
+ * Serves the files of the web page from jars on the class path, and no other files. The content
+ * security policy allows the page to send requests to this server only.
  */
 final class PageFiles extends Handler.Abstract.NonBlocking {
 

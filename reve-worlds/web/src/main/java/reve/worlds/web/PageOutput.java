@@ -11,7 +11,7 @@ import java.util.concurrent.locks.ReentrantLock;
 import java.util.function.Consumer;
 
 /**
- * The output to one web page: lines of the agent protocol and frames of the scene take turns. Each
+ * The output to one web page. Lines of the agent protocol and frames of the scene take turns. Each
  * message is written in pieces, so only one piece at a time waits in memory. A page that accepts no
  * piece for some seconds is disconnected.
  */
@@ -21,8 +21,8 @@ final class PageOutput {
     static final int PIECE_BYTES = 16 * 1024;
 
     /**
-     * Maximum time until the page accepts a piece, and until it accepts the remaining messages
-     * after the session has ended [ns].
+     * Maximum time until the page accepts a piece [ns]. After the session has ended, also the
+     * maximum time until the page accepts the remaining messages.
      */
     static final long PATIENCE_NANOS = 5_000_000_000L;
 
@@ -31,7 +31,10 @@ final class PageOutput {
     private final Session page;
     private final OpenPages pages;
 
-    /** Held while a message is written; a fair lock, so that lines and frames take turns. */
+    /**
+     * The lock that a thread holds while it writes a message. The lock is fair, so that lines and
+     * frames take turns.
+     */
     private final ReentrantLock turn = new ReentrantLock(true);
 
     /** Time by which the page must accept the present piece [ns since the start]. */
@@ -64,7 +67,10 @@ final class PageOutput {
         }
     }
 
-    /** Lets frames be sent again after a line was interrupted. The thread of {@link #line}. */
+    /**
+     * Allows frames to be sent again after a line was interrupted. Called on the thread of {@link
+     * #line}.
+     */
     void abandonLine() {
         if (turn.isHeldByCurrentThread()) {
             turn.unlock();
@@ -75,7 +81,7 @@ final class PageOutput {
      * Sends a frame of the scene on a thread of its own.
      *
      * @param assets meshes and textures to send before the frame; the scene owns these messages
-     * @param frame its memory counts as waiting until it is sent; not modified
+     * @param frame the frame, which is not modified; its memory counts as waiting until it is sent
      * @param sent called after the frame was sent, unless the connection ended first
      */
     void frame(List<ByteBuffer> assets, ByteBuffer frame, Runnable sent) {
@@ -141,13 +147,13 @@ final class PageOutput {
         }
     }
 
-    /** Disconnects the page at once; waiting messages fail. For any thread. */
+    /** Disconnects the page at once. Waiting messages fail. For any thread. */
     void cut() {
         closed = true;
         page.disconnect();
     }
 
-    /** Removes the page, whose connection has ended. For any thread. */
+    /** Removes the page, because its connection has ended. For any thread. */
     void close() {
         closed = true;
         pages.remove(this);

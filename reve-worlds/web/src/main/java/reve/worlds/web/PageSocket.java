@@ -22,9 +22,9 @@ import java.util.Map;
 
 /**
  * One WebSocket of a web page. A text message is one line of the agent protocol in either
- * direction; the session behind it decides about roles, tokens, rights and limits, as for a TCP
- * connection. Binary messages from the page request frames of the scene, see {@link Watcher}; they
- * have an effect only if the session's role perceives everything.
+ * direction. A session of the agent server handles these lines. It decides about roles, tokens,
+ * rights and limits, as for a TCP connection. Binary messages from the page request frames of the
+ * scene, see {@link Watcher}. They have an effect only if the session's role perceives everything.
  */
 public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
 
@@ -39,7 +39,7 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
     private volatile @Nullable PageOutput output;
     private volatile @Nullable SocketChannel line;
 
-    /** Set when the client is welcomed; written only with this object's lock held. */
+    /** Null until the client is welcomed. Written only while this object's lock is held. */
     private volatile @Nullable Watcher watcher;
 
     /** Guarded by this object's lock. */
@@ -92,7 +92,8 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
                 channel.write(bytes);
             }
         } catch (IOException ended) {
-            // The reader of lines closes the WebSocket, after the last line was sent.
+            // The exception is ignored. The thread that relays lines closes the WebSocket after it
+            // has sent the last line.
         }
     }
 
@@ -105,7 +106,7 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
         callback.succeed();
     }
 
-    /** Answers a ping. Browsers send none; a client that sends many waits. */
+    /** Answers a ping. Browsers send no pings. A client that sends many pings must wait. */
     @Override
     public void onWebSocketPing(ByteBuffer payload) {
         budget.spend(ReadBudget.REQUEST_BYTES);
@@ -144,15 +145,16 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
             try {
                 channel.close();
             } catch (IOException e) {
-                // Ignored: close frees the descriptor even if it fails.
+                // The exception is ignored, because the operating system frees the file descriptor
+                // even if close() fails.
             }
         }
     }
 
     /**
-     * Sends the lines of the agent server to the page until its connection ends. A long line is
-     * sent in pieces. So if a page does not read, the agent server's connection fills up, and the
-     * agent server's limits for slow clients apply.
+     * Sends the lines of the agent server to the page until the page's connection ends. A long line
+     * is sent in pieces. If a page does not read, the connection to the agent server fills up, and
+     * the agent server's limits for slow clients apply.
      */
     static void relay(ReadableByteChannel channel, PageOutput page) {
         byte[] bytes = new byte[PageOutput.PIECE_BYTES];
@@ -192,7 +194,10 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
         return new String(bytes, start, end - start, StandardCharsets.UTF_8);
     }
 
-    /** Returns the position of the last UTF-8 character in the bytes, which may be incomplete. */
+    /**
+     * Returns the position of the last UTF-8 character in the bytes. This character may be
+     * incomplete.
+     */
     private static int lastCharacter(byte[] bytes, int end) {
         int at = end - 1;
         while (at > 0 && (bytes[at] & 0xc0) == 0x80) {

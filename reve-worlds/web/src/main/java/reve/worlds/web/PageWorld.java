@@ -9,6 +9,6 @@ import java.util.Optional;
 /**
  * A world that web pages can show.
  *
- * @param camera first viewpoint; if empty, the page shows all bodies
+ * @param camera the first viewpoint; if empty, the page shows all bodies
  */
 public record PageWorld(WorldPort port, Optional<CameraDescription> camera) {}

@@ -6,22 +6,28 @@ import java.util.function.IntSupplier;
 import java.util.function.LongSupplier;
 
 /**
- * The bytes that the server may read from one connection now. A client that sends more waits, so a
- * few busy connections leave time for the others. All connections together have {@link
- * #ALL_PER_SECOND}, in equal parts. Requests that cost more than their bytes are charged more. Any
- * thread.
+ * The number of bytes that the server may read from one connection now. A client that sends more
+ * must wait, so a few busy connections leave time for the others. All connections together have
+ * {@link #ALL_PER_SECOND}, in equal parts. Requests that cost more time than their bytes are
+ * charged more. For any thread.
  */
 final class ReadBudget {
 
-    /** Bytes a second of all connections together; no connection has more than a 32nd. */
+    /**
+     * Maximum rate of all connections together [bytes/s]. One connection has at most 1/32 of this
+     * rate.
+     */
     static final double ALL_PER_SECOND = 4 << 20;
 
     private static final int FEWEST_PARTS = 32;
 
-    /** Bytes that a connection may send at once after a silence; a line has at most as many. */
+    /**
+     * Maximum number of bytes that a connection may send at once after a pause [bytes]. It equals
+     * the maximum length of a line.
+     */
     static final int BURST = 65_536;
 
-    /** Bytes that the server charges for one HTTP request, or one ping of a WebSocket. */
+    /** Charge for one HTTP request, or for one ping of a WebSocket [bytes]. */
     static final int REQUEST_BYTES = 2048;
 
     private final IntSupplier connections;
@@ -45,13 +51,19 @@ final class ReadBudget {
         left -= bytes;
     }
 
-    /** Returns the time until the server may read from the connection again [ns]; 0: now. */
+    /**
+     * Returns the time until the server may read from the connection again [ns]. Returns 0 if it
+     * may read now.
+     */
     synchronized long waitNanos() {
         refill();
         return left >= 0 ? 0 : (long) Math.ceil(-left / perNano());
     }
 
-    /** Charges a request, and waits until its turn. Only for virtual threads. */
+    /**
+     * Charges a request, and waits until the budget permits it. For virtual threads only, because
+     * this method blocks.
+     */
     void takeRequest() throws InterruptedException {
         spend(REQUEST_BYTES);
         TimeUnit.NANOSECONDS.sleep(waitNanos());

@@ -29,9 +29,9 @@ import java.util.Set;
 import java.util.TreeMap;
 
 /**
- * The newest state of a world as web pages show it. A version counts changes, and each part has the
- * version of its last change. An item keeps the same slot (an index) as long as it exists; the
- * columns of bodies are arrays by slot, in single precision. For one thread.
+ * The newest state of a world in the form in which web pages show it. A version number counts
+ * changes. Each part has the version of its last change. An item keeps the same slot (an index) as
+ * long as it exists. The columns of bodies are arrays by slot, in single precision. For one thread.
  */
 final class Scene {
 
@@ -53,18 +53,18 @@ final class Scene {
     private int[][] references = new int[FIRST_SLOTS][];
 
     /**
-     * By slot: the version in which its item entered, left, or last changed its symbols or
-     * references.
+     * By slot: the version of the last structural change. A structural change means that the item
+     * entered, left, or changed its symbols or references.
      */
     private int[] structureChanged = new int[FIRST_SLOTS];
 
     private int newestStructure;
     private final Column[] columns = new Column[SceneColumns.values().length];
 
-    /** By row of the body table: the body's slot. */
+    /** The slot of each body, by row of the body table. */
     private int[] slotOfRow = {};
 
-    /** How often slotOfRow was computed. */
+    /** Number of times that slotOfRow was computed. */
     private int mapping;
 
     private long[] ids = {};
@@ -72,7 +72,7 @@ final class Scene {
     private long symbolsNanos;
     private boolean stale = true;
 
-    /** Bits of the optional columns that the last read included. */
+    /** The optional columns that the last read included, one bit for each. */
     private int optional;
 
     private int version;
@@ -83,7 +83,10 @@ final class Scene {
     private final Map<Integer, ByteBuffer> assets = new TreeMap<>();
     private int lastAsset;
 
-    /** The values of one column, by slot; for colours, a float holds the bits of an integer. */
+    /**
+     * The values of one column, by slot. In a column of colours, each float holds the bits of an
+     * integer.
+     */
     private static final class Column {
         private final int components;
         private float[] values;
@@ -95,7 +98,7 @@ final class Scene {
         /** The {@link Scene#mapping} that the last read used. */
         private int mapping;
 
-        /** The snapshot's column as bytes, from the last read. */
+        /** The bytes of the snapshot's column at the last read. */
         private byte[] seen = {};
 
         Column(int components) {
@@ -123,7 +126,9 @@ final class Scene {
         }
     }
 
-    /** Returns the version, which increases when something changes; 0 before the first frame. */
+    /**
+     * Returns the version. It increases when something changes, and is 0 before the first frame.
+     */
     int version() {
         return version;
     }
@@ -136,7 +141,7 @@ final class Scene {
         return time;
     }
 
-    /** Returns the number of slots, used and free. */
+    /** Returns the number of slots. Free slots are included. */
     int slots() {
         return slots;
     }
@@ -147,8 +152,8 @@ final class Scene {
     }
 
     /**
-     * Returns the slots of the items to which this slot's item refers, such as a spring's two
-     * bodies; -1 for none.
+     * Returns the slots of the items to which this slot's item refers, for example the two bodies
+     * of a spring. The value is -1 if there is no such item.
      */
     int[] references(int slot) {
         return references[slot] == null ? NO_REFERENCES : references[slot];
@@ -174,10 +179,7 @@ final class Scene {
         return columns[column.ordinal()].values;
     }
 
-    /**
-     * Returns the ids of meshes and textures, ordered so that textures come before the meshes that
-     * use them.
-     */
+    /** Returns the ids of meshes and textures. Textures come before the meshes that use them. */
     Set<Integer> assets() {
         return assets.keySet();
     }
@@ -187,12 +189,12 @@ final class Scene {
         return assets.get(id).duplicate();
     }
 
-    /** Returns the id of a mesh or texture; 0 if it has none. */
+    /** Returns the id of a mesh or texture. Returns 0 if the scene does not contain it. */
     int assetId(Object asset) {
         return assetIds.getOrDefault(asset, 0);
     }
 
-    /** Makes the next read compare all data, not only what seems changed. */
+    /** Makes the next read compare all data, including data that seems unchanged. */
     void forget() {
         stale = true;
     }
@@ -207,7 +209,7 @@ final class Scene {
      *
      * @param wanted optional columns to read
      * @return false if the snapshot was overwritten during the read; the scene is then invalid
-     *     until the next read
+     *     until the next successful read
      */
     boolean read(WorldSnapshot snapshot, int wanted) {
         if (snapshot.frame() == frame && !stale && hasRead(wanted)) {
@@ -246,7 +248,7 @@ final class Scene {
     }
 
     /**
-     * Copies the ids of the bodies' rows, and returns whether they differ from those of the last
+     * Copies the ids of the bodies' rows. Returns whether these ids differ from those of the last
      * read.
      */
     private boolean hasOtherRows(TableSnapshot bodies) {
@@ -312,7 +314,9 @@ final class Scene {
         }
     }
 
-    /** Returns whether the change of symbols changes how the page draws or names the item. */
+    /**
+     * Returns whether a change of symbols changes the drawing or the name of the item on the page.
+     */
     private static boolean looksOther(ItemSymbols before, ItemSymbols after) {
         return !before.name().equals(after.name())
                 || before.shape() != after.shape()
@@ -421,7 +425,7 @@ final class Scene {
         return any;
     }
 
-    /** Reads a column of 32-bit numbers unchanged, as bits. */
+    /** Reads a column of 32-bit numbers. Their bits are not changed. */
     private boolean readWords(MemorySegment segment, Column column, int rows) {
         int components = column.components;
         float[] values = column.values;
@@ -476,7 +480,7 @@ final class Scene {
         return textures;
     }
 
-    /** Drops meshes and textures that no item has any more. Their ids are not used again. */
+    /** Drops meshes and textures that no item uses. Their ids are not used again. */
     private void dropUnusedAssets() {
         Map<Object, Integer> used = new IdentityHashMap<>();
         for (int slot = 0; slot < slots; slot++) {

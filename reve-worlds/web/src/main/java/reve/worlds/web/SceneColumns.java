@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.web;
 
-/** The columns of bodies in frames of the scene, as sent to web pages; page/view.js reads them. */
+/**
+ * The columns of bodies in frames of the scene that are sent to web pages. The script page/view.js
+ * reads them.
+ */
 enum SceneColumns {
     /** Position of the body's origin [m]. */
     POSITION("position", 3, 0),
@@ -11,9 +14,9 @@ enum SceneColumns {
     SIZE("size", 3, 0),
     /** Bytes r g b a. */
     COLOUR("colour", 1, 0),
-    /** Velocity [m/s]; sent only on request. */
+    /** Velocity [m/s]. Sent only on request. */
     VELOCITY("velocity", 3, 1),
-    /** Sum of the forces of laws [N]; sent only on request. */
+    /** Sum of the forces of laws [N]. Sent only on request. */
     FORCE("externalForce", 3, 2);
 
     /** The bits of all columns that are sent only on request. */

@@ -21,14 +21,14 @@ final class SceneFeed implements AutoCloseable {
 
     private static final Logger LOG = LoggerFactory.getLogger("reve.page");
 
-    /** Minimum time between two frames for one watcher [ns]; a little less than 1/60 s. */
+    /** Minimum time between two frames for one watcher [ns]. It is a little less than 1/60 s. */
     private static final long MIN_INTERVAL_NANOS = 15_000_000;
 
     /** Interval at which the thread polls for a new frame [ns]. */
     private static final long LOOK_NANOS = 2_000_000;
 
     /**
-     * Maximum number of attempts to read a snapshot; an attempt fails if the snapshot is
+     * Maximum number of attempts to read a snapshot. An attempt fails if the snapshot is
      * overwritten during the read.
      */
     private static final int ATTEMPTS = 4;
@@ -88,8 +88,8 @@ final class SceneFeed implements AutoCloseable {
     /**
      * Sends the newest frame to all watchers that wait for it.
      *
-     * @return time until the next watcher is due [ns]; negative if there is nothing to do until the
-     *     thread is woken
+     * @return time until the next watcher must be served [ns]; negative if the thread may sleep
+     *     until it is woken
      */
     private long serve() {
         boolean waits = false;
@@ -131,7 +131,7 @@ final class SceneFeed implements AutoCloseable {
      * Reads the newest snapshot.
      *
      * @param wanted optional columns to read
-     * @return false if in each attempt the snapshot was overwritten during the read
+     * @return false if the snapshot was overwritten during the read in each attempt
      */
     private boolean read(int wanted) {
         for (int attempt = 0; attempt < ATTEMPTS; attempt++) {

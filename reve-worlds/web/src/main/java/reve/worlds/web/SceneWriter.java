@@ -17,11 +17,17 @@ import java.nio.ByteOrder;
 import java.util.Optional;
 
 /**
- * Encodes frames of the scene as binary messages to web pages; page/view.js reads them. A message
- * consists of these little-endian numbers: type (1), bytes of the structure, number of sections,
- * number of slots; frame and time as 64-bit floats; then the structure as JSON, padded to 4 bytes;
- * then, for each section: column, number of bodies, their slots, their values as 32-bit floats. The
- * structure lists items that entered or changed, and slots that are free. For one thread.
+ * Encodes frames of the scene as binary messages to web pages. The script page/view.js reads them.
+ * A message consists of these little-endian parts:
+ *
+ * <ul>
+ *   <li>type (1), bytes of the structure, number of sections, number of slots;
+ *   <li>frame and time as 64-bit floats;
+ *   <li>the structure as JSON, padded to a multiple of 4 bytes;
+ *   <li>for each section: column, number of bodies, their slots, their values as 32-bit floats.
+ * </ul>
+ *
+ * <p>The structure lists items that entered or changed, and slots that are free. For one thread.
  */
 final class SceneWriter {
 
@@ -36,7 +42,7 @@ final class SceneWriter {
     private final Optional<CameraDescription> camera;
     private int[] picked = {};
 
-    /** The last encoded message; watchers in the same state receive the same one. */
+    /** The last encoded message. Watchers in the same state receive the same message. */
     private @Nullable ByteBuffer shared;
 
     private int sharedVersion;
@@ -44,7 +50,7 @@ final class SceneWriter {
     private int sharedColumns;
 
     /**
-     * @param camera first viewpoint; only complete frames contain it
+     * @param camera the first viewpoint, which only complete frames contain
      */
     SceneWriter(Optional<CameraDescription> camera) {
         this.camera = camera;
@@ -54,7 +60,7 @@ final class SceneWriter {
      * Returns a message with the changes between an earlier version of the scene and the present
      * one. Several watchers may share it, so the caller must not change its position.
      *
-     * @param since the earlier version, which the client has; 0 returns everything
+     * @param since the earlier version, which the client has; if 0, the message contains everything
      * @param known optional columns that the client has in that version
      * @param wanted optional columns that it requests now
      */
@@ -109,7 +115,7 @@ final class SceneWriter {
         return out.flip().asReadOnlyBuffer();
     }
 
-    /** Finds the bodies whose value in a column has changed since a version. */
+    /** Collects the bodies whose value in a column has changed since a version. */
     private int pick(Scene scene, SceneColumns column, int since, int first) {
         if (!scene.hasChanged(column, since)) {
             return 0;

@@ -10,8 +10,8 @@ import java.net.InetSocketAddress;
 import javax.net.ssl.SSLEngine;
 
 /**
- * The TLS settings of the agent server, for the web port; the certificate file is read again when
- * it changes.
+ * The TLS settings of the web port. They are those of the agent server. The certificate file is
+ * read again when it changes.
  */
 final class ServerKeys extends SslContextFactory.Server {
 

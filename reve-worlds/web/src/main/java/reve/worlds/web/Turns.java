@@ -6,7 +6,7 @@ import org.eclipse.jetty.server.Request;
 import org.eclipse.jetty.server.Response;
 import org.eclipse.jetty.util.Callback;
 
-/** Lets an HTTP request wait if its connection has sent too many. */
+/** Makes an HTTP request wait if its connection has sent too many requests. */
 final class Turns extends Handler.Wrapper {
 
     @Override

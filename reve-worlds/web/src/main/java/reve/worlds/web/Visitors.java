@@ -10,8 +10,8 @@ import java.util.Set;
 import java.util.function.BooleanSupplier;
 
 /**
- * The open connections of the web port, and their limits: limits on their total number, on the
- * number from one address, and by the file descriptors of the process. For any thread.
+ * The open connections of the web port, and their limits. There are limits on their total number,
+ * on the number from one address, and on the file descriptors of the process. For any thread.
  */
 final class Visitors {
 
@@ -34,7 +34,8 @@ final class Visitors {
     }
 
     /**
-     * Returns whether an accepted connection may stay open; if so, counts it until it is closed.
+     * Returns whether an accepted connection may stay open. If so, counts the connection until it
+     * is closed.
      */
     synchronized boolean admit(SocketChannel accepted) throws IOException {
         open.removeIf(channel -> !channel.isOpen());

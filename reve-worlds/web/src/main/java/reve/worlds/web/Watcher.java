@@ -12,7 +12,7 @@ import java.util.function.LongPredicate;
 
 /**
  * A client that watches the scene of a world. Each request is answered by one frame, the newest one
- * at that time. So a slow client receives fewer frames, and at most one frame waits for it.
+ * at that time. Therefore a slow client receives fewer frames, and at most one frame waits for it.
  */
 final class Watcher {
 
@@ -25,7 +25,7 @@ final class Watcher {
     private final PageOutput output;
     private final LongPredicate record;
 
-    /** Requested columns as in {@link SceneColumns}; negative if no frame is requested. */
+    /** Requested columns as in {@link SceneColumns}. Negative if no frame is requested. */
     private final AtomicInteger request = new AtomicInteger(-1);
 
     private volatile boolean sending;
@@ -43,8 +43,8 @@ final class Watcher {
     private final Set<Integer> sent = new HashSet<>();
 
     /**
-     * @param record writes the audit record before the first frame; returns false if it failed, so
-     *     that nothing may be sent
+     * @param record writes the audit record before the first frame; returns false if the write
+     *     failed, and nothing may be sent then
      */
     Watcher(SceneFeed feed, PageOutput output, LongPredicate record) {
         this.feed = feed;
@@ -66,7 +66,7 @@ final class Watcher {
         }
     }
 
-    /** Ends the view. For any thread. */
+    /** Ends the view of the scene. For any thread. */
     void close() {
         closed = true;
         feed.remove(this);
@@ -82,7 +82,7 @@ final class Watcher {
                 && (version < current || (request.get() & ~columns) != 0);
     }
 
-    /** Returns whether the client has requested a frame. */
+    /** Returns whether the client has requested a frame that the server has not begun to send. */
     boolean isWaiting() {
         return !closed && !sending && request.get() >= 0;
     }

@@ -28,7 +28,7 @@ import java.util.Optional;
 
 /**
  * Server of the web page and of its WebSocket at {@code /world}. Text messages of the WebSocket are
- * lines of the agent protocol, which pass through the sessions of the agent server. Binary messages
+ * lines of the agent protocol. They pass through the sessions of the agent server. Binary messages
  * contain the scene, for clients that perceive everything.
  */
 public final class WebServer implements AutoCloseable {
@@ -39,8 +39,8 @@ public final class WebServer implements AutoCloseable {
     private static final Duration IDLE = Duration.ofSeconds(10);
 
     /**
-     * Time without traffic after which a WebSocket is closed; the agent server sends pings more
-     * often.
+     * Time without traffic after which a WebSocket is closed. It is longer than the interval of the
+     * agent server's pings.
      */
     private static final Duration SOCKET_IDLE = Duration.ofSeconds(60);
 
@@ -59,8 +59,8 @@ public final class WebServer implements AutoCloseable {
      * Starts the server.
      *
      * @param address port 0 selects a free port
-     * @param security as for the agent server; TLS is required on addresses that other machines
-     *     reach
+     * @param security the same settings as for the agent server; TLS is required on addresses that
+     *     other machines can reach
      * @param agents server whose sessions the page's clients use
      * @param worlds worlds that the page can show
      * @throws BindException naming the address if it is not available
@@ -126,8 +126,9 @@ public final class WebServer implements AutoCloseable {
                             container.addMapping(
                                     SOCKET,
                                     (request, response, callback) -> {
-                                        // compression would take longer than it saves on a loopback
-                                        // connection
+                                        // Extensions are refused, because the only common one is
+                                        // compression. On a loopback connection, compression would
+                                        // take longer than it saves.
                                         response.setExtensions(List.of());
                                         return new PageSocket(
                                                 agents,

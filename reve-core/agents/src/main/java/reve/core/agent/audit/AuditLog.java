@@ -37,8 +37,8 @@ import java.util.regex.Pattern;
  * A record of every message to clients with its time: one JSON object per message, appended to a
  * file when the message is written to the connection. Secrets are omitted, and pixels of pictures
  * are replaced by a hash (SHA-256). A file that reaches the maximum size is rotated. While the file
- * cannot be written, messages are only counted, and the log tries to write once per second; the
- * first record after such a gap contains the number of missing records. For any thread.
+ * cannot be written, the log only counts messages and tries to write once per second. The first
+ * record after such a gap contains the number of missing records. For any thread.
  */
 public final class AuditLog implements Closeable {
 
@@ -99,8 +99,8 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Opens and locks the file. First checks, without a lock, that its content is an audit record;
-     * a crash may have left an incomplete record at the end.
+     * Opens and locks the file. First checks, without a lock, that the file is an audit record. An
+     * incomplete last record is allowed, because a crash may have left it.
      */
     private OwnedFile open() throws IOException {
         boolean regular = !Files.exists(file) || Files.isRegularFile(file);
@@ -113,8 +113,8 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Returns whether the file ends with a complete record. Refuses, unchanged, a file that is no
-     * audit record.
+     * Returns whether the file ends with a complete record. Throws an exception, without changing
+     * the file, if the file is not an audit record.
      */
     private boolean endsWithLine() throws IOException {
         try (FileChannel in = FileChannel.open(file)) {
@@ -123,7 +123,10 @@ public final class AuditLog implements Closeable {
         }
     }
 
-    /** Throws if an older file is no audit record, because rotation would rename or replace it. */
+    /**
+     * Throws an exception if an older file is no audit record. Rotation would rename or replace
+     * this file.
+     */
     private static void requireRecord(Path older) throws IOException {
         try (FileChannel in = FileChannel.open(older)) {
             requireRecord(in, older.toString());
@@ -133,12 +136,12 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Returns the position of the last line, which may be incomplete. Throws if the file is no
-     * audit record.
+     * Returns the position of the last line. This line may be incomplete. Throws an exception if
+     * the file is no audit record.
      */
     private static long requireRecord(FileChannel in, String name) throws IOException {
-        // Checks the first line first, because the search for the last line may read the whole
-        // file.
+        // The first line is checked first, because the search for the start of the last line may
+        // read the whole file.
         long next = isRecord(in, 0) ? lineBefore(in, in.size()) : -1;
         if (next < 0 || next > 0 && !isRecord(in, lineBefore(in, next - 1))) {
             throw new IOException(
@@ -164,7 +167,10 @@ public final class AuditLog implements Closeable {
         return 0;
     }
 
-    /** Returns whether the line at a position begins like a record; it may end early. */
+    /**
+     * Returns whether the line at a position begins like a record. An incomplete record is
+     * accepted.
+     */
     private static boolean isRecord(FileChannel in, long start) throws IOException {
         ByteBuffer buffer = ByteBuffer.allocate(HEAD_BYTES);
         in.read(buffer, start);
@@ -222,7 +228,7 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Returns whether messages may be sent: either the record can be written, or it is not
+     * Returns whether messages may be sent. They may be sent if the record can be written or is not
      * required.
      */
     public synchronized boolean isServing() {
@@ -283,7 +289,7 @@ public final class AuditLog implements Closeable {
 
     /**
      * Returns whether the file can be written. After a failure, tries once per second to open the
-     * path again, which may then lead to another file.
+     * path again. The path may lead to another file by then.
      */
     private boolean isWritable() {
         if (failure == null) {
@@ -363,8 +369,8 @@ public final class AuditLog implements Closeable {
 
     /**
      * Renames each older file to the next number, and removes the oldest. If that fails, for
-     * example because an older file has other content or is in use, the current file grows beyond
-     * its maximum size.
+     * example because an older file has other content or is in use, the current file stays in use
+     * and grows beyond its maximum size.
      */
     private void rotate() {
         if (!out.isInPlace()) { // the file was moved or removed: problem() begins a new one
@@ -392,7 +398,7 @@ public final class AuditLog implements Closeable {
         try {
             closing.close();
         } catch (IOException e) {
-            // No data is buffered, so nothing is lost.
+            // This class buffers no data, so a failed close loses nothing.
         }
     }
 

@@ -32,7 +32,8 @@ public record AuditPlan(Path file, long maxBytes, int keep, boolean required) {
     }
 
     /**
-     * Returns a plan with the default limits; the server continues if the record cannot be written.
+     * Returns a plan with the default limits. With this plan the server continues if the record
+     * cannot be written.
      */
     public static AuditPlan of(Path file) {
         return new AuditPlan(file, DEFAULT_BYTES, DEFAULT_KEEP, false);

@@ -13,14 +13,14 @@ import java.util.Optional;
 public record AgentSecurity(Optional<TokenFile> tokens, Optional<ServerTls> tls) {
 
     /**
-     * No tokens and no TLS: permitted only for a loopback address, where all clients run on the
-     * same machine.
+     * Neither tokens nor TLS. This is permitted only for a loopback address, which only clients on
+     * the same machine can reach.
      */
     public static final AgentSecurity NONE = new AgentSecurity(Optional.empty(), Optional.empty());
 
     /**
-     * Returns whether there are tokens and TLS, as required for an address that other machines can
-     * reach.
+     * Returns whether there are both tokens and TLS. An address that other machines can reach
+     * requires both.
      */
     public boolean isComplete() {
         return tokens.isPresent() && tls.isPresent();

@@ -14,7 +14,7 @@ import java.util.HexFormat;
 import java.util.Optional;
 
 /**
- * A token of a client as the server stores it: with the SHA-256 of its secret instead of the
+ * A token of a client as the server stores it. The server stores the SHA-256 of the secret, not the
  * secret. Salts and slow hashes are not needed, because the secret has 128 random bits and cannot
  * be guessed.
  *

@@ -9,11 +9,11 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * Limit on wrong token secrets per network address: a burst of {@value #BURST}, then one per
- * second. A connection that sends a further wrong secret is closed with the code for too many
- * attempts. Right secrets are not counted, so an attacker cannot lock out other clients at its
- * address. Stores the last {@value #ADDRESSES} addresses; addresses of one IPv6 /64 network count
- * as one. For any thread.
+ * Limit on wrong token secrets per network address. An address may send a burst of {@value #BURST},
+ * then one per second. The server closes a connection that exceeds the limit, with the code for too
+ * many attempts. Right secrets are not counted, so an attacker cannot lock out other clients at its
+ * address. Only the last {@value #ADDRESSES} addresses are stored. Addresses of one IPv6 /64
+ * network count as one. For any thread.
  */
 public final class Attempts {
 
@@ -58,8 +58,8 @@ public final class Attempts {
     }
 
     /**
-     * Returns the address for which attempts are counted: an IPv4 address, or the /64 network of an
-     * IPv6 address.
+     * Returns the address for which attempts are counted. This is an IPv4 address, or the /64
+     * network of an IPv6 address.
      */
     public static ByteBuffer network(InetAddress address) {
         byte[] bytes = address.getAddress();

@@ -55,7 +55,10 @@ record FileVersion(
                                 });
     }
 
-    /** Returns a message which states that other users can access the file, and the remedy. */
+    /**
+     * Returns a message which states that other users can access the file, and what the operator
+     * must do.
+     */
     String openToOthers(Path path) {
         return path
                 + " is open to others (mode "

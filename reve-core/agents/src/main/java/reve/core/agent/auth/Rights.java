@@ -17,8 +17,9 @@ import java.util.TreeSet;
  *     created for the client
  * @param capabilities capabilities of its body that the client may use
  * @param lockStep whether the client may run in lock-step
- * @param laws laws that a client with the role control may change: names of libraries, and {@code
- *     LIBRARY.PARAMETER} for single parameters; if present, the client may change nothing else
+ * @param laws laws that a client with the role control may change. An element is the name of a
+ *     library, or {@code LIBRARY.PARAMETER} for a single parameter. If present, the client may
+ *     change nothing else.
  */
 public record Rights(
         Set<Role> roles,
@@ -63,9 +64,9 @@ public record Rights(
     }
 
     /**
-     * Returns why the client may not send a command of the role control; empty if it may. Which
-     * library a {@code load-law} loads is known only when the library is opened, see {@link
-     * #opensLaw}.
+     * Returns why the client may not send a command of the role control; empty if it may. For
+     * {@code load-law} this method does not check the library, because its name is known only after
+     * the library was opened. See {@link #opensLaw}.
      */
     public Optional<String> refusal(ClientMessage.Request request) {
         if (laws.isEmpty()) {

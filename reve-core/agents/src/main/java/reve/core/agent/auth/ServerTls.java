@@ -35,8 +35,9 @@ import javax.net.ssl.SSLEngine;
 
 /**
  * TLS 1.3 with the server's certificate. Reads the files of certificate and private key again when
- * they change: new connections use the new pair, and an invalid pair leaves the previous one in
- * use. {@link #engine} may be called on any thread, all other methods on the event loop's.
+ * they change. New connections use the new pair. An invalid new pair is ignored, and the previous
+ * pair stays in use. {@link #engine} may be called on any thread, all other methods on the event
+ * loop's thread.
  */
 public final class ServerTls {
 
@@ -48,8 +49,8 @@ public final class ServerTls {
                     "-----BEGIN PRIVATE KEY-----([A-Za-z0-9+/=\\s]+)-----END PRIVATE KEY-----");
 
     /**
-     * Maximum size of the file of a certificate chain or a key [bytes]; enough for about twenty
-     * certificates.
+     * Maximum size of the file of a certificate chain or a key [bytes]. It is enough for about
+     * twenty certificates.
      */
     private static final int MOST_BYTES = 65_536;
 
@@ -98,8 +99,9 @@ public final class ServerTls {
     }
 
     /**
-     * Reads both files again if one has changed since they were read. Waits until neither has
-     * changed since the previous call, because the two files are replaced one after the other.
+     * Reads both files again if one has changed since they were read. Reads nothing while a file
+     * has changed since the previous call, because the operator replaces the two files one after
+     * the other.
      */
     public void refresh() {
         Versions now = versions();

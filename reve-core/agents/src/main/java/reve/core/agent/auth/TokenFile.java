@@ -34,7 +34,7 @@ import java.util.stream.Collectors;
 
 /**
  * The tokens of a server, in a file with access for its owner only. Changes of the file take effect
- * at once. If the file becomes invalid, the tokens that were read before stay in effect. Any
+ * at once. If the file becomes invalid, the tokens that were read before stay in effect. For any
  * thread.
  */
 public final class TokenFile {
@@ -117,9 +117,9 @@ public final class TokenFile {
     }
 
     /**
-     * Returns the token with that secret unless it has expired. The time does not depend on whether
-     * such a token exists or how many tokens there are: the lookup uses the hash of the secret,
-     * which an attacker cannot choose.
+     * Returns the token with that secret, unless the token has expired. The time of the lookup
+     * reveals nothing about the stored tokens: the lookup uses the hash of the secret, which an
+     * attacker cannot choose.
      */
     public Optional<AgentToken> find(String secret) {
         return Optional.ofNullable(refreshed().get(AgentToken.hash(secret)))
@@ -196,7 +196,8 @@ public final class TokenFile {
         }
         try (InputStream in = Files.newInputStream(path)) {
             var tokens = new LinkedHashMap<String, AgentToken>();
-            // the size is limited here, too: something else may have taken the file's place
+            // The size is limited here, too, because the file may have been replaced after its size
+            // was checked.
             TokenFormat.read(in.readNBytes((int) MAX_BYTES))
                     .forEach(token -> tokens.put(token.sha256(), token));
             return Collections.unmodifiableMap(tokens);

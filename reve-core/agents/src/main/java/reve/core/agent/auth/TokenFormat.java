@@ -21,7 +21,7 @@ import java.util.Set;
 import java.util.TreeSet;
 
 /**
- * The JSON format of token files. Reading refuses unknown fields, because ignoring a misspelt one
+ * The JSON format of token files. Unknown fields are refused, because ignoring a misspelt field
  * could grant more rights than intended.
  */
 final class TokenFormat {

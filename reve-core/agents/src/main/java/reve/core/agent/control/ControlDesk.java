@@ -28,8 +28,8 @@ import java.util.function.Consumer;
 import java.util.function.Supplier;
 
 /**
- * Dispatcher of clients' commands for one world: passes each to the world's command queue, to its
- * frame loop, or to the program that runs the world. For any thread.
+ * Dispatcher of clients' commands for one world. It passes each command to the world's command
+ * queue, to its frame loop, or to the program that runs the world. For any thread.
  */
 public final class ControlDesk {
 
@@ -44,7 +44,10 @@ public final class ControlDesk {
     private final AtomicLong sequence = new AtomicLong();
     private final AtomicBoolean promptDue = new AtomicBoolean();
 
-    /** True while prompt commands run. For the world's thread only. */
+    /**
+     * True while the world's thread executes prompt commands, that is, commands that do not wait
+     * for agents in lock-step. For the world's thread only.
+     */
     private boolean executesPrompt;
 
     /**
@@ -78,7 +81,8 @@ public final class ControlDesk {
     }
 
     /**
-     * Answers waiting queries when the time that reports may take permits it. Called periodically.
+     * Answers waiting queries if the reports so far have not used up their share of time. Called
+     * periodically.
      */
     public void proceed() {
         reports.proceed();
@@ -195,8 +199,8 @@ public final class ControlDesk {
     }
 
     /**
-     * Queues the input which reports that an agent in lock-step was late or returned. Drops it if
-     * the queue for the next frame is full. Called on the loop's thread.
+     * Queues the input which reports that an agent in lock-step was late or has returned. Drops the
+     * input if the queue for the next frame is full. Called on the thread of the frame loop.
      */
     public void lockStep(AgentInput news) {
         port.commands()
@@ -235,8 +239,8 @@ public final class ControlDesk {
     }
 
     /**
-     * Sends the result of a command together with the frame that executed it or, for a prompt
-     * command between frames, at once.
+     * Sends the result of a command. Normally the result is sent together with the frame that
+     * executed the command. The result of a prompt command that ran between frames is sent at once.
      */
     private void deliver(Requester requester, ClientMessage.Request request, Outcome outcome) {
         if (executesPrompt) {
@@ -247,8 +251,8 @@ public final class ControlDesk {
     }
 
     /**
-     * Executes operators' commands between frames, because agents in lock-step may delay the next
-     * frame.
+     * Executes operators' commands between frames. They do not wait for the next frame, because
+     * agents in lock-step may delay it.
      */
     private void executePrompt() {
         if (!promptDue.getAndSet(true)) {
@@ -278,7 +282,9 @@ public final class ControlDesk {
         long run() throws ActionRefused;
     }
 
-    /** Runs an errand between frames, and queues its answer before the next frame is made. */
+    /**
+     * Runs an operation between two frames, and queues its answer before the next frame is made.
+     */
     private void between(Requester requester, ClientMessage.Request request, Errand errand) {
         port.loop()
                 .betweenFrames(
@@ -365,8 +371,8 @@ public final class ControlDesk {
     }
 
     /**
-     * @param isPrompt true if the change may be made before the next frame; false if it needs the
-     *     frame
+     * @param isPrompt true if the change may be made before the next frame, false if it must be
+     *     part of the next frame
      */
     private void change(
             Requester requester,

@@ -24,12 +24,15 @@ import java.util.concurrent.TimeoutException;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * Commands that work on a copy of a world while the world continues: saving it as a file, and
- * advancing it (fork). One at a time, on the requester's thread.
+ * Commands that work on a copy of a world while the world continues: saving the copy as a file, and
+ * advancing it (fork). Only one such command runs at a time, on the requester's thread.
  */
 final class ForkAndSave {
 
-    /** Maximum wait for a pause between two frames in which the world can be copied [s]. */
+    /**
+     * Maximum time that a command waits for a moment between two frames in which the world can be
+     * copied [s].
+     */
     private static final long PATIENCE_SECONDS = 10;
 
     private final WorldPort port;
@@ -64,7 +67,7 @@ final class ForkAndSave {
     }
 
     /**
-     * @param first change that is made in the copy before its first frame
+     * @param first the change that is made in the copy before its first frame
      */
     void fork(Requester requester, ClientMessage.Fork fork, WorldControl.Change first) {
         study(

@@ -13,18 +13,21 @@ import java.util.function.LongSupplier;
  * with all its worlds. For any thread.
  */
 final class HeapRoom {
-    /** The room of this process. */
+    /** The limit for the Java heap of this process. */
     static final HeapRoom OF_PROCESS = ofProcess();
 
     /** Percentage of the heap that reachable objects may use. */
     private static final long MOST = 75;
 
-    /** Percentage of the heap by which its use grows before the next collection is requested. */
+    /**
+     * Growth of the used heap, in percent of its maximum size, after which the next garbage
+     * collection is requested.
+     */
     private static final long GROWTH = 5;
 
     /**
-     * Time after which a collection is requested also without growth, because items may have been
-     * removed meanwhile [ns].
+     * Time after which a garbage collection is requested even if the heap has not grown, because
+     * items may have been removed meanwhile [ns].
      */
     private static final long AGAIN_NANOS = 10_000_000_000L;
 
@@ -36,16 +39,19 @@ final class HeapRoom {
     private final Runnable collect;
     private final LongSupplier nanoTime;
 
-    /** What the last collection left [bytes], and its time [ns]. */
+    /**
+     * Bytes that the last garbage collection left in use [bytes]. The next field is the time of
+     * that collection [ns].
+     */
     private long reachable;
 
     private long collected;
 
     /**
-     * @param used the bytes that are used, with unreachable objects
-     * @param max the maximum of {@code used}
+     * @param used returns the number of used bytes, including unreachable objects
+     * @param max the maximum number of used bytes
      * @param collect removes unreachable objects
-     * @param nanoTime the time [ns]
+     * @param nanoTime returns the time [ns]
      */
     HeapRoom(LongSupplier used, long max, Runnable collect, LongSupplier nanoTime) {
         this.used = used;
@@ -55,7 +61,8 @@ final class HeapRoom {
     }
 
     private static HeapRoom ofProcess() {
-        // Only the pool of old objects has a threshold of usage.
+        // Only the memory pool of old objects supports a threshold of usage, so it is found by this
+        // property.
         MemoryPoolMXBean old =
                 ManagementFactory.getMemoryPoolMXBeans().stream()
                         .filter(MemoryPoolMXBean::isUsageThresholdSupported)
@@ -79,7 +86,8 @@ final class HeapRoom {
             reachable = Math.min(reachable, now);
             return;
         }
-        // The heap fills with unreachable objects, too; only a collection tells them apart.
+        // The used part of the heap includes unreachable objects. Only a garbage collection shows
+        // how many bytes are reachable.
         if (now - reachable > max / HUNDRED * GROWTH
                 || nanoTime.getAsLong() - collected > AGAIN_NANOS) {
             collect.run();

@@ -18,14 +18,14 @@ import java.util.Optional;
 import java.util.TreeMap;
 
 /**
- * The states of a world that clients with the role control have saved in memory, by name. World's
- * thread, between frames.
+ * The states of a world that clients with the role control have saved in memory, by name. For the
+ * world's thread, between frames.
  */
 final class Images {
 
     /**
-     * Maximum number of saved states; less than the maximum number of images of a world, so that
-     * `save` and `fork` can make further ones.
+     * Maximum number of saved states. It is less than the maximum number of images of a world,
+     * because `save` and `fork` also make images.
      */
     private static final int MAX_NAMES = 32;
 
@@ -34,7 +34,7 @@ final class Images {
     private final Map<String, Kept> kept = new TreeMap<>();
 
     /**
-     * @param bodies ids of the bodies, by agent that was in the world
+     * @param bodies ids of the bodies in this state, by name of the agent
      */
     private record Kept(WorldControl.Image image, Map<String, ItemId> bodies) {}
 
@@ -44,7 +44,7 @@ final class Images {
     }
 
     /**
-     * Saves the present state of the world; replaces a state with the same name.
+     * Saves the present state of the world under a name. Replaces a saved state with the same name.
      *
      * @return the frame at whose end the state was saved
      */

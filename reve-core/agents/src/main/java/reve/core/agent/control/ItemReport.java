@@ -29,8 +29,8 @@ import java.util.Set;
 final class ItemReport {
 
     /**
-     * Names of the columns that belong to the physical aspect; the other columns of the table
-     * belong to physics.
+     * Names of the columns that belong to the physical aspect. The other columns of the item's
+     * table belong to the physics aspect.
      */
     private static final Set<String> PHYSICAL =
             Set.of("position", "orientation", "size", "shape", "colour", "boundsMin", "boundsMax");

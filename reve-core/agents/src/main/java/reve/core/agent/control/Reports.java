@@ -24,12 +24,15 @@ import java.util.function.Supplier;
 
 /**
  * Answers to queries about the state of the frame loop, the laws, the ledger of energy and
- * momentum, and the aspects of an item. Queries change nothing, and answers are not stored. Any
+ * momentum, and the aspects of an item. Queries change nothing, and answers are not stored. For any
  * thread.
  */
 final class Reports {
 
-    /** Maximum number of attempts to read an item if its snapshot is overwritten meanwhile. */
+    /**
+     * Maximum number of attempts to read an item. A further attempt is needed if the snapshot is
+     * overwritten while it is read.
+     */
     private static final int ATTEMPTS = 8;
 
     private final WorldPort port;
@@ -64,7 +67,8 @@ final class Reports {
     }
 
     /**
-     * Answers waiting queries when the time that reports may take permits it. Called periodically.
+     * Answers waiting queries if the reports so far have not used up their share of time. Called
+     * periodically.
      */
     void proceed() {
         shared.proceed();

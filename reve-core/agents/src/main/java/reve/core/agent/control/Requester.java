@@ -8,8 +8,8 @@ import reve.core.agent.protocol.ServerMessage;
 import java.util.Optional;
 
 /**
- * The sender of commands, as seen by the code that executes them and returns results. For any
- * thread.
+ * The sender of commands. The code that executes commands and returns results uses it through this
+ * interface. For any thread.
  */
 public interface Requester {
 
@@ -33,11 +33,11 @@ public interface Requester {
     /** Sends the result of a command, and the frame in which it took effect. */
     void finish(ClientMessage.Request request, ServerMessage result, long frame);
 
-    /** Refuses a command that cannot be executed now; the client may send it again. */
+    /** Refuses a command that cannot be executed now. The client may send the command again. */
     void refuse(ClientMessage.Request request, String code, String reason);
 
     /**
-     * Sends the answer to a query, which is not stored; the client may ask again.
+     * Sends the answer to a query. The answer is not stored, so the client may ask again.
      *
      * @return false if the answer exceeds the limit on waiting data
      */

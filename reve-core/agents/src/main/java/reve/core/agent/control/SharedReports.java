@@ -26,8 +26,9 @@ import java.util.function.UnaryOperator;
 /**
  * Answers to queries that many clients may send at the same time. For each kind of report, the
  * world's thread reads the content once for all waiting queries, and the event loop encodes it
- * once. Answers are sent in a slice of the event loop's time, in which clients take turns; further
- * queries wait for the next slice. On average, reports take at most a tenth of the time.
+ * once. Answers are sent in slices of the event loop's time, in which clients take turns. Queries
+ * that find no time in a slice wait for the next one. On average, reports take at most a tenth of
+ * the time.
  */
 final class SharedReports {
 
@@ -39,16 +40,16 @@ final class SharedReports {
     }
 
     /**
-     * Time after which no further answer is begun in a slice [ns]; each slice has at least one
+     * Time after which no further answer is begun in a slice [ns]. Each slice has at least one
      * answer.
      */
     private static final long SLICE_NANOS = 1_000_000;
 
-    /** Reports take one of this many parts of the time. */
+    /** Reports take at most one part of the time out of this many parts. */
     private static final int SHARE = 10;
 
     /**
-     * Time that reports may take beyond their part before they must wait [ns], multiplied by {@link
+     * Time by which reports may exceed their part before they must wait [ns], multiplied by {@link
      * #SHARE}.
      */
     private static final long ADVANCE_NANOS = 500_000_000;
@@ -59,28 +60,29 @@ final class SharedReports {
     private final Publisher publisher;
     private final RateLimitedLog log;
 
-    /** Functions that complete the content of a report on the event loop's thread, by kind. */
+    /** Functions that add to the content of a report on the event loop's thread, by kind. */
     private final Map<Kind, UnaryOperator<Map<String, Object>>> completions;
 
     private record Waiting(Requester requester, ClientMessage.Query query, Kind kind) {}
 
     /**
-     * The result of a reading by the world's thread: the content, or the reason why there is none.
+     * The result of a reading by the world's thread. It contains the content, or the reason why
+     * there is none.
      */
     private record Read(@Nullable Map<String, Object> content, @Nullable Exception failure) {}
 
-    /** Queries by client, in order of their turns. Guarded by this. */
+    /** Queries by client, in order of their turns. Guarded by this object's lock. */
     private final Map<Requester, Deque<Waiting>> waiting = new LinkedHashMap<>();
 
     /**
-     * True from the request to the world's thread for a reading until its answers are sent. Guarded
-     * by this.
+     * True while a reading is requested from the world's thread or its answers are not sent yet.
+     * Guarded by this object's lock.
      */
     private boolean isReading;
 
     /**
-     * Time at which the reports so far will have taken only their part of the elapsed time [ns].
-     * Guarded by this.
+     * Time at which the reports made so far will have used exactly their part of the elapsed time
+     * [ns]. Guarded by this object's lock.
      */
     private long paidNanos;
 
@@ -111,7 +113,7 @@ final class SharedReports {
     }
 
     /**
-     * Queues a query, which is answered when it is its client's turn. For any thread.
+     * Queues a query. It is answered when its client has its turn. For any thread.
      *
      * @param reading reads the content for all queries of this kind
      */
@@ -143,7 +145,10 @@ final class SharedReports {
         port.loop().betweenFrames(this::read);
     }
 
-    /** Reads the content of each kind for which queries wait. World's thread, between frames. */
+    /**
+     * Reads the content of each kind for which queries wait. For the world's thread, between
+     * frames.
+     */
     private void read() {
         long begin = clock.getAsLong();
         long frame = port.loop().frame();
@@ -186,8 +191,8 @@ final class SharedReports {
     }
 
     /**
-     * Removes and returns the query whose turn it is; null if there is none or its kind was not
-     * read.
+     * Removes and returns the query that must be answered next. Returns null if there is none, or
+     * if its kind of report was not read.
      */
     private synchronized @Nullable Waiting next(Map<Kind, Read> read) {
         if (waiting.isEmpty()) {

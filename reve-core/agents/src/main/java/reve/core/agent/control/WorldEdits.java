@@ -22,7 +22,7 @@ import java.util.Optional;
 import java.util.stream.Collectors;
 
 /**
- * Preparation of the changes of items and rules that operators request. All changes of one message
+ * Prepares the changes of items and rules that operators request. Either all changes of one message
  * are made, or none.
  */
 final class WorldEdits {
@@ -39,15 +39,15 @@ final class WorldEdits {
     }
 
     /**
-     * The reading of an edit, which needs the kinds of the items that earlier edits of the message
-     * add.
+     * Reads one edit. The reader needs the earlier edits of the message, because they may add kinds
+     * of items.
      */
     private interface Reading {
         WorldEdit read(World world, List<WorldEdit> before) throws ActionRefused;
     }
 
     /**
-     * Prepares a change. Reads new items now; other edits are read when the change is made. Any
+     * Prepares a change. Reads new items now. Other edits are read when the change is made. For any
      * thread.
      *
      * @throws ActionRefused if the items are not valid, or the heap is nearly full
@@ -84,8 +84,8 @@ final class WorldEdits {
     }
 
     /**
-     * Prepares the changes that a fork makes in its copy of the world, which has the rules of the
-     * world itself.
+     * Prepares the changes that a fork makes in its copy of the world. The copy has the same rules
+     * as the world.
      */
     WorldControl.Change prepare(ClientMessage.Fork fork) throws ActionRefused {
         if (fork.changes().isEmpty()) {

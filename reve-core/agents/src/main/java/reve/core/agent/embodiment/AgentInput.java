@@ -7,9 +7,9 @@ import reve.core.agent.protocol.ActionRequest;
 import java.util.Optional;
 
 /**
- * An input of a client to the world, as data. A recording stores only the inputs with their frames
- * and order, because the result of {@link Embodiment#apply} depends only on the input and the
- * world.
+ * An input of a client to the world, as data. The result of {@link Embodiment#apply} depends only
+ * on the input and the world. Therefore a recording stores only the inputs, with their frames and
+ * order.
  */
 public sealed interface AgentInput {
 
@@ -28,8 +28,8 @@ public sealed interface AgentInput {
     /**
      * A change by an operator, possibly any change that the world permits.
      *
-     * @param property for example {@code physical.location}, {@code physics.mass} or {@code
-     *     semantic.class}
+     * @param property the name of the property, for example {@code physical.location}, {@code
+     *     physics.mass} or {@code semantic.class}
      * @param value Double, List of Double, String or Boolean
      */
     record Edit(String agent, String item, String property, Object value) implements AgentInput {}
@@ -39,7 +39,7 @@ public sealed interface AgentInput {
      *
      * @param count number of missed deadlines so far
      * @param fallback the action that its body performs instead
-     * @param told whether an event informs the other agents
+     * @param told whether an event notifies the other agents
      * @param away true if the agent missed so many deadlines in a row that the world no longer
      *     waits for it
      */
@@ -47,7 +47,7 @@ public sealed interface AgentInput {
             String agent, long count, Optional<ActionRequest> fallback, boolean told, boolean away)
             implements AgentInput {}
 
-    /** An agent in lock-step that was away is ready again; the world waits for it again. */
+    /** An agent in lock-step that was away is ready again. The world waits for this agent again. */
     record Back(String agent) implements AgentInput {}
 
     /**

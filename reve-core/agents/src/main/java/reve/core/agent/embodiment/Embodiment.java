@@ -40,15 +40,15 @@ import java.util.TreeSet;
 import java.util.stream.Collectors;
 
 /**
- * The agents in a world and their bodies; checks and applies the inputs of agents. The same inputs
- * in the same frames and order produce the same world, whether from connections or from a
- * recording. World's thread only.
+ * The agents in a world and their bodies. Checks and applies the inputs of agents. The same inputs
+ * in the same frames and order produce the same world, whether they come from connections or from a
+ * recording. For the world's thread only.
  */
 public final class Embodiment {
 
     /**
-     * Codes of refusals whose messages contain details of the world, which agents with limited
-     * sensors must not receive.
+     * Codes of refusals whose messages contain details of the world. Agents with limited sensors
+     * must not receive these messages.
      */
     private static final Set<String> TELLING =
             Set.of(
@@ -69,7 +69,7 @@ public final class Embodiment {
                     "not-a-colour",
                     "not-a-symbol");
 
-    /** Code of the refusal after an error inside an action; the log contains the error. */
+    /** Code of the refusal after an error inside an action. The log contains the error. */
     private static final String ACTION_FAILED = "action-failed";
 
     private final AgentPolicy policy;
@@ -81,10 +81,10 @@ public final class Embodiment {
     private final StepBudget steps = new StepBudget();
 
     /**
-     * @param name of the body when the agent joined
+     * @param name the name of the body when the agent joined
      * @param made true if the item was created for this agent and is removed when the agent leaves
-     * @param place index of the {@link AgentPolicy} place at which the body was created; empty if
-     *     it was not
+     * @param place index of the place in {@link AgentPolicy} at which the body was created; empty
+     *     if the body was not created at such a place
      * @param sensors sensors of the body; if empty, the agent perceives everything
      * @param ofActions those sensors that perceive the actions of items
      * @param needsSight true if one of {@code ofActions} needs a line of sight
@@ -185,8 +185,8 @@ public final class Embodiment {
     }
 
     /**
-     * Assigns bodies after a rewind of the world. An agent that is in the world now keeps the item
-     * that was granted to it. Otherwise it gets the body that was created for it, in the restored
+     * Assigns bodies after a rewind of the world. An agent that was granted an existing item as its
+     * body keeps this item. Any other agent gets the body that was created for it in the restored
      * state, or a new body if it had none then. Removes the bodies of agents that have left since.
      *
      * @param former the bodies by agent, as {@link #bodies} returned them at the restored frame
@@ -246,8 +246,8 @@ public final class Embodiment {
     }
 
     /**
-     * Returns false if the agent has used up its evaluation steps, so that its act must wait for a
-     * later frame.
+     * Returns whether the agent may act now. An agent that has used up its evaluation steps must
+     * wait for a later frame.
      */
     boolean mayAct(World world, String agent, long frame) {
         world.charges().take().forEach((who, cost) -> steps.charge(who, frame, cost));
@@ -360,7 +360,10 @@ public final class Embodiment {
                         forces));
     }
 
-    /** Performs an action. If it is refused, hides the details from agents with limited sensors. */
+    /**
+     * Performs an action. If the action is refused, the details are hidden from agents with limited
+     * sensors.
+     */
     private static void perform(Action action, Body body, ActionCall call) throws ActionRefused {
         try {
             call.perform(action);
@@ -380,8 +383,8 @@ public final class Embodiment {
     }
 
     /**
-     * Finds the item with an action. An item that the agent does not sense is refused like one that
-     * does not exist.
+     * Finds the item with an action. Refuses an item that the agent does not sense with the same
+     * message as an item that does not exist.
      */
     private Item find(World world, Body body, String name) throws ActionRefused {
         Optional<Item> item = world.find(name);
@@ -456,7 +459,10 @@ public final class Embodiment {
         return new Outcome.Joined(frame, body.name(), body.id(), body.sensors());
     }
 
-    /** Removes an agent, whose body may have been removed from the world before. */
+    /**
+     * Removes an agent from the world. Its body may have been removed earlier, for example by an
+     * action.
+     */
     private Outcome leave(World world, long frame, AgentInput.Leave leave) {
         Body body = bodies.remove(leave.agent());
         if (body == null) {
@@ -483,9 +489,9 @@ public final class Embodiment {
     }
 
     /**
-     * Chooses a body: the requested item, else a free one, else a new one. If an item has the
-     * agent's name, the agent gets that item or none, because other agents could not distinguish
-     * the two.
+     * Chooses a body for an agent: the requested item, otherwise a free item, otherwise a new item.
+     * An agent whose name is the name of an item gets that item or none. Other agents could not
+     * distinguish an agent and a different item of the same name.
      */
     private Body take(World world, AgentInput.Join join) throws CloseReason {
         Rights rights = join.rights();
@@ -619,7 +625,10 @@ public final class Embodiment {
         }
     }
 
-    /** Returns an event's fields from names and values in turn, in this order. */
+    /**
+     * Returns an event's fields. The arguments are a name, its value, the next name, and so on; the
+     * fields keep this order.
+     */
     private static Map<String, Object> fields(String... namesAndValues) {
         var fields = new LinkedHashMap<String, Object>();
         for (int i = 0; i < namesAndValues.length; i += 2) {

@@ -16,7 +16,7 @@ import java.util.Optional;
 import java.util.regex.Pattern;
 
 /**
- * Setter of one property of an item by name, for edits of operators. For the world's thread only.
+ * Sets one property of an item by its name, for edits of operators. For the world's thread only.
  */
 final class ItemEdit {
 

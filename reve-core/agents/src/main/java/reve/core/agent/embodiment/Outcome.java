@@ -29,11 +29,11 @@ public sealed interface Outcome {
             implements Outcome {}
 
     /**
-     * The action failed because of an error in its code, which is logged for the author of the
+     * The action failed because of an error in its code. The error is logged for the author of the
      * action.
      */
     record Failed(long frame, Exception cause) implements Outcome {}
 
-    /** The agent is not in the world, because its join was refused; it needs no further answer. */
+    /** The agent is not in the world, because its join was refused. No further answer is sent. */
     record Absent() implements Outcome {}
 }

@@ -7,6 +7,6 @@ import java.util.Map;
  * The result of a rewind.
  *
  * @param frame the frame that shows the restored state
- * @param bodies for each agent in the world, its body or a refusal
+ * @param bodies the body of each agent in the world, or a refusal
  */
 public record Rewound(long frame, Map<String, Outcome> bodies) {}

@@ -7,16 +7,19 @@ import java.util.TreeMap;
 /**
  * Limit on the evaluation steps of agents' acts (expressions of actions and rules), so that no
  * agent delays the frames of others. All agents that acted recently share the steps of a frame
- * equally. If an act takes more than the agent's share, the agent's shares of later frames pay the
- * rest; until then its acts wait. Agents that act for the first time also share a separate pool, so
- * that a client gains nothing by using new names. Counts steps and frames, never time: the same
- * acts wait for the same frames on every machine. For the world's thread only.
+ * equally. If an act takes more than the agent's share, its shares of the next frames pay for the
+ * rest. Until then, its acts wait. Agents that act for the first time also share a separate pool,
+ * so that a client gains nothing by using new names. The limit counts steps and frames, never time,
+ * so the same acts wait for the same frames on every machine. For the world's thread only.
  */
 final class StepBudget {
-    /** Steps of all agents together in one frame; they take about 6 ms. */
+    /** Maximum number of steps of all agents together in one frame. These steps take about 6 ms. */
     static final int OF_FRAME = 60_000;
 
-    /** Maximum share of one agent [steps per frame]; equals the limit of one evaluation. */
+    /**
+     * Maximum share of one agent [steps per frame]. It equals the limit of steps for one
+     * evaluation.
+     */
     static final int MOST = 20_000;
 
     /** Minimum share of one agent [steps per frame], for any number of agents. */
@@ -31,8 +34,8 @@ final class StepBudget {
     private final Map<String, Account> accounts = new TreeMap<>();
 
     /**
-     * Remaining steps of the pool for agents in the frame of their first act. Each frame adds
-     * {@link #MOST} steps, up to {@link #MOST}.
+     * Remaining steps of the pool for agents in the frame of their first act. Each frame refills
+     * the pool with {@link #MOST} steps; it never contains more than {@link #MOST}.
      */
     private long ofNewcomers = MOST;
 
@@ -74,8 +77,8 @@ final class StepBudget {
     }
 
     /**
-     * Charges an agent with the steps of rules that were evaluated in the last frame because its
-     * acts changed their inputs.
+     * Charges an agent with steps of rules. These rules were evaluated in the last frame because
+     * the agent's acts had changed their inputs.
      */
     void charge(String agent, long now, long steps) {
         refill(now);

@@ -7,9 +7,9 @@ import java.util.Optional;
 
 /**
  * The time by which agents in lock-step may still delay others. Agents with the same token share
- * one allowance; without tokens, all agents share one. The waiting time of others is subtracted,
- * and the fraction {@value #REFILL} of elapsed time is added. The frame loop's thread, except where
- * stated.
+ * one allowance; without tokens, all agents share one. The time for which others wait is
+ * subtracted, and the fraction {@value #REFILL} of elapsed time is added. For the frame loop's
+ * thread, except where stated.
  */
 public final class Allowance {
 
@@ -17,8 +17,8 @@ public final class Allowance {
     static final double REFILL = 0.1;
 
     /**
-     * Fraction of the full allowance that an exhausted one must regain before its agents may delay
-     * others again.
+     * Fraction of the full allowance that an exhausted allowance must regain before its agents may
+     * delay others again.
      */
     static final double RESTORED = 0.5;
 
@@ -28,7 +28,7 @@ public final class Allowance {
     private double leftNanos;
     private long countedNanos;
 
-    /** True if one of the agents was not ready in this frame. */
+    /** True if this frame's list of delaying agents already contains this allowance. */
     private boolean noted;
 
     private volatile ByteBuffer home = ByteBuffer.allocate(0);
@@ -85,8 +85,8 @@ public final class Allowance {
     }
 
     /**
-     * Returns the time when an agent of this allowance last became ready, clamped to the interval
-     * [ns].
+     * Returns the time when an agent of this allowance last became ready [ns]. A time outside the
+     * interval is replaced by the nearer end of the interval.
      */
     long answeredBetween(long fromNanos, long toNanos) {
         long answered = answeredNanos;

@@ -14,11 +14,11 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.Consumer;
 
 /**
- * Limits on the time by which agents in lock-step delay others: agents in real time, and ready
- * agents in lock-step from another network address. The time by which a frame is later than the
- * world's rate requires is charged to the {@link Allowance} of the agents that delay it. An agent
- * whose allowance is exhausted delays a frame by at most the duration of a frame, so that the world
- * keeps at least half its rate. The frame loop's thread, except where stated.
+ * Limits on the time by which agents in lock-step delay others. The others are agents in real time,
+ * and ready agents in lock-step from another network address. If a frame is later than the world's
+ * rate requires, this delay is charged to the {@link Allowance} of the agents that cause it. An
+ * agent whose allowance is exhausted delays a frame by at most the duration of a frame, so that the
+ * world keeps at least half its rate. For the frame loop's thread, except where stated.
  */
 public final class Allowances {
 
@@ -27,10 +27,16 @@ public final class Allowances {
     private final Consumer<Allowance> judged;
     private final AtomicInteger realTime = new AtomicInteger();
 
-    /** Allowances by token name; one entry for all agents without a token. Guarded by this. */
+    /**
+     * Allowances by token name; one entry for all agents without a token. Guarded by this object's
+     * lock.
+     */
     private final Map<Optional<String>, Allowance> all = new HashMap<>();
 
-    /** Allowances of agents that were not ready when the frame was due, and exhausted ones. */
+    /**
+     * Allowances that delay the current frame: those of agents that were not ready when the frame
+     * was due, and those that are exhausted.
+     */
     private final List<Allowance> noted = new ArrayList<>();
 
     private boolean hasBegun;
@@ -82,14 +88,14 @@ public final class Allowances {
 
     // Methods for the frame loop's thread.
 
-    /** Records the time from which the frame could begin if no agent held it. */
+    /** Records the time at which the frame could begin if no agent delayed it. */
     void due(long nowNanos) {
         long early = hasBegun ? begunNanos + frameNanos - nowNanos : 0;
         wantedNanos = nowNanos + Math.max(0, early);
     }
 
     /**
-     * Postpones the planned start of the frame by a time in which the server itself did not run
+     * Postpones the planned start of the frame by a pause in which the server itself did not run
      * [ns].
      */
     void postpone(long pauseNanos) {
@@ -101,7 +107,10 @@ public final class Allowances {
         othersWait = realTime.get() > 0 || haveSeveralHomes(turns);
     }
 
-    /** Returns false if the agent's allowance is exhausted and its return would delay others. */
+    /**
+     * Returns whether an agent that was away may take part again; false if its allowance is
+     * exhausted and it would delay others.
+     */
     boolean mayReturn(Turn turn, Turn[] turns) {
         return !turn.allowance().isSpent()
                 || realTime.get() == 0 && !hasStranger(turn.allowance(), turns);
@@ -138,7 +147,10 @@ public final class Allowances {
         }
     }
 
-    /** Returns how long others still wait for an agent [ns]; negative if the time is over. */
+    /**
+     * Returns the time that others still wait for an agent [ns]. The result is negative if the time
+     * is over.
+     */
     long nanosecondsLeft(Turn turn, long nowNanos) {
         return othersWait
                 ? wantedNanos - nowNanos + turn.allowance().left(frameNanos)
@@ -169,8 +181,8 @@ public final class Allowances {
     }
 
     /**
-     * Returns the agent that was ready first; if {@code another} is given, only among agents with
-     * another network address.
+     * Returns the agent that was ready first. If {@code another} is given, only agents with a
+     * different network address than that agent are considered.
      */
     private @Nullable Turn firstReady(Turn[] turns, @Nullable Turn another, long nowNanos) {
         Turn first = null;

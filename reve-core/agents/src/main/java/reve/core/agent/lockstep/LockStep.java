@@ -11,10 +11,10 @@ import java.util.function.BooleanSupplier;
 import java.util.function.Consumer;
 
 /**
- * The gate of a frame loop that holds each frame until all agents in lock-step whose round ends are
- * ready, or their deadlines have passed. All deadlines begin when the world could make the frame.
- * An agent counts as late only when the world continues without it. {@link Allowances} limit agents
- * that delay others.
+ * The gate of a frame loop. It holds each frame until all agents in lock-step whose round ends are
+ * ready, or their deadlines have passed. All deadlines begin at the time when the world could make
+ * the frame. An agent counts as late only when the world continues without it. {@link Allowances}
+ * limit agents that delay others.
  */
 public final class LockStep implements FrameGate {
 
@@ -22,8 +22,9 @@ public final class LockStep implements FrameGate {
     private static final long NO_FRAME = -1;
 
     /**
-     * Maximum time between two checks of the gate [ns]. If twice this time has passed, the process
-     * was suspended or busy; this time does not count for deadlines and allowances.
+     * Maximum time between two checks of the gate [ns]. If twice this time has passed since the
+     * last check, the process was suspended or busy. Such a pause does not count for deadlines and
+     * allowances.
      */
     private static final long CHECK_NANOS = 250_000_000;
 
@@ -32,30 +33,33 @@ public final class LockStep implements FrameGate {
     private final Consumer<AgentInput> news;
     private final Allowances allowances;
 
-    /** The agents in lock-step (copy-on-write, changed under this object's lock). */
+    /**
+     * The agents in lock-step. The array is replaced, never changed; the replacement happens under
+     * this object's lock.
+     */
     private volatile Turn[] turns = NOBODY;
 
     /**
-     * Index of an agent that was not ready at the last check. It is checked first, so that each
-     * agent is checked about once per frame.
+     * Index of an agent that was not ready at the last check. This agent is checked first, so that
+     * each agent is checked only about once per frame.
      */
     private volatile int missing;
 
-    /** Number of agents that wait to join; a join is executed in the next frame. */
+    /** Number of agents that wait to join. The world executes their joins in the next frame. */
     private final AtomicInteger coming = new AtomicInteger();
 
     /**
-     * Number of agents that must wait to join before the first frame; 0 after that. Only the loop's
-     * thread uses it once the loop runs.
+     * Number of agents that must be waiting to join before the first frame may begin; 0 after the
+     * first frame. While the frame loop runs, only its thread uses this field.
      */
     private int expected;
 
-    /** The frame that is held; {@link #NO_FRAME} if none is. */
+    /** The number of the frame that the gate holds; {@link #NO_FRAME} if it holds none. */
     private volatile long held = NO_FRAME;
 
     /**
-     * The frame that is due; the next field is the time since when. Only the loop's thread uses
-     * both.
+     * The number of the frame that is due. The next field is the time since when it is due. Only
+     * the thread of the frame loop uses both.
      */
     private long due = NO_FRAME;
 
@@ -89,9 +93,9 @@ public final class LockStep implements FrameGate {
     }
 
     /**
-     * @param wake makes the frame loop ask the gate again
-     * @param news receives an input for each agent that missed a deadline, and for each that
-     *     returned after the world had stopped waiting for it; called on the loop's thread
+     * @param wake wakes the frame loop, so that it checks the gate again
+     * @param news receives an input for each agent that missed a deadline, and for each agent that
+     *     returned from absence; called on the loop's thread
      */
     public LockStep(
             Runnable wake, Consumer<AgentInput> news, Allowances allowances, Waiting waiting) {
@@ -104,8 +108,8 @@ public final class LockStep implements FrameGate {
     // Methods for any thread.
 
     /**
-     * Records that an agent waits to join. Until it has joined, agents that have never been ready
-     * do not hold the next frame.
+     * Records that an agent waits to join. Agents that have never been ready do not hold the next
+     * frame until this agent has joined.
      */
     public void comes() {
         coming.incrementAndGet();
@@ -113,8 +117,8 @@ public final class LockStep implements FrameGate {
     }
 
     /**
-     * Holds the first frame until this number of agents waits to join, so that all join in the same
-     * frame. Call it before the loop runs.
+     * Holds the first frame until this number of agents waits to join. All these agents then join
+     * in the same frame. Call this method before the loop runs.
      */
     public void expect(int agents) {
         expected = agents;
@@ -130,7 +134,7 @@ public final class LockStep implements FrameGate {
         coming.decrementAndGet();
     }
 
-    /** Adds an agent that is in the world; the world waits for it from now on. */
+    /** Adds an agent that is in the world. The world waits for this agent from now on. */
     public synchronized void add(Turn turn) {
         if (turn.hasLeft()) {
             return;
@@ -155,8 +159,8 @@ public final class LockStep implements FrameGate {
     }
 
     /**
-     * Notifies the gate that an agent may have become ready. Wakes the loop only if no other agent
-     * holds the frame.
+     * Notifies the gate that an agent may have become ready. Wakes the frame loop only if no other
+     * agent still holds the frame.
      */
     public void changed() {
         long frame = held;
@@ -237,8 +241,9 @@ public final class LockStep implements FrameGate {
     }
 
     /**
-     * Stops waiting for agents whose time is over. Called before the check for agents that still
-     * hold the frame, so that an agent that becomes ready in between wakes the loop.
+     * Stops waiting for agents whose time is over. This method must run before the check for agents
+     * that still hold the frame. Then an agent that becomes ready between the two wakes the frame
+     * loop.
      */
     private void giveUpLate(Turn[] all, long frame, long nowNanos) {
         allowances.look(all);

@@ -8,9 +8,9 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * The rounds of one agent in lock-step. A round begins with every Nth frame, the first with the
- * frame in which the agent joined. The agent receives a perception of this frame, and the world
- * does not begin the next round before the agent is ready.
+ * The rounds of one agent in lock-step. A round begins with every Nth frame. The first round begins
+ * with the frame in which the agent joined. The agent receives a perception of this frame, and the
+ * world does not begin the next round before the agent is ready.
  */
 public final class Turn {
 
@@ -18,12 +18,12 @@ public final class Turn {
         /** The world waits for the agent. */
         HERE,
         /**
-         * The agent missed too many deadlines in a row: the world does not wait for it until it
+         * The agent missed too many deadlines in a row. The world does not wait for it until it
          * becomes ready again.
          */
         AWAY,
         /**
-         * The connection is broken: the world does not wait for the agent until it has a new
+         * The connection is broken. The world does not wait for the agent until it has a new
          * connection.
          */
         BROKEN,
@@ -33,7 +33,7 @@ public final class Turn {
         GONE
     }
 
-    /** Number of missed rounds in a row after which the world no longer waits for an agent. */
+    /** Number of missed rounds in a row after which the world stops waiting for an agent. */
     static final int MAX_LATE_ROUNDS = 3;
 
     private final String agent;
@@ -66,8 +66,8 @@ public final class Turn {
     private int lateInRow;
 
     /**
-     * Number of rounds that were counted as finished or missed; the next field is the value of
-     * {@link #readyMessages} at that time.
+     * Number of rounds that {@link #miss} has counted as finished or missed. The next field is the
+     * value of {@link #readyMessages} at that time.
      */
     private long judged;
 
@@ -113,8 +113,9 @@ public final class Turn {
     }
 
     /**
-     * Ends the rounds up to that of {@code frame}, whose perception the agent has processed. Has no
-     * effect if they ended before or the frame is not published.
+     * Ends all rounds up to the round of {@code frame}, because the agent has processed the
+     * perception of this frame. Has no effect if these rounds ended earlier or the frame is not
+     * published yet.
      */
     public void ready(long frame, long published, long nowNanos) {
         playing = true;
@@ -131,7 +132,7 @@ public final class Turn {
     }
 
     /**
-     * Records that the connection broke: the world does not wait for the agent until it has a new
+     * Records that the connection broke. The world does not wait for the agent until it has a new
      * connection.
      */
     public void breakOff(long nowNanos) {
@@ -164,21 +165,21 @@ public final class Turn {
     }
 
     /**
-     * Returns whether {@code frame} waits for the agent, and the world has not stopped waiting for
-     * it.
+     * Returns whether {@code frame} must wait for the agent. The result is false if the world has
+     * stopped waiting for the agent.
      */
     boolean holds(long frame) {
         return isAwaited(frame - 1) && givenUp != frame;
     }
 
-    /** Returns whether the world waits for the rounds of the agent, be it ready or not. */
+    /** Returns whether the agent takes part in rounds, whether it is ready or not. */
     boolean isHere() {
         return presence.get() == Presence.HERE;
     }
 
     /**
-     * Returns whether the agent receives a perception of a frame; {@code told} is the frame of its
-     * last perception.
+     * Returns whether the agent receives a perception of a frame. The argument {@code told} is the
+     * frame of its last perception.
      */
     public boolean isDue(long frame, long told) {
         Presence now = presence.get();
@@ -198,7 +199,10 @@ public final class Turn {
         origin = frame;
     }
 
-    /** Makes this agent no longer hold a frame; other agents may still hold it. */
+    /**
+     * Records that the world does not wait for this agent before a frame. Other agents may still
+     * hold the frame.
+     */
     void giveUp(long frame) {
         givenUp = frame;
     }
@@ -225,7 +229,7 @@ public final class Turn {
     }
 
     /**
-     * Lets a returning agent take part again from that frame, which has not begun.
+     * Lets a returning agent take part again from a frame that has not begun.
      *
      * @param granted false if an agent that is away stays away until it is ready again
      * @return true if an event had informed other agents that this agent was away
@@ -248,8 +252,8 @@ public final class Turn {
     }
 
     /**
-     * Restarts the rounds of an agent that has never been ready with that frame, in which another
-     * agent joins.
+     * Restarts the rounds of an agent that has never been ready. The first round begins with the
+     * given frame, in which another agent joins.
      */
     void putOff(long frame) {
         if (!playing) {
@@ -276,8 +280,8 @@ public final class Turn {
 
     /**
      * Returns the input that reports a missed round. Other agents are notified of each round for
-     * which the world waited in vain. While the world does not wait for the agent, they are
-     * notified of the first missed round only.
+     * which the world waited without success. While the world does not wait for the agent, other
+     * agents are notified of the first missed round only.
      */
     AgentInput.Late late() {
         missed++;

@@ -7,8 +7,8 @@ import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 
 /**
- * The session of a connection that has sent its hello, as seen by the connection. Called on the
- * event loop's thread, except where stated.
+ * The interface through which a connection uses its session. The session begins with the client's
+ * hello. Called on the event loop's thread, except where stated.
  */
 public interface Client {
 
@@ -21,7 +21,10 @@ public interface Client {
     /** Records a request of the client for perceptions. */
     void perceive(ClientMessage.Perceive perceive) throws BadMessage;
 
-    /** Requests a picture from a camera of the client's body, which is sent when it is drawn. */
+    /**
+     * Requests a picture from a camera of the client's body. The picture is sent as soon as it is
+     * drawn.
+     */
     void look(ClientMessage.Look look) throws BadMessage;
 
     /** Ends the current round of an agent in lock-step. */

@@ -22,10 +22,10 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.function.Supplier;
 
 /**
- * One connection of a client, and its session after the hello. A connection ends once, with a
- * reason. The server then writes the waiting messages, and discards further input until the client
- * closes its side too. If the server closed the socket at once, unread input would reset the
- * connection, and the client would not receive its {@code bye}.
+ * One connection of a client. After the client's hello it belongs to a session. A connection ends
+ * once, with a reason. The server then writes the waiting messages, and discards further input
+ * until the client closes its side too. If the server closed the socket at once, unread input would
+ * reset the connection, and the client would not receive its {@code bye}.
  */
 public final class Connection implements EventLoop.Handler, Writers.Target {
 
@@ -93,8 +93,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * Informs the server that relays the connection, if any, about the admitted client. Called
-     * before the welcome is queued.
+     * Notifies the server that relays this connection that the client was admitted. Does nothing if
+     * no server relays the connection. Called before the welcome is queued.
      */
     public void welcomed(Role role, String world, String client) {
         if (relay != null) {
@@ -102,7 +102,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    /** Queues a message for the client; ends the connection if too many messages are waiting. */
+    /** Queues a message for the client. Ends the connection if too many messages are waiting. */
     public void send(ServerMessage message) {
         if (!outbox.offer(message.in(encoding))) {
             end(
@@ -221,8 +221,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * Ends the connection because too much data waits for slow clients in total, and this client
-     * has been slow the longest.
+     * Ends the connection, because the data waiting for all slow clients exceeds its limit and this
+     * client has been slow for the longest time.
      */
     void giveUp() {
         end(
@@ -243,7 +243,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         try {
             wire.close();
         } catch (IOException e) {
-            // Ignored: closing frees the descriptor even if it fails.
+            // The exception is ignored, because the operating system frees the file descriptor even
+            // if close() fails.
         }
         connections.forget(this);
     }
@@ -252,7 +253,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         reader.read();
     }
 
-    /** Lets the client join that had to wait. */
+    /** Admits a client that had to wait before it could join. */
     void join() {
         reader.join();
     }
@@ -263,8 +264,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * Ends the connection after any error in the server, including errors of the Java virtual
-     * machine, so that the agent does not stay in the world.
+     * Ends the connection after any error in the server, so that the agent does not stay in the
+     * world. The error may also be an error of the Java virtual machine.
      */
     void fail(Throwable error) {
         connections.log().error("serving a connection failed", error);
@@ -349,7 +350,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * Replaces all waiting messages by {@code bye}; omits {@code bye} if a message is partly
+     * Replaces all waiting messages by {@code bye}. Omits {@code bye} if a message is partly
      * written.
      */
     private void sayBye() {

@@ -20,9 +20,9 @@ import java.util.regex.Pattern;
 import javax.net.ssl.SSLException;
 
 /**
- * Reader of the messages of one connection, which passes them to the session within the client's
- * quota. After the end of the connection, it discards further input. For the event loop's thread
- * only.
+ * Reader of the messages of one connection. It passes the messages to the session within the
+ * client's quota. It discards further input after the connection has ended. For the event loop's
+ * thread only.
  */
 final class ConnectionReader {
 
@@ -40,22 +40,24 @@ final class ConnectionReader {
     private final ReadShares.Share share;
 
     /**
-     * A message that waits until the connection has a share of the event loop's time again, or may
-     * join.
+     * A message that waits for one of two events: the connection has a share of the event loop's
+     * time again, or the client may join. Null if no message waits.
      */
     private @Nullable ByteBuffer waiting;
 
     private int errors;
 
-    /** True if the client may join: its first message is taken. */
+    /**
+     * True if the client has passed the limit on joins, so that its first message may be processed.
+     */
     private boolean mayJoin;
 
     /** True while reading is suspended. */
     private boolean held;
 
     /**
-     * Time since which the client has sent more than its quota without a pause [ns]; 0 if it is
-     * within its quota.
+     * Start of the period in which the client has sent more than its quota without a pause [ns]; 0
+     * if the client is within its quota.
      */
     private long floodingSinceNanos;
 
@@ -76,7 +78,7 @@ final class ConnectionReader {
     }
 
     /**
-     * Checks the time that the client has taken so far to send a message.
+     * Checks the time that the client has taken so far to send its current message.
      *
      * @throws CloseReason if the client takes too long
      */
@@ -113,7 +115,7 @@ final class ConnectionReader {
         void read() throws IOException, CloseReason;
     }
 
-    /** Runs code that reads messages; ends the connection with a reason if the code fails. */
+    /** Runs code that reads messages. If the code fails, ends the connection with a reason. */
     private void guard(Reading reading) {
         try {
             reading.read();
@@ -202,7 +204,10 @@ final class ConnectionReader {
         release(null);
     }
 
-    /** Lets the client join whose first message waits, unless it has closed the connection. */
+    /**
+     * Processes the first message of a client that had to wait before it could join. Does nothing
+     * if the client has closed the connection.
+     */
     void join() {
         if (wire.isOpen() && !connection.hasEnded()) {
             guard(
@@ -244,8 +249,9 @@ final class ConnectionReader {
     }
 
     /**
-     * Returns whether a line is the first of an HTTP request. A web page can send arbitrary data to
-     * a local port, but only after such a line.
+     * Returns whether a line is the first line of an HTTP request. A web page can make a browser
+     * send arbitrary data to a local port, but an HTTP request line always comes first. The
+     * connection is refused at this line.
      */
     private static boolean isHttp(ByteBuffer line) {
         return HTTP.matcher(StandardCharsets.ISO_8859_1.decode(line.duplicate())).find();
@@ -288,9 +294,9 @@ final class ConnectionReader {
     }
 
     /**
-     * Runs a long command on its own thread. Reading from the client is suspended meanwhile. Uses a
-     * platform thread for commands that compute for seconds, such as fork and save, because they
-     * would block a carrier of virtual threads.
+     * Runs a long command on a thread of its own. Meanwhile nothing is read from the client.
+     * Commands that compute for seconds, such as fork and save, run on a platform thread. On a
+     * virtual thread they would block its carrier thread, which other virtual threads need.
      */
     private void hold(Client client, ClientMessage.Request request) {
         pause();

@@ -24,14 +24,14 @@ import java.util.OptionalLong;
 final class ConnectionWriter {
 
     /**
-     * Cost of large perceptions for the memory that they occupy until the client reads them,
-     * charged in addition to the writing time [ns/byte].
+     * Cost that is charged for each byte of a large perception in addition to the writing time
+     * [ns/byte]. Large perceptions occupy memory until the client has read them.
      */
     private static final long NANOS_PER_LARGE_BYTE = 4;
 
     /**
-     * Number of bytes that the socket must accept within the time limit of a write, unless fewer
-     * are left [bytes].
+     * Number of bytes that the socket must accept within the time limit of a write [bytes]. If
+     * fewer bytes are left, it must accept these.
      */
     private static final int PROGRESS_BYTES = 64 * 1024;
 
@@ -52,7 +52,7 @@ final class ConnectionWriter {
     /** Time at which the socket had last accepted {@link #PROGRESS_BYTES} more [ns]. */
     private long unsentSinceNanos;
 
-    /** Value of {@link #sent} at that time. */
+    /** Value of {@link #sent} at the time {@link #unsentSinceNanos}. */
     private int progress;
 
     /** True if the data being written contains a perception. */
@@ -63,7 +63,10 @@ final class ConnectionWriter {
 
     private long perceivedBytes;
 
-    /** True if all data is written and the output is shut down; the client closes next. */
+    /**
+     * True if all data is written and the output is shut down. The server then waits until the
+     * client closes the connection.
+     */
     private boolean shut;
 
     ConnectionWriter(
@@ -80,7 +83,8 @@ final class ConnectionWriter {
     }
 
     /**
-     * Writes waiting messages; after the last one of an ended connection, shuts down the output.
+     * Writes waiting messages. If the connection has ended, shuts down the output after the last
+     * message.
      *
      * @param client the session; null before the hello
      * @throws CloseReason if nothing may be sent, because the audit record cannot be written

@@ -31,8 +31,8 @@ import java.util.function.Supplier;
 import javax.net.ssl.SSLEngine;
 
 /**
- * The connections of a server: accepts them, schedules their reads and writes, and closes them. The
- * event loop's thread, except where stated.
+ * The connections of a server: accepts them, schedules their reads and writes, and closes them. For
+ * the event loop's thread, except where stated.
  */
 public final class Connections {
 
@@ -42,7 +42,10 @@ public final class Connections {
      */
     private static final int ACCEPTED_PER_TURN = 16;
 
-    /** Maximum number of waiting clients that join, or turn out to be gone, in one turn. */
+    /**
+     * Maximum number of waiting clients that are processed in one turn. Each of them joins or turns
+     * out to be disconnected.
+     */
     private static final int JOINS_PER_TURN = 256;
 
     /** Minimum time between two attempts to read from clients that have used up their quota. */
@@ -82,7 +85,7 @@ public final class Connections {
     private final ReadShares shares = new ReadShares();
     private final Hellos hellos;
 
-    /** Connections whose first message waits until further clients may join. */
+    /** Connections of clients whose first message waits, because the limit on joins is reached. */
     private final Deque<Connection> joining = new ArrayDeque<>();
 
     /** Connections that have used up their quota, or wait for their share of the loop's time. */
@@ -259,7 +262,7 @@ public final class Connections {
         return true;
     }
 
-    /** Lets a client join later, in the order of these calls. */
+    /** Queues a client that may join later. Clients join in the order of these calls. */
     void joinLater(Connection connection) {
         joining.add(connection);
     }
@@ -401,7 +404,7 @@ public final class Connections {
             }
             channel.shutdownOutput();
         } catch (IOException e) {
-            // The peer has closed already.
+            // The exception is ignored, because the client has already closed the connection.
         }
     }
 
@@ -409,7 +412,8 @@ public final class Connections {
         try {
             resource.close();
         } catch (IOException e) {
-            // Ignored: closing frees the descriptor even if it fails.
+            // The exception is ignored, because the operating system frees the file descriptor even
+            // if close() fails.
         }
     }
 }

@@ -10,8 +10,8 @@ import java.util.function.LongSupplier;
 
 /**
  * Counter of the file descriptors of this process that connections may still take. A reserve
- * remains for stores, recordings, the audit record and laws, so that clients cannot stop them. Any
- * thread.
+ * remains for stores, recordings, the audit record and laws, so that clients cannot make these
+ * fail. For any thread.
  */
 public final class Descriptors {
 
@@ -21,7 +21,10 @@ public final class Descriptors {
     private final LongSupplier limit;
     private final LongSupplier open;
 
-    /** Number of further possible connections: the last count, less those accepted since. */
+    /**
+     * Number of further possible connections: the number at the last count, minus the connections
+     * accepted since then.
+     */
     private final AtomicLong room = new AtomicLong();
 
     /**
@@ -68,7 +71,7 @@ public final class Descriptors {
         return room.get();
     }
 
-    /** Counts the open descriptors, because other parts of the process also open files. */
+    /** Counts the open descriptors again, because other parts of the process also open files. */
     void count() {
         try {
             room.set(limit.getAsLong() - open.getAsLong() - RESERVE);
@@ -83,8 +86,8 @@ public final class Descriptors {
     }
 
     /**
-     * Takes descriptors for connections whose end {@link #give} does not report; the next {@link
-     * #count} notices it.
+     * Takes descriptors for connections whose end is not reported to {@link #give}. The next {@link
+     * #count} finds that they are free again.
      *
      * @return false, without effect, if fewer than {@code count} are left
      */

@@ -4,7 +4,7 @@ package reve.core.agent.net;
 import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 
-/** Admission of clients by their hello. */
+/** Admits clients by their first message, the hello. */
 public interface Door {
 
     /**

@@ -13,18 +13,20 @@ import java.util.concurrent.locks.ReentrantLock;
 import java.util.function.BooleanSupplier;
 
 /**
- * The event loop of a server: reads, processes and writes the messages of all agents. One thread at
- * a time runs it: its own thread, or a world's thread while it waits for agents. The loop waits for
- * sockets, other threads and the clock, but never for a single client.
+ * The event loop of a server. It reads, processes and writes the messages of all agents. One thread
+ * at a time runs the loop. This is the loop's own thread, or a world's thread while the world waits
+ * for agents. The loop waits for sockets, other threads and the clock, but never for a single
+ * client.
  */
 public final class EventLoop {
 
     private static final long NAP_NANOS = 5_000_000;
 
     /**
-     * Maximum busy-wait of a world's thread before it blocks in {@code select}, if the last event
-     * arrived within that time. Waking a thread on an idle processor takes longer than most
-     * requests. 0 on one processor, where a busy-wait would take time from the agents.
+     * Maximum busy-wait of a world's thread before it blocks in {@code select} [ns]. The thread
+     * waits in this way only if the last event arrived within that time. The reason is that waking
+     * a thread on an idle processor takes longer than most requests. The value is 0 on a machine
+     * with one processor, where a busy-wait would take time from the agents.
      */
     private static final long AWAKE_NANOS =
             Runtime.getRuntime().availableProcessors() > 1 ? 100_000 : 0;
@@ -53,7 +55,7 @@ public final class EventLoop {
     private final long checkNanos;
     private final Thread thread;
 
-    /** The lock that the thread which runs the loop holds. */
+    /** The lock that a thread holds while it runs the loop. */
     private final ReentrantLock duty = new ReentrantLock();
 
     private final Queue<Runnable> tasks = new ConcurrentLinkedQueue<>();
@@ -72,7 +74,7 @@ public final class EventLoop {
 
     /**
      * True while another thread runs the loop from time to time. The loop's own thread then only
-     * checks whether the other thread still does.
+     * checks whether the other thread still runs the loop.
      */
     private volatile boolean taken;
 
@@ -140,8 +142,9 @@ public final class EventLoop {
 
     /**
      * Runs the loop on the calling thread instead of the loop's own, until {@code enough} holds or
-     * the time has passed. Then no switch between threads delays the world after the request of the
-     * last agent. The loop's own thread takes over if this method is not called again for a while.
+     * the time has passed. In this way, no switch between threads delays the world after the
+     * request of the last agent. The loop's own thread takes over if this method is not called
+     * again for a while.
      */
     public void work(long nanoseconds, BooleanSupplier enough) {
         taken = true;
@@ -161,8 +164,8 @@ public final class EventLoop {
 
     private void run() {
         while (!stopped) {
-            // A world's thread that waits for the lock has priority, because it may get a processor
-            // late.
+            // A world's thread that waits for the lock has priority. Otherwise this thread could
+            // take the lock again before that thread gets a processor.
             if (taken || duty.hasQueuedThreads() || !duty.tryLock()) {
                 taken = false;
                 LockSupport.parkNanos(NAP_NANOS);
@@ -185,8 +188,8 @@ public final class EventLoop {
     }
 
     /**
-     * Runs one turn of the loop: processes the available work, then waits for more. In this order,
-     * no work is left when another thread takes over.
+     * Runs one turn of the loop: processes the available work, then waits for more. Because of this
+     * order, no available work is left when another thread takes over the loop.
      */
     private void turn(long mostNanos, long awakeNanos) {
         try {

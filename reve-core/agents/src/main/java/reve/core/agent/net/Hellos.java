@@ -3,8 +3,8 @@ package reve.core.agent.net;
 
 /**
  * Limit on how often clients of all worlds join, because each join and leave costs all other
- * clients an event: a burst, then {@value #PER_SECOND} per second. For the event loop's thread
- * only.
+ * clients an event. A burst of clients may join at once, then {@value #PER_SECOND} per second. For
+ * the event loop's thread only.
  */
 final class Hellos {
 

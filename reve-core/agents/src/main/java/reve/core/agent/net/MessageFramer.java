@@ -15,14 +15,14 @@ import java.util.Arrays;
 
 /**
  * Splits received bytes into messages: lines of JSON, or MessagePack with a length prefix. Enforces
- * limits of length and time. The buffer grows with the data received, never to a length that a
- * client only announces. For the event loop's thread only.
+ * limits of length and time. The buffer grows with the data received. A length that a client only
+ * announces does not make it grow. For the event loop's thread only.
  */
 final class MessageFramer {
 
     /**
-     * Initial size of the buffer before the hello [bytes]; small, because many connections may send
-     * nothing.
+     * Initial size of the buffer before the hello [bytes]. It is small, because many connections
+     * may send nothing.
      */
     private static final int FIRST_BYTES = 128;
 
@@ -189,7 +189,8 @@ final class MessageFramer {
             searched = 0;
             end = 0;
             if (bytes.length > KEPT_BYTES || greeted && bytes.length < INITIAL_BYTES) {
-                // The large buffer for a long line, or for the hello, is no longer needed.
+                // The large buffer served one long line, or the hello. It is replaced by a small
+                // one, because later messages are usually short.
                 buffer = ByteBuffer.allocate(INITIAL_BYTES);
             }
         } else if (end == bytes.length && start > 0) {

@@ -13,10 +13,10 @@ import java.util.List;
 
 /**
  * The queue of outgoing messages of one client. Messages keep their order, and their number and
- * size are limited. Events are counted separately, because other clients cause them: events beyond
- * the limit are dropped by whole frames, and one message reports them. Of a stream of perceptions,
- * only the newest waits; its difference from the one written before is computed when it is written.
- * Any thread adds; the event loop removes.
+ * size are limited. Events are counted separately, because other clients cause them. If there are
+ * too many events, all events of whole frames are dropped, and one message reports the loss. Only
+ * the newest perception of a stream waits. Its difference from the perception written last is
+ * computed when it is written. Any thread may add messages; the event loop removes them.
  */
 public final class Outbox {
 
@@ -27,8 +27,8 @@ public final class Outbox {
     public record Message(byte[] bytes, boolean isEvent) implements Waiting {}
 
     /**
-     * A report of dropped events: their number, and the first and last of the frames whose events
-     * are all dropped.
+     * A report of dropped events. It contains their number, and the first and last frame whose
+     * events were dropped.
      */
     record Missed(long events, long first, long last) implements Waiting {}
 
@@ -40,7 +40,10 @@ public final class Outbox {
      */
     record Perception(long id, View view, @Nullable View before) implements Waiting {}
 
-    /** Memory of an event in the queue, without its encoded bytes, which clients share [bytes]. */
+    /**
+     * Memory that an event takes in the queue [bytes]. Its encoded bytes are not included, because
+     * clients share them.
+     */
     private static final int EVENT_BYTES = 64;
 
     /** Memory of a reference to a shared event in a list [bytes]. */
@@ -52,7 +55,7 @@ public final class Outbox {
 
     /**
      * Events from the time when the client had no connection. They are shared with other clients
-     * and encoded when they are written; the limit on waiting events does not apply to them.
+     * and encoded when they are written. The limit on waiting events does not apply to them.
      */
     private List<HeardEvent.Told> history = List.of();
 
@@ -116,7 +119,7 @@ public final class Outbox {
     }
 
     /**
-     * Discards all waiting messages, and accepts no more; only {@code lastLine} is still written.
+     * Discards all waiting messages and accepts no more. Only {@code lastLine} is still written.
      */
     public synchronized void abandon(byte[] lastLine) {
         if (!finished) {
@@ -152,8 +155,8 @@ public final class Outbox {
     }
 
     /**
-     * Adds an event of a frame, or drops it if events are being dropped. Only events of earlier
-     * frames count towards the limit, so a frame may have any number of events.
+     * Adds an event of a frame, or drops the event if events are being dropped at present. Only
+     * events of earlier frames count towards the limit, so a frame may have any number of events.
      *
      * @return false if too many events are waiting; the caller must call {@link #miss}
      */
@@ -174,14 +177,14 @@ public final class Outbox {
     }
 
     /**
-     * Drops an event of a frame, and makes further events be dropped until the waiting ones are
-     * written.
+     * Drops an event of a frame. Until the waiting events are written, further events are dropped,
+     * too.
      */
     public synchronized void miss(long frame) {
         miss(1, frame, frame);
     }
 
-    /** Drops {@code count} events of these frames, like {@link #miss(long)}. */
+    /** Drops {@code count} events of these frames. Otherwise like {@link #miss(long)}. */
     public synchronized void miss(long count, long first, long last) {
         if (!finished) {
             firstMissed = missed == 0 ? first : firstMissed;
@@ -225,7 +228,10 @@ public final class Outbox {
         }
     }
 
-    /** Begins a new stream of perceptions, whose first perception is complete. */
+    /**
+     * Begins a new stream of perceptions. The first perception of the stream is complete, not a
+     * difference.
+     */
     public synchronized void restart() {
         latest = null;
         told = null;
@@ -298,8 +304,8 @@ public final class Outbox {
     }
 
     /**
-     * Returns the memory of the queue without perceptions [bytes]. An event counts only for its
-     * entry, because clients share its encoded bytes.
+     * Returns the memory of the queue without perceptions [bytes]. An event counts only with its
+     * entry in the queue, because clients share its encoded bytes.
      */
     public synchronized int bytes() {
         return answers.bytes

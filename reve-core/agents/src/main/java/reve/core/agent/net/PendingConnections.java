@@ -36,7 +36,10 @@ final class PendingConnections<C> {
                 .add(connection);
     }
 
-    /** Removes a connection that has sent hello or has ended; does nothing if it is absent. */
+    /**
+     * Removes a connection that has sent hello or has ended. Does nothing if the connection is
+     * absent.
+     */
     void remove(InetAddress address, C connection) {
         byNetwork.computeIfPresent(
                 Attempts.network(address),

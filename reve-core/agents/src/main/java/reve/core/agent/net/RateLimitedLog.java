@@ -8,8 +8,8 @@ import java.util.concurrent.TimeUnit;
 import java.util.function.Supplier;
 
 /**
- * A log with a limit on lines per second. One more line reports how many lines were suppressed.
- * Prevents clients from flooding the log. For any thread.
+ * A log with a limit on lines per second, so that clients cannot flood it. One more line reports
+ * how many lines were suppressed. For any thread.
  */
 public final class RateLimitedLog {
 

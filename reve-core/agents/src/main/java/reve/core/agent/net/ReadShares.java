@@ -23,8 +23,8 @@ final class ReadShares {
     static final int POOL = 128 * 1024;
 
     /**
-     * Largest part of the pool that one connection may take per window with several messages; a
-     * single message may take more [bytes].
+     * Largest part of the pool that one connection may take per window with several messages
+     * [bytes]. A single message may take more.
      */
     static final int MOST_OF_POOL = POOL / 2;
 
@@ -51,7 +51,8 @@ final class ReadShares {
     }
 
     /**
-     * Takes the size of a message from the allowance or, if too small, from the pool.
+     * Takes the size of a message from the connection's allowance. If the allowance is too small,
+     * takes it from the pool.
      *
      * @return false if the message must wait for a later window
      */

@@ -18,14 +18,14 @@ import java.util.Map;
 public final class SlowReaders<C> {
 
     /**
-     * Minimum size of the waiting data of a connection that counts [bytes]; the memory of 4,096
-     * connections with less is tolerable.
+     * Minimum size of the waiting data of a connection that this class counts [bytes]. Smaller
+     * amounts are not counted, because even 4,096 such connections take little memory.
      */
     private static final int LARGE_BYTES = 16 * 1024;
 
     private static final long MOST_BYTES = 256L * 1024 * 1024;
 
-    /** With a small heap, the limit is the size of the heap divided by this number. */
+    /** Divisor of the heap's size that gives the limit for a small heap. */
     private static final int SHARE = 8;
 
     private final long mostBytes;
@@ -35,7 +35,10 @@ public final class SlowReaders<C> {
     /** Waiting data of a connection: number of bytes in its queue, and the data being written. */
     private record Held(int queued, Rope rest) {}
 
-    /** Waiting data by connection, the slowest first. Guarded by this. */
+    /**
+     * Waiting data by connection. The connection that has been slow the longest comes first.
+     * Guarded by this object's lock.
+     */
     private final Map<C, Held> large = new LinkedHashMap<>();
 
     private long bytes;
@@ -88,8 +91,8 @@ public final class SlowReaders<C> {
     }
 
     /**
-     * Removes and returns the connections to disconnect, so that the data of the others is within
-     * the limit.
+     * Removes the connections that must be disconnected to bring the data of the remaining
+     * connections within the limit. Returns the removed connections.
      */
     synchronized List<C> excess() {
         var excess = new ArrayList<C>();

@@ -27,26 +27,29 @@ final class TlsWire implements Wire {
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
 
     /**
-     * Buffers for use within one call, one set per thread, because only few threads serve all
+     * Buffers for use within one call. Each thread has one set, because only few threads serve all
      * connections.
      */
     private static final ThreadLocal<Scratch> SCRATCH = ThreadLocal.withInitial(Scratch::new);
 
-    /** Size of a buffer for one TLS record [bytes]: more than its 16 KiB of data and its header. */
+    /**
+     * Size of a buffer for one TLS record [bytes]. A record has at most 16 KiB of data, and a
+     * header.
+     */
     private static final int RECORD_BYTES = 18 * 1024;
 
     private final SocketChannel channel;
     private final Plain plain;
     private final SSLEngine engine;
 
-    // Set by {@link #register}.
+    // These two fields are null until {@link #register} sets them.
     private @Nullable EventLoop loop;
     private @Nullable SelectionKey key;
     private @Nullable Runnable readable;
 
     /**
-     * Three buffers for data that is received but incomplete, decrypted but not read, and encrypted
-     * but not sent.
+     * Three buffers of this connection. The first contains received data that is incomplete, the
+     * second decrypted data that is not read yet, the third encrypted data that is not sent yet.
      */
     private ByteBuffer incoming = NOTHING;
 
@@ -65,7 +68,7 @@ final class TlsWire implements Wire {
         private final ByteBuffer outgoing = ByteBuffer.allocate(RECORD_BYTES);
     }
 
-    /** Reports that the client does not use TLS; further output is plain text. */
+    /** Reports that the client does not use TLS. Further output is therefore plain text. */
     static final class PlainTextException extends IOException {
         private static final long serialVersionUID = 1;
     }
@@ -164,8 +167,8 @@ final class TlsWire implements Wire {
     }
 
     /**
-     * Runs the signatures and checks of the handshake on another thread; reading is suspended
-     * meanwhile.
+     * Runs the computations of the handshake, such as signatures and checks, on another thread.
+     * Nothing is read from the client meanwhile.
      */
     private void compute() {
         computing = true;
@@ -251,7 +254,8 @@ final class TlsWire implements Wire {
         try {
             wrap(NOTHING);
         } catch (IOException e) {
-            // The alert is optional; the connection ends with or without it.
+            // The exception is ignored, because the alert is optional: the connection ends with or
+            // without it.
         }
     }
 

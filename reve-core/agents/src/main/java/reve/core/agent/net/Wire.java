@@ -19,10 +19,10 @@ interface Wire extends ByteChannel {
     InetSocketAddress peer() throws IOException;
 
     /**
-     * Registers the handler for input, and later for the operations of the key.
+     * Registers the handler for input. The caller may later change the operations of the returned
+     * key.
      *
-     * @param readable called when input is available that the stream has buffered, so that the key
-     *     does not report it
+     * @param readable called when the stream has buffered input, which the key does not report
      */
     SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable)
             throws IOException;
@@ -31,8 +31,7 @@ interface Wire extends ByteChannel {
     default void expectMuch() throws IOException {}
 
     /**
-     * Returns whether input is available that the stream has buffered, so that the key does not
-     * report it.
+     * Returns whether the stream has buffered input. The selection key does not report such input.
      */
     default boolean hasReceived() {
         return false;
@@ -61,9 +60,9 @@ interface Wire extends ByteChannel {
         private static final int SEND_BUFFER_BYTES = 32 * 1024;
 
         /**
-         * Send buffer for clients that receive large messages [bytes]. A TCP segment on loopback
-         * has 64 KiB. If the buffer has room for only one, the operating system waits 40 ms for
-         * each acknowledgement.
+         * Send buffer for clients that receive large messages [bytes]. A TCP segment on the
+         * loopback interface has 64 KiB. If the buffer has room for only one segment, the operating
+         * system waits 40 ms for each acknowledgement.
          */
         private static final int LARGE_SEND_BUFFER_BYTES = 256 * 1024;
 

@@ -13,15 +13,15 @@ import java.util.concurrent.locks.LockSupport;
 /**
  * Writes waiting messages to clients. With many clients, writing is most of the server's work, so a
  * helper thread and the event loop's thread both take clients from the queue. The helper sleeps
- * while the queue is short. Before the event loop continues, it waits for the helper, so that it
- * never uses a connection to which the helper still writes.
+ * while the queue is short. The event loop waits for the helper before it continues. Therefore the
+ * loop never uses a connection to which the helper still writes.
  */
 final class Writers {
 
     /** Minimum number of clients for which the helper thread is woken. */
     private static final int LONG_ROW = 200;
 
-    /** Maximum busy-wait of the event loop for the helper before it blocks [ns]. */
+    /** Maximum busy-wait of the event loop for the helper before the loop's thread blocks [ns]. */
     private static final long PATIENCE_NANOS = 20_000;
 
     /** A connection to write to. */
@@ -50,7 +50,9 @@ final class Writers {
     /** True while the helper may write to targets. Set before the helper checks {@link #open}. */
     private volatile boolean helping;
 
-    /** The thread that blocks until the helper has finished; null if none. */
+    /**
+     * The event loop's thread while it is blocked until the helper has finished; null otherwise.
+     */
     private volatile @Nullable Thread sleeper;
 
     private volatile boolean stopped;

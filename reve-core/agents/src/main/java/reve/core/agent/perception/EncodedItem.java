@@ -14,7 +14,7 @@ import java.util.Optional;
 import java.util.SortedSet;
 import java.util.concurrent.ConcurrentHashMap;
 
-/** The encoded form of one version of an item's symbolic data; each part is encoded once. */
+/** The encoded form of one version of an item's symbolic data. Each part is encoded only once. */
 final class EncodedItem {
 
     private final ItemSymbols source;
@@ -50,8 +50,8 @@ final class EncodedItem {
     }
 
     /**
-     * Returns the capabilities that the item's actions need, by name of the action; omits actions
-     * that need none.
+     * Returns the capabilities that the item's actions need, by name of the action. Actions that
+     * need no capability are omitted.
      */
     Map<String, Object> needs() {
         var needs = new LinkedHashMap<String, Object>();

@@ -15,8 +15,8 @@ import java.util.function.Function;
 /**
  * The items that an event refers to, looked up once for all clients.
  *
- * @param byField the items that the event's fields name, by field; for the field {@value #AGENT},
- *     the agent's body
+ * @param byField the items that the event's fields name, by name of the field; the field {@value
+ *     #AGENT} refers to the agent's body
  * @param items the items that the event is about; the body of its agent only if another field names
  *     it
  */

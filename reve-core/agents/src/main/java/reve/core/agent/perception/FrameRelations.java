@@ -17,8 +17,8 @@ import java.util.function.BooleanSupplier;
 
 /**
  * The spatial relations (near, on, inside, touching) between all items of one frame. They are
- * computed item by item, in slices of time if necessary, from a copy of the boxes of that frame, so
- * later frames do not change the result. For the event loop's thread only.
+ * computed item by item, in slices of time if necessary. The input is a copy of the boxes of that
+ * frame, so later frames do not change the result. For the event loop's thread only.
  */
 final class FrameRelations {
 

@@ -4,9 +4,9 @@ package reve.core.agent.perception;
 import java.util.Arrays;
 
 /**
- * The bodies that last hid other bodies from an eye (the origin of an agent's body), the most
- * recent first. Line-of-sight tests check them first, because a few bodies near the eye hide most
- * others. For one thread.
+ * The bodies that last hid other bodies from an eye (the origin of an agent's body). The most
+ * recent one comes first. Line-of-sight tests check these bodies first, because a few bodies near
+ * the eye hide most others. For one thread.
  */
 final class Hiders {
 
@@ -23,8 +23,8 @@ final class Hiders {
     }
 
     /**
-     * Returns the row of a body, or {@link SensedWorld#NOTHING} in an empty place. The row may
-     * contain another body by now.
+     * Returns the row of a body, or {@link SensedWorld#NOTHING} if the place is empty. The row may
+     * contain a different body than before.
      */
     int get(int place) {
         return rows[place];

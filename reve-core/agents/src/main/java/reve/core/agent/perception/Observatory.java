@@ -27,27 +27,30 @@ import java.util.function.BooleanSupplier;
 
 /**
  * The newest frame that the publisher has read, and the computation of what sensors perceive in it.
- * Data that has not changed since the previous frame is represented by the same object. The event
- * loop's thread.
+ * Data that has not changed since the previous frame is represented by the same object. For the
+ * event loop's thread only.
  */
 public final class Observatory {
 
     /**
-     * Factor by which searches extend a sensor's range, for rounding errors; an exact test of the
-     * sensor follows.
+     * Factor by which searches extend a sensor's range to allow for rounding errors. An exact test
+     * of the sensor follows each search.
      */
     private static final double WIDER = 1 + 1e-9;
 
     private static final int NO_ROW = -1;
 
-    /** Tested items between two looks at the clock, with and without line of sight. */
+    /**
+     * Number of items that are tested between two checks of the clock. The first value is for
+     * sensors with a line of sight, the second for the others.
+     */
     private static final int LOOKS = 4;
 
     private static final int TESTS = 64;
 
     /**
-     * Maximum sum of distances that bodies have moved [m]; in a larger sum, rounding would lose
-     * small summands.
+     * Maximum sum of distances that bodies have moved [m]. Rounding would lose small summands of a
+     * larger sum.
      */
     private static final double LONGEST_PATH = 1000;
 
@@ -81,12 +84,15 @@ public final class Observatory {
     private PerceivedItem[] gathered = {};
     private int gatheredCount;
 
-    /** Incremented when items are added or removed, or change their rows. */
+    /**
+     * Number of changes of the assignment of items to rows. It is incremented when items are added
+     * or removed, or change their rows.
+     */
     private long arrangement;
 
     /**
-     * Upper bound on the distance that any body has moved in this frame [m]; the next field is the
-     * sum over frames.
+     * Upper bound on the distance that any body has moved in this frame [m]. The next field is the
+     * sum of these bounds over frames.
      */
     private double moved;
 
@@ -127,7 +133,7 @@ public final class Observatory {
         return true;
     }
 
-    /** Discards data that may be invalid; the next frame is read completely. */
+    /** Discards all data, because it may be invalid. The next frame is then read completely. */
     private void forget() {
         ids = new long[0];
         symbols = TreePMap.empty();
@@ -225,8 +231,8 @@ public final class Observatory {
      * Returns the items that one sensor of a body senses now, and the body itself, in the order of
      * ids.
      *
-     * @param around items around the body that the sensor may reach, kept from frame to frame;
-     *     updated
+     * @param around items around the body that the sensor may reach; the caller keeps this object
+     *     from frame to frame, and this method updates it
      * @param before the previous result; returned again if nothing has changed
      * @param isTimeLeft false if the caller must do other work first
      * @return empty if the time was too short; the next call in this frame continues
@@ -306,8 +312,8 @@ public final class Observatory {
     }
 
     /**
-     * Tests which of the surrounding items the sensor senses, as far as they or the body have moved
-     * since its last perception.
+     * Tests which of the surrounding items the sensor senses. Skips items whose result cannot have
+     * changed since its last perception.
      *
      * @return false if the time was too short
      */
@@ -364,8 +370,8 @@ public final class Observatory {
     }
 
     /**
-     * Updates the items that a sensor of limited range may sense, in the order of ids; the list may
-     * contain items out of reach.
+     * Updates the list of items that a sensor of limited range may sense. The list is in the order
+     * of ids, and may contain items that are out of reach.
      */
     private void lookAround(Sensor sensor, int eye, Surroundings around) {
         double range = sensor.range();

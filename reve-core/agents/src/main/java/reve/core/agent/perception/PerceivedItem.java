@@ -15,7 +15,7 @@ import java.util.Map;
 
 /**
  * The perceived data of one item in one frame. An item that has not changed since the previous
- * frame is represented by the same object, which is encoded once for all agents with equal
+ * frame is represented by the same object. The object is encoded once for all agents with equal
  * perceptions. Several threads may encode it at the same time, with equal results.
  */
 public final class PerceivedItem {
@@ -90,8 +90,8 @@ public final class PerceivedItem {
     }
 
     /**
-     * Returns whether the item must be sent completely: {@code before} is another item or shows
-     * other aspects.
+     * Returns whether the item must be sent completely. This is so if {@code before} is another
+     * item or shows other aspects.
      */
     boolean isNewTo(PerceivedItem before) {
         return !name().equals(before.name())

@@ -16,14 +16,14 @@ import java.util.Map;
 /** Encoder of perceptions. Data of a frame that several agents receive is encoded once. */
 public final class PerceptionEncoder {
 
-    /** Encoded fields by view and encoding. Guarded by this. */
+    /** Encoded fields by view and encoding. Guarded by this object's lock. */
     private final Map<View, Map<Encoding, Fields>> told = new IdentityHashMap<>();
 
     private @Nullable View shared;
 
     /**
-     * The encoded fields of a perception, without {@code t} (the type) and {@code id}, which come
-     * first.
+     * The encoded fields of a perception. The fields {@code t} (the type) and {@code id} are not
+     * included; a message begins with them.
      */
     private record Fields(int count, Rope encoded) {}
 
@@ -42,7 +42,7 @@ public final class PerceptionEncoder {
     /**
      * Appends an encoded perception. Several threads may call it at the same time.
      *
-     * @param difference memory for the comparison of views, reusable
+     * @param difference a reusable object for the comparison of views
      * @param id id of the message that the perception answers
      * @param before the client's previous view; null for a full perception
      */
@@ -72,7 +72,7 @@ public final class PerceptionEncoder {
     }
 
     /**
-     * Returns the cached fields. The key of a full perception is its view, the key of a difference
+     * Returns the cached fields. The key of a full perception is its view. The key of a difference
      * is the previous view.
      */
     private synchronized Fields sharedFields(

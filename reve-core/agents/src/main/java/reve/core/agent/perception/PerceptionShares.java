@@ -11,13 +11,13 @@ import java.util.Optional;
 
 /**
  * Divides the event loop's time among the sessions that receive perceptions in real time, so that
- * costly perceptions of some do not delay the others. Each token has an account of debt, and so has
- * each session without a token. The time to compute and to write perceptions is added to the debt;
- * equal shares of elapsed time reduce it. A session without debt whose perceptions are cheap is
- * served at once. The other sessions wait, and are served in slices of time, those with the lowest
- * debt first. Between two slices the event loop does its other work. Sessions in lock-step are
- * charged but served at once, because the world waits for them. See docs/decisions/0006. The event
- * loop's thread, except {@link Cost#wrote}.
+ * costly perceptions of some sessions do not delay the others. Each token has an account of debt.
+ * Each session without a token has its own account. The time to compute and to write perceptions is
+ * added to the debt; equal shares of elapsed time reduce it. A session without debt whose
+ * perceptions are cheap is served at once. The other sessions wait, and are served in slices of
+ * time. Those with the lowest debt come first. Between two slices the event loop does its other
+ * work. Sessions in lock-step are charged but served at once, because the world waits for them. See
+ * docs/decisions/0006. For the event loop's thread only, except {@link Cost#wrote}.
  *
  * @param <C> type of a client
  */
@@ -26,12 +26,12 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     /** Duration of a slice for waiting sessions [ns]. */
     private static final double SLICE_NANOS = 10e6;
 
-    /** Estimated cost of a session's first perception until one is measured [ns]. */
+    /** Estimated cost of a session's first perception, used until a cost is measured [ns]. */
     private static final double FIRST_NANOS = 1e6;
 
     /**
-     * Factor by which the estimate for first perceptions decreases, if the measured cost is not
-     * higher.
+     * Factor by which the estimate for first perceptions decreases if the measured cost is not
+     * higher than the estimate.
      */
     private static final double MEMORY = 0.9;
 
@@ -71,7 +71,10 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         boolean perceives(long frame);
     }
 
-    /** The debt of a token's sessions: cost that their shares of time have not paid yet. */
+    /**
+     * The debt of a token's sessions. The debt is the cost for which the sessions' shares of time
+     * have not paid yet.
+     */
     private static final class Account {
         private double owedNanos;
         private long round;
@@ -162,7 +165,7 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         cost.known = true;
     }
 
-    /** Returns whether a session is served at once; otherwise it waits. */
+    /** Returns whether a session is served at once. If not, the session waits. */
     public boolean isServedNow(C client) {
         Cost cost = client.perceptionCost();
         if (client.isInLockStep()
@@ -173,15 +176,15 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         return false;
     }
 
-    /** Lets a session wait, whatever its perceptions cost. */
+    /** Makes a session wait, whether its perceptions are cheap or costly. */
     public void postpone(C client) {
         waiting.add(client);
     }
 
     /**
-     * Returns the waiting sessions, those with the lowest debt first; at equal debt, those that
-     * have received a perception before come first. The caller serves them while {@link
-     * #isTimeLeft} is true.
+     * Returns the waiting sessions, those with the lowest debt first. Among sessions with equal
+     * debt, those that have received a perception before come first. The caller serves the sessions
+     * while {@link #isTimeLeft} is true.
      */
     public List<C> waiting() {
         waiting.sort(
@@ -195,14 +198,14 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         return sliceNanos > 0;
     }
 
-    /** Charges the time spent on a session that could not be served completely yet [ns]. */
+    /** Charges the time spent on a session whose perception is not complete yet [ns]. */
     public void spend(Cost cost, long nanos) {
         sliceNanos -= nanos;
         charge(cost, nanos);
     }
 
     /**
-     * Charges the time for a session that was served [ns]; the time to write its perception is
+     * Charges the time for a session that was served [ns]. The time to write its perception is
      * charged later.
      */
     public void serve(Cost cost, long nanos) {

@@ -13,22 +13,27 @@ import java.util.function.Supplier;
 
 /**
  * Views that contain spatial relations. The relations of all items of a frame are computed in
- * slices of time; between slices the event loop serves other sessions and newer frames. A session
- * in real time whose relations need more than one slice receives the view of the requested frame
- * later, with the relations of that frame. A session in lock-step receives its view at once,
+ * slices of time. Between two slices the event loop serves other sessions and newer frames. A
+ * session in real time whose relations need more than one slice receives the view of the requested
+ * frame later, with the relations of that frame. A session in lock-step receives its view at once,
  * because the world waits for it. See docs/decisions/0006. For the event loop's thread only.
  *
  * @param <C> type of a client
  */
 public final class RelatedViews<C extends RelatedViews.Client> {
 
-    /** Duration of a slice: maximum time for relations before other sessions are served [ns]. */
+    /**
+     * Duration of a slice [ns]: the maximum time for relations before other sessions are served.
+     */
     private static final long SLICE_NANOS = 10_000_000;
 
     private final LongSupplier clock;
     private final FrameRelations relations = new FrameRelations();
 
-    /** Views that sessions wait for, of the frame whose relations are being computed. */
+    /**
+     * Views with relations for which sessions wait. All are of the frame whose relations are being
+     * computed.
+     */
     private final Map<C, Wanted> waiting = new IdentityHashMap<>();
 
     private long until;
@@ -45,14 +50,15 @@ public final class RelatedViews<C extends RelatedViews.Client> {
         Optional<Set<ItemId>> sensedIn(long frame);
 
         /**
-         * Returns a view in which items that were not sensed again keep older relations, see {@link
-         * Senses#relate}.
+         * Returns a view with relations. Items that were not sensed again keep older relations, see
+         * {@link Senses#relate}.
          */
         View relate(View view, Optional<Set<ItemId>> fresh);
     }
 
     /**
-     * @param fresh ids of the items that were sensed in the frame of the view; empty if all were
+     * @param fresh ids of the items that were sensed in the frame of the view; empty if all items
+     *     were sensed in this frame
      */
     private record Wanted(View view, Optional<Set<ItemId>> fresh) {}
 

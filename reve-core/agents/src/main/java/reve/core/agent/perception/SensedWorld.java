@@ -21,22 +21,26 @@ import java.util.stream.LongStream;
  * Contains copies of the columns in plain arrays, which are reused for the next frame. For one
  * thread.
  *
- * <p>A sensor that looks senses an item if at least one of ten points is in its range, in its field
- * of view and not hidden: the point of the item's bounding box that is nearest to the eye, the
- * box's centre, and its eight corners. A point is hidden if it lies behind the bounding box of a
- * third item that has a shape and does not contain the eye.
+ * <p>A touch sensor senses the items whose bounding box is within its range. A camera senses no
+ * items. Any other sensor tests ten points of an item: the point of the bounding box that is
+ * nearest to the eye, the box's centre, and its eight corners. The sensor senses the item if one of
+ * these points is in its range and in its field of view. If the sensor needs a line of sight, the
+ * point must also not be hidden. A point is hidden if it lies behind the bounding box of a third
+ * item that has a shape and does not contain the eye.
  */
 public final class SensedWorld {
 
     /** A moment before any body has moved, see {@link #moment}. */
     static final long BEFORE_ALL = -1;
 
-    /** Stands for no row. */
+    /** Value that represents no row. */
     static final int NOTHING = -1;
 
     private static final int CORNERS = 8;
 
-    /** Fraction of a line of sight, at each end, in which a box does not hide the point. */
+    /**
+     * Fraction of a line of sight, at each of its ends, within which a box does not hide the point.
+     */
     private static final double END = 1e-9;
 
     private int rows;
@@ -92,8 +96,8 @@ public final class SensedWorld {
     /**
      * Loads all bodies of a frame, and compares them with those of the frame loaded before.
      *
-     * @param rearranged true if rows may contain other bodies, or their number has changed: then
-     *     all bodies count as moved
+     * @param rearranged true if rows may contain other bodies, or the number of rows has changed;
+     *     all bodies then count as moved
      * @return an upper bound on the distance that any body, or any corner of its box, has moved
      *     [m]; NaN or infinite if there is none
      */
@@ -243,7 +247,10 @@ public final class SensedWorld {
         return new Box(low[at], low[at + 1], low[at + 2], high[at], high[at + 1], high[at + 2]);
     }
 
-    /** Sets the box of a body's reach to the body's own box; {@link #extendReach} extends it. */
+    /**
+     * Sets the box of a body's reach to the body's own box. The method {@link #extendReach} extends
+     * this box.
+     */
     void reach(int body, double[] lows, double[] highs, int at) {
         System.arraycopy(low, 3 * body, lows, at, 3);
         System.arraycopy(high, 3 * body, highs, at, 3);
@@ -284,7 +291,7 @@ public final class SensedWorld {
     }
 
     /**
-     * @param known the bodies that last hid others from this body; updated
+     * @param known the bodies that last hid other bodies from this body; this method updates them
      */
     public boolean senses(Sensor sensor, int body, int row, Hiders known) {
         hiders = known;
@@ -342,8 +349,7 @@ public final class SensedWorld {
     }
 
     /**
-     * @param distance distance of the point from the eye [m]; boxes that contain the eye hide
-     *     nothing
+     * @param distance distance of the point from the eye [m]
      */
     private boolean isSeen(Sensor sensor, int body, int row, double distance) {
         return distance <= sensor.range()
@@ -370,8 +376,8 @@ public final class SensedWorld {
     }
 
     /**
-     * Computes the direction in which the sensor looks, the body's +Z axis: the third column of its
-     * rotation matrix.
+     * Computes the direction in which the sensor looks. This is the body's +Z axis, the third
+     * column of the body's rotation matrix.
      */
     private void lookAhead(Sensor sensor, int body) {
         double x = orientation[4 * body];
@@ -415,8 +421,8 @@ public final class SensedWorld {
     }
 
     /**
-     * Returns whether a box lies between the eye and the point: the line crosses it, and it does
-     * not contain the eye (slab method).
+     * Returns whether a box hides a point. A box hides the point if the line from the eye to the
+     * point crosses the box and the box does not contain the eye. Uses the slab method.
      */
     private boolean isBetween(int body, int box) {
         double enter = 0;

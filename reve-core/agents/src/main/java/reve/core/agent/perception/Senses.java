@@ -23,38 +23,46 @@ import java.util.function.BooleanSupplier;
 import java.util.stream.Collectors;
 
 /**
- * The perceptions of one agent through its body's sensors, each with its own interval. The event
- * loop's thread.
+ * The perceptions of one agent through its body's sensors, each with its own interval. For the
+ * event loop's thread.
  */
 public final class Senses {
 
     /**
-     * Types of the events that are for operators: they report a failed law, listener or command,
-     * and how a new version of a law acts in the shadow.
+     * Types of the events that are sent to operators only. These events report a failed law,
+     * listener or command, or the results of a new version of a law that runs in the shadow.
      */
     public static final Set<String> FOR_OPERATORS = Set.of("fault", "law-shadow");
 
     private final ItemId body;
     private final List<Sensor> sensors;
 
-    /** The last perception of each sensor; complete after the agent's first view. */
+    /**
+     * The last perception of each sensor. All elements are present after the agent's first view.
+     */
     private final Sample[] samples;
 
     private final Surroundings[] surroundings;
 
-    /** The copy of the world in which {@link #surroundings} were found; null before that. */
+    /**
+     * The copy of the world in which {@link #surroundings} were found; null before the first
+     * search.
+     */
     private @Nullable Observatory lastWorld;
 
     private View view = new View(0, 0, List.of());
 
-    /** Relations last sent, by item; kept for items that no sensor senses in the current frame. */
+    /**
+     * The relations that were last sent, by item. They are kept for items that no sensor senses in
+     * the current frame.
+     */
     private Map<ItemId, Map<String, List<String>>> related = Map.of();
 
     /** The items that a sensor perceived, and the frame. */
     private record Sample(long frame, List<PerceivedItem> items) {}
 
     /**
-     * @param sensors at least one
+     * @param sensors the sensors of the body, at least one
      */
     public Senses(ItemId body, List<Sensor> sensors) {
         this.body = body;
@@ -75,14 +83,14 @@ public final class Senses {
                 .findFirst();
     }
 
-    /** Returns the present view, however long it takes. */
+    /** Returns the present view. The computation has no time limit. */
     View look(Observatory world) {
         return look(world, () -> true).orElseThrow();
     }
 
     /**
-     * Returns the view of the newest frame: it merges the last perception of each sensor. Sensors
-     * whose interval has passed perceive again before.
+     * Returns the view of the newest frame. Sensors whose interval has passed perceive again; then
+     * the last perceptions of all sensors are merged.
      *
      * @param isTimeLeft false if the caller must do other work first
      * @return empty if the time was too short; the next call in this frame continues
@@ -124,7 +132,7 @@ public final class Senses {
      * sensor for symbols last sensed it.
      *
      * @param all the view with the relations of its frame
-     * @param fresh ids of the items that get these relations; the others keep older ones
+     * @param fresh ids of the items that get these relations; the other items keep older ones
      */
     public View relate(View all, Set<ItemId> fresh) {
         var names = all.items().stream().map(PerceivedItem::name).collect(Collectors.toSet());
@@ -141,7 +149,8 @@ public final class Senses {
     }
 
     /**
-     * Returns the items whose symbols were sensed in a frame, that of the last {@link #look}.
+     * Returns the items whose symbols were sensed in a frame. This must be the frame of the last
+     * {@link #look}.
      *
      * @return ids; an empty Optional if every sensor senses in every frame
      */
@@ -204,7 +213,8 @@ public final class Senses {
 
     /**
      * Merges two sensors' perceptions of an item. Data that only the older perception contains is
-     * kept, because no sensor has sensed a newer value. All symbols come from one of the two.
+     * kept, because no sensor has sensed a newer value. All symbols come from one of the two
+     * perceptions.
      */
     private static PerceivedItem merge(PerceivedItem newer, PerceivedItem older) {
         Visibility both = newer.shown().and(older.shown());
@@ -220,9 +230,9 @@ public final class Senses {
     }
 
     /**
-     * Returns the indices of the event's fields that are sent to the agent: all except names of
-     * items that it does not perceive. Empty if the event is not sent, because the agent perceives
-     * none of its items, or because the event is for operators.
+     * Returns the indices of the event's fields that are sent to the agent. Names of items that the
+     * agent does not perceive are not sent. Empty if the event itself is not sent, because the
+     * agent perceives none of its items, or because the event is for operators only.
      */
     public Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
         if (FOR_OPERATORS.contains(event.type())) {

@@ -53,8 +53,8 @@ final class Surroundings {
     }
 
     /**
-     * Records, instead of {@link #foundIn}, a search without a margin, which is valid in this frame
-     * only.
+     * Records a search without a margin, whose result is valid in this frame only. Replaces a call
+     * of {@link #foundIn}.
      */
     void foundOnce() {
         arrangement = -1;
@@ -82,8 +82,8 @@ final class Surroundings {
     }
 
     /**
-     * Returns whether an item and the body, each moved by at most {@code way} [m], approached by at
-     * most the margin.
+     * Returns whether an item and the body came closer to each other by at most the margin. Each of
+     * the two has moved by at most {@code way} [m].
      */
     static boolean isWithinMargin(double range, double way) {
         return 2 * way <= SAFE * MARGIN * range;

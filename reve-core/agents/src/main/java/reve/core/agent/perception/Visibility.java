@@ -28,14 +28,16 @@ record Visibility(Set<Aspect> aspects, Optional<SortedSet<String>> symbols) {
         return aspects.contains(aspect);
     }
 
-    /** Returns whether this includes all symbols and actions that the other includes. */
+    /**
+     * Returns whether this visibility includes all symbols and actions that the other one includes.
+     */
     boolean isAllThatIsSymbolicOf(Visibility other) {
         return has(Aspect.SEMANTIC) == other.has(Aspect.SEMANTIC)
                 && has(Aspect.ACCESS) == other.has(Aspect.ACCESS)
                 && symbols.equals(other.symbols);
     }
 
-    /** Returns the union of both. */
+    /** Returns a visibility that includes the data of both. */
     Visibility and(Visibility other) {
         if (equals(other)) {
             return this;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * What agents perceive of a frame: the reach of sensors, the reuse of unchanged items, and the
- * encoding. The event loop's thread and, for the encoding, the threads that write.
+ * The perceptions of agents: the reach of sensors, the reuse of unchanged items, and the encoding.
+ * For the event loop's thread. The encoding also runs on the threads that write.
  */
 @NullMarked
 package reve.core.agent.perception;

@@ -11,15 +11,17 @@ import java.util.Optional;
 public interface Cameras {
 
     /**
-     * A picture; its layers contain the rows from the top, and numbers are little-endian.
+     * A picture. Its layers contain the rows of pixels from top to bottom. Numbers are
+     * little-endian.
      *
      * @param time simulated time of the world [s]
      * @param width [px]
      * @param height [px]
      * @param colour red, green and blue in sRGB, one byte each
-     * @param depth along the view axis [m], f32; 0 where nothing is in range
-     * @param items u16; 0 where no item is in range, else the index of its name, from 1
-     * @param names of the visible items
+     * @param depth along the view axis [m], f32; 0 if no surface is in range
+     * @param items u16; 0 if no item is in range, otherwise the index of the item's name, counted
+     *     from 1
+     * @param names the names of the visible items
      */
     record Photo(
             long frame,
@@ -51,7 +53,7 @@ public interface Cameras {
         void failed(RuntimeException cause);
     }
 
-    /** Takes a picture of the newest frame. Any thread; returns at once. */
+    /** Takes a picture of the newest frame. For any thread; returns at once. */
     void take(ItemId body, Sensor camera, Answer answer);
 
     /** Returns an implementation that takes no pictures. */

@@ -14,9 +14,9 @@ import java.util.Optional;
 import java.util.function.Consumer;
 
 /**
- * The commands of clients with the role control that the program which runs a world executes, in
- * addition to those that every frame loop executes. Unless stated otherwise, methods are called on
- * a connection's thread and may block; the returned change is made on the world's thread, in the
+ * The commands of clients with the role control that the program which runs a world must execute.
+ * Every frame loop executes the other commands itself. Unless stated otherwise, methods are called
+ * on a connection's thread and may block. A returned change is made on the world's thread, in the
  * phase ACT of a frame.
  */
 public interface WorldControl {
@@ -33,8 +33,8 @@ public interface WorldControl {
         void make(World world, long frame) throws ActionRefused;
 
         /**
-         * Returns the name of the library that the change loads, as the library itself says; empty
-         * if it loads none.
+         * Returns the name that the library loaded by this change gives itself; empty if the change
+         * loads no library.
          */
         default Optional<String> library() {
             return Optional.empty();
@@ -48,7 +48,8 @@ public interface WorldControl {
      * Prepares loading a library of laws.
      *
      * @param library name without a folder; the program searches its law folders
-     * @param parameters of its laws, by {@code parameter} or {@code law.parameter}, in SI units
+     * @param parameters the parameters of the library's laws, by {@code parameter} or {@code
+     *     law.parameter}, in SI units
      */
     Change loadLaw(String library, Map<String, Double> parameters) throws ActionRefused;
 
@@ -56,8 +57,9 @@ public interface WorldControl {
      * Prepares loading a law as text. It replaces a loaded text of the same name.
      *
      * @param source name of the text in messages, such as "wind.law"
-     * @param parameters of its laws, by {@code parameter} or {@code law.parameter}, in SI units
-     * @param swap how it replaces a loaded text; empty for the way that the program chooses
+     * @param parameters the parameters of the text's laws, by {@code parameter} or {@code
+     *     law.parameter}, in SI units
+     * @param swap how the text replaces a loaded one; if empty, the program chooses the way
      * @throws ActionRefused with all problems of the text and their lines
      */
     Change loadText(
@@ -73,7 +75,7 @@ public interface WorldControl {
      *
      * @param parameters new values, named like in {@link #loadLaw}; other parameters keep their
      *     values
-     * @param swap how the values take effect; empty: at once
+     * @param swap how the values take effect; if empty, at once
      */
     Change setLaw(String library, Map<String, Double> parameters, Optional<LawSwap> swap)
             throws ActionRefused;
@@ -88,7 +90,7 @@ public interface WorldControl {
     /** A prepared report about a world. */
     @FunctionalInterface
     interface Reading {
-        /** Reads the world. World's thread, between frames. */
+        /** Reads the world. For the world's thread, between frames. */
         Map<String, Object> read() throws ActionRefused;
     }
 
@@ -100,10 +102,10 @@ public interface WorldControl {
     Reading laws(boolean faults) throws ActionRefused;
 
     /**
-     * Returns a report of the ledger, which shows the energy and momentum that each law adds. Opens
-     * or closes the ledger before. World's thread, between frames.
+     * Opens or closes the ledger, then returns a report of it. The ledger shows the energy and
+     * momentum that each law adds. For the world's thread, between frames.
      *
-     * @param open true opens or restarts the ledger, false closes it, empty leaves it
+     * @param open true opens or restarts the ledger, false closes it, empty leaves it as it is
      */
     Map<String, Object> ledger(Optional<Boolean> open) throws ActionRefused;
 
@@ -113,8 +115,8 @@ public interface WorldControl {
     /**
      * Prepares changes of rules, all of them or none.
      *
-     * @param rules by the symbol that each computes: the rule in the form of a world file, in JSON;
-     *     empty removes the rule
+     * @param rules the rules in the form of a world file, in JSON, by the symbol that each rule
+     *     computes; an empty value removes the rule
      */
     Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused;
 
@@ -122,18 +124,19 @@ public interface WorldControl {
     Change release(String library) throws ActionRefused;
 
     /**
-     * Answers a question about the world. World's thread, between frames.
+     * Answers a question about the world. For the world's thread, between frames.
      *
      * @param what the type of the message in the protocol, such as {@code near}
      * @param arguments Double, List of Double, String or Boolean by name
-     * @return a List or Map of String, Boolean, Number, or lists and maps of these; keys are texts
+     * @return a List or Map with values of type String, Boolean or Number, or with lists and maps
+     *     of such values; keys are texts
      */
     Object answer(String what, Map<String, Object> arguments) throws ActionRefused;
 
     /** A saved state of the world, to which it can be rewound. */
     interface Image extends AutoCloseable {
         /**
-         * Rewinds the world to this state. World's thread, between frames.
+         * Rewinds the world to this state. For the world's thread, between frames.
          *
          * @return number of the next frame, which shows the restored state
          */
@@ -148,11 +151,11 @@ public interface WorldControl {
         void save(String file, Collection<ItemId> without) throws ActionRefused;
 
         /**
-         * Advances a copy of the world, which receives no commands; the world itself is not
+         * Advances a copy of the world. The copy receives no commands, and the world itself is not
          * affected. For any thread.
          *
          * @param frames number of frames to make in the copy
-         * @param first change that is made in the copy before its first frame
+         * @param first the change that is made in the copy before its first frame
          * @param look receives a snapshot of the last frame of the copy
          */
         void foresee(int frames, Change first, Consumer<WorldSnapshot> look) throws ActionRefused;
@@ -165,7 +168,8 @@ public interface WorldControl {
     Image beginning() throws ActionRefused;
 
     /**
-     * Returns the present state of the world. World's thread, between frames; the caller closes it.
+     * Returns the present state of the world. For the world's thread, between frames. The caller
+     * closes the image.
      */
     Image keep() throws ActionRefused;
 

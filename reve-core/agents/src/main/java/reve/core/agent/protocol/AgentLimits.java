@@ -17,8 +17,8 @@ import reve.core.agent.session.Resumes;
  * @param outboxBytes maximum total size of these messages [bytes]
  * @param maxErrors number of refused messages after which a connection ends
  * @param kept maximum number of sessions without a token that wait for a new connection
- * @param resumes maximum burst of resumes of one session; then {@value Resumes#PER_SECOND} per
- *     second
+ * @param resumes maximum number of resumes of one session in a burst; after the burst, {@value
+ *     Resumes#PER_SECOND} per second
  * @param hellos maximum burst of clients that join; then 100 per second, and further ones wait
  */
 public record AgentLimits(

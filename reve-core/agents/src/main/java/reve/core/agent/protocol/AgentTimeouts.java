@@ -12,8 +12,8 @@ import java.util.Optional;
  *
  * @param hello maximum time until the hello
  * @param line maximum time from the first byte of a message to the last
- * @param idle silence of a client after which the server sends a ping, and after the same time
- *     again disconnects it
+ * @param idle time without a message after which the server sends a ping to a client; after the
+ *     same time again, it disconnects the client
  * @param flood time after which a client that exceeds its quota without a pause is disconnected
  * @param write maximum time of one write
  * @param grace maximum time that the body of a disconnected agent stays for a new connection

@@ -2,8 +2,8 @@
 package reve.core.agent.protocol;
 
 /**
- * Reports that a message of a client was refused; the connection continues. Has no stack trace,
- * because a hostile client can cause many.
+ * Reports that a message of a client was refused. The connection continues. The exception has no
+ * stack trace, because stack traces are expensive and a hostile client can cause many exceptions.
  */
 public final class BadMessage extends Exception {
 

@@ -14,8 +14,8 @@ public final class Bytes {
     private ByteBuffer bytes = ByteBuffer.allocate(64);
 
     /**
-     * The ropes contained by reference; the next field is the number of own bytes in {@link #bytes}
-     * before each.
+     * The ropes contained by reference. The next field contains, for each rope, the number of own
+     * bytes in {@link #bytes} before it.
      */
     private Rope[] strands = new Rope[8];
 
@@ -117,8 +117,8 @@ public final class Bytes {
     }
 
     /**
-     * Converts a position in the buffer into one in {@link #bytes}, given the index of the first
-     * rope after it.
+     * Converts a position in the buffer into a position in {@link #bytes}. The caller passes the
+     * index of the first rope after the position.
      */
     private int ownPlace(int place, int firstStrand) {
         int before = strandBytes;

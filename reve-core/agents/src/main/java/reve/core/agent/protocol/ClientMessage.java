@@ -118,7 +118,7 @@ public sealed interface ClientMessage {
             Optional<ActionRequest> fallback) {}
 
     /**
-     * @param session session token that the welcome of the broken connection contained
+     * @param session the session token, from the welcome that the broken connection received
      * @param frame the last frame of which the client received all events
      */
     record Resume(String session, long frame) {}
@@ -181,8 +181,8 @@ public sealed interface ClientMessage {
      * @param library name of a library in the law folders of the server; for a text, its name in
      *     messages
      * @param text a law as text, which replaces the library
-     * @param parameters of its laws, in SI units
-     * @param swap how a text replaces a loaded one; empty for the server's way
+     * @param parameters the parameters of the library's laws, in SI units
+     * @param swap how a text replaces a loaded one; if empty, the server chooses the way
      */
     record LoadLaw(
             long id,
@@ -204,14 +204,13 @@ public sealed interface ClientMessage {
     sealed interface WorldChange extends Control {}
 
     /**
-     * @param items a mapping with {@code items} and {@code prefabs} in the form of a world file, as
-     *     JSON
+     * @param items a JSON object with {@code items} and {@code prefabs} in the form of a world file
      */
     record Add(long id, String items) implements WorldChange {}
 
     /**
-     * @param to the values of the item that change, in the form of a world file, as JSON; null
-     *     removes a value
+     * @param to the new values of the item, in the form of a world file, as JSON; null removes a
+     *     value
      */
     record Change(long id, String item, String to) implements WorldChange {}
 
@@ -227,7 +226,7 @@ public sealed interface ClientMessage {
      */
     record SetRule(long id, String name, Optional<String> rule) implements WorldChange {}
 
-    /** Several changes, of which all are made or none. A batch contains no batch. */
+    /** Several changes. Either all of them are made, or none. A batch contains no other batch. */
     record Batch(long id, List<WorldChange> changes) implements WorldChange {
         /** Maximum number of changes. */
         public static final int MAX = 1000;
@@ -261,7 +260,10 @@ public sealed interface ClientMessage {
         }
     }
 
-    /** Ends the quarantine of a library of laws, which did not act after a failure. */
+    /**
+     * Ends the quarantine of a library of laws. The library failed, and the world has run without
+     * it since then.
+     */
     record Release(long id, String library) implements Control {}
 
     /** Requests a picture of the world. */
@@ -292,20 +294,21 @@ public sealed interface ClientMessage {
     record ShutDown(long id) implements Control {}
 
     /**
-     * @param factor simulated time per time of the clock
+     * @param factor simulated time divided by elapsed time
      */
     record Speed(long id, double factor) implements Control {}
 
     /**
      * @param parameters new values of parameters of a loaded library, in SI units; other parameters
      *     keep their values
-     * @param swap how the values take effect; empty: at once
+     * @param swap how the values take effect; if empty, at once
      */
     record SetLaw(long id, String library, Map<String, Double> parameters, Optional<LawSwap> swap)
             implements Control {}
 
     /**
-     * @param budget of the computing time of a loaded library in a frame; empty to remove it
+     * @param budget the limit on the computing time of a loaded library in a frame; empty to remove
+     *     the limit
      */
     record SetBudget(long id, String library, Optional<TimeBudget> budget) implements Control {}
 

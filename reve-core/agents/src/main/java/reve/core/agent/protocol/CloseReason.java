@@ -4,8 +4,8 @@ package reve.core.agent.protocol;
 import java.util.Optional;
 
 /**
- * The reason why the server ends a connection, thrown as an exception. Has no stack trace, because
- * a hostile client can cause many.
+ * The reason why the server ends a connection, thrown as an exception. The exception has no stack
+ * trace, because stack traces are expensive and a hostile client can cause many exceptions.
  */
 public final class CloseReason extends Exception {
 
@@ -38,7 +38,8 @@ public final class CloseReason extends Exception {
 
     /**
      * Returns the reason for refusing a client's name that is in use. The message does not say
-     * whether a client or an item has the name, because not every client may know the items.
+     * whether a client or an item has the name, because not every client is allowed to know the
+     * items.
      */
     public static CloseReason nameTaken(String name) {
         return refused(
@@ -73,7 +74,7 @@ public final class CloseReason extends Exception {
                 "try again later");
     }
 
-    /** Returns what the client can do about the reason, if anything. */
+    /** Returns what the client can do to remove the reason; empty if it can do nothing. */
     public Optional<String> hint() {
         return hint;
     }
@@ -88,7 +89,7 @@ public final class CloseReason extends Exception {
         return cut;
     }
 
-    /** Returns the message {@code bye} with this reason, the last one to the client. */
+    /** Returns the message {@code bye} with this reason. It is the last message to the client. */
     public ServerMessage.Bye bye() {
         return new ServerMessage.Bye(code, getMessage(), hint);
     }

@@ -5,7 +5,7 @@ import java.util.Arrays;
 import java.util.Optional;
 import java.util.function.Consumer;
 
-/** The encoding of messages; messages have the same fields in all encodings. */
+/** The encoding of messages. Messages have the same fields in all encodings. */
 public enum Encoding {
     /** One JSON object per line. */
     JSON("json") {

@@ -142,7 +142,10 @@ public final class MessagePackReader {
         return map;
     }
 
-    /** Checks a length before memory is allocated: each element needs at least one byte. */
+    /**
+     * Checks a length before memory is allocated. A length that exceeds the remaining bytes is
+     * refused, because each element needs at least one byte.
+     */
     private int length(int claimed, int depth) {
         if (depth == 0) {
             throw new IllegalArgumentException("it is nested deeper than " + Json.MAX_DEPTH);

@@ -16,7 +16,7 @@ record MessagePackWriter(Bytes out) implements MessageWriter {
 
     @Override
     public void endMap() {
-        // The header contains the number of fields.
+        // No end mark is written, because the header contains the number of fields.
     }
 
     @Override
@@ -26,7 +26,7 @@ record MessagePackWriter(Bytes out) implements MessageWriter {
 
     @Override
     public void endList() {
-        // The header contains the number of values.
+        // No end mark is written, because the header contains the number of values.
     }
 
     @Override
@@ -98,7 +98,10 @@ record MessagePackWriter(Bytes out) implements MessageWriter {
         return Encoding.MESSAGEPACK;
     }
 
-    /** Writes a header: up to 15 elements in the type byte, more in 2 or 4 further bytes. */
+    /**
+     * Writes a header. A number of up to 15 elements is part of the type byte; a larger one takes 2
+     * or 4 further bytes.
+     */
     private void begin(int elements, int fix, int of16) {
         if (elements < 16) {
             out.put(fix | elements);

@@ -36,7 +36,10 @@ public final class MessageReader {
     private static final long MAX_ID = (1L << 53) - 1;
     private static final int MAX_REASON = 200;
 
-    /** The JSON library names the method that returns a limit. */
+    /**
+     * Matches the part of an error message in which the JSON library names its method that returns
+     * a limit. This part is removed, because it does not help clients.
+     */
     private static final Pattern METHOD = Pattern.compile(", from `[^`]*`");
 
     private static final int MAX_IMAGE_NAME = 64;
@@ -98,8 +101,8 @@ public final class MessageReader {
     }
 
     /**
-     * Refuses values that JSON permits but the server does not: numbers beyond the range of
-     * doubles, and unpaired surrogates.
+     * Refuses values that JSON permits but the server does not. These are numbers beyond the range
+     * of doubles, and unpaired surrogates.
      */
     private static void requireSound(JsonNode node) throws BadMessage {
         if (node.isString()) {
@@ -263,7 +266,9 @@ public final class MessageReader {
             this.id = find("id") == null ? NO_ID : integer(NO_ID, "id", 0, MAX_ID);
         }
 
-        /** Reads an object inside a message; errors in it refer to the id of the message. */
+        /**
+         * Reads an object inside a message. Errors in the object refer to the id of the message.
+         */
         Fields(JsonNode part, long id) {
             this.message = part;
             this.id = id;
@@ -398,7 +403,10 @@ public final class MessageReader {
             return parameters;
         }
 
-        /** Returns how a new version of a law takes over, if the message says it. */
+        /**
+         * Returns the way in which a new version of a law replaces the old one; empty if the
+         * message does not state it.
+         */
         Optional<LawSwap> swap() throws BadMessage {
             Optional<String> given = optionalText("swap");
             if (given.isEmpty()) {
@@ -412,7 +420,10 @@ public final class MessageReader {
             return swap;
         }
 
-        /** Returns the budget of a library; empty without {@code milliseconds}. */
+        /**
+         * Returns the budget of a library. The result is empty if the message has no field {@code
+         * milliseconds}.
+         */
         Optional<TimeBudget> budget() throws BadMessage {
             if (!has("milliseconds")) {
                 return Optional.empty();

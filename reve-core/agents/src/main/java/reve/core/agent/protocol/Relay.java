@@ -3,7 +3,7 @@ package reve.core.agent.protocol;
 
 /**
  * Another server of this process, such as the web server, that passes the messages of a connection
- * on to its client. Any thread; the methods return without waiting.
+ * on to its client. For any thread. The methods return without waiting.
  */
 public interface Relay {
 
@@ -13,6 +13,9 @@ public interface Relay {
      */
     void welcomed(Role role, String world, String client);
 
-    /** Notifies the relay that the connection ends; only the waiting messages follow. */
+    /**
+     * Notifies the relay that the connection ends. Only the messages that already wait are still
+     * sent.
+     */
     void ended();
 }

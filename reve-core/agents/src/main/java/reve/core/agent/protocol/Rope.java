@@ -7,13 +7,16 @@ import java.nio.ByteBuffer;
 import java.util.Arrays;
 
 /**
- * A sequence of encoded bytes that consists of own bytes and of references to other ropes
- * (strands), which several ropes may share. Thus data for many clients is in memory only once.
- * Immutable except for the number of holders.
+ * A sequence of encoded bytes. It consists of own bytes and of references to other ropes (strands),
+ * which several ropes may share. Therefore data for many clients is in memory only once. Immutable
+ * except for the number of holders.
  */
 public final class Rope {
 
-    /** Minimum size of a rope that is held by reference [bytes]; smaller ropes are copied. */
+    /**
+     * Minimum size of a rope that another rope references [bytes]. Smaller ropes are copied
+     * instead.
+     */
     static final int LEAST_BYTES = 512;
 
     /** Memory that a reference to a strand takes, including its positions [bytes]. */
@@ -26,7 +29,8 @@ public final class Rope {
     private final Rope[] strands;
 
     /**
-     * Position of each strand in the rope; the next field is the number of own bytes before each.
+     * Position of each strand in the rope. The next field contains the number of own bytes before
+     * each strand.
      */
     private final int[] starts;
 
@@ -36,13 +40,13 @@ public final class Rope {
     /** Number of holders. Guarded by the {@link SlowReaders}. */
     private int holders;
 
-    /** Creates a rope that owns the bytes, which must not change any more. */
+    /** Creates a rope that owns the bytes. The caller must not change them afterwards. */
     public Rope(byte[] own) {
         this(own, NO_STRANDS, NO_PLACES);
     }
 
     /**
-     * Creates a rope that owns all three arrays, which must not change any more.
+     * Creates a rope that owns all three arrays. The caller must not change them afterwards.
      *
      * @param ownBefore number of own bytes before each strand, in ascending order
      */
@@ -119,7 +123,7 @@ public final class Rope {
     /**
      * Removes a holder of the rope.
      *
-     * @return memory that has no holder any more [bytes]
+     * @return memory that lost its last holder [bytes]
      */
     public long release() {
         if (--holders > 0) {

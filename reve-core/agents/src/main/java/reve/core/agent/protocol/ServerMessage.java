@@ -32,13 +32,13 @@ public sealed interface ServerMessage {
             int worldEventBytes) {}
 
     /**
-     * The session token, with which another connection can resume the session within the given time
+     * The session token. Another connection can use it to resume the session within the given time
      * after the connection breaks.
      */
     record Ticket(String token, double graceSeconds) {}
 
     /**
-     * The lock-step settings in the welcome: the world waits for the agent after every Nth frame,
+     * The lock-step settings in the welcome. The world waits for the agent after every Nth frame,
      * at most until the deadline.
      */
     record Rhythm(int every, double deadlineSeconds) {}
@@ -70,8 +70,8 @@ public sealed interface ServerMessage {
      * The answer to a question.
      *
      * @param frame number of the frame whose state the answer describes
-     * @param value a List or Map of String, Boolean, Number, or lists and maps of these; keys are
-     *     texts
+     * @param value a List or Map with values of type String, Boolean or Number, or with lists and
+     *     maps of such values; keys are texts
      */
     record Answer(long id, long frame, Object value) implements ServerMessage {}
 
@@ -85,7 +85,7 @@ public sealed interface ServerMessage {
         /** Maximum length of a reason [characters]. */
         static final int MAX_REASON = 8192;
 
-        /** Cuts a reason that is too long. */
+        /** Shortens a reason that exceeds the maximum length. */
         public Refused {
             if (reason.length() > MAX_REASON) {
                 int end =
@@ -108,8 +108,8 @@ public sealed interface ServerMessage {
      * The answer to a query.
      *
      * @param of type of the answered query in the protocol
-     * @param content a Map by name of String, Number, Boolean, or a List or Map of these; or a
-     *     Fragment with such a Map
+     * @param content a Map with names as keys, and values of type String, Number, Boolean, or a
+     *     List or Map of these; or a Fragment with such a Map
      */
     record Report(long id, long frame, String of, Object content) implements ServerMessage {}
 

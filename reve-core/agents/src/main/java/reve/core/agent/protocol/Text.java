@@ -24,7 +24,8 @@ public final class Text {
      */
     static String decode(byte[] utf8, int start, int length) throws CharacterCodingException {
         String text = new String(utf8, start, length, StandardCharsets.UTF_8);
-        // either the client sent this character, or the decoder inserted it for invalid UTF-8
+        // The text contains the replacement character. Either the client sent this character, or
+        // the decoder inserted it for invalid UTF-8.
         if (text.indexOf(REPLACEMENT) >= 0) {
             StandardCharsets.UTF_8.newDecoder().decode(ByteBuffer.wrap(utf8, start, length));
         }
@@ -32,8 +33,8 @@ public final class Text {
     }
 
     /**
-     * Returns at most 64 characters of the text in quotes; escapes all characters that are not
-     * plainly visible.
+     * Returns at most 64 characters of the text in quotes. Control characters and other invisible
+     * characters are escaped.
      */
     public static String quote(String text) {
         var out = new StringBuilder(text.length() + 2).append('"');

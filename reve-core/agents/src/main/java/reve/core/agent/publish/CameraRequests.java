@@ -16,8 +16,9 @@ import java.util.OptionalLong;
 import java.util.function.Consumer;
 
 /**
- * The requests of one client for pictures from its body's cameras: one at a time, and not more
- * often than the interval of the camera permits. For the event loop's thread only.
+ * The requests of one client for pictures from its body's cameras. One request is processed at a
+ * time. The interval of a camera limits how often it takes a picture. For the event loop's thread
+ * only.
  */
 public final class CameraRequests {
 
@@ -95,8 +96,8 @@ public final class CameraRequests {
     }
 
     /**
-     * Throws unless the camera's interval has passed since its last picture, or the frame is that
-     * of the last picture.
+     * Throws an exception unless a new picture may be taken. A picture may be taken if the camera's
+     * interval has passed since its last picture, or if the frame is the frame of the last picture.
      */
     private void requireTurn(ClientMessage.Look look, Sensor camera, long frame) throws BadMessage {
         long last = lastFrames.getOrDefault(camera.name(), Long.MIN_VALUE / 2);

@@ -25,10 +25,11 @@ import java.util.Set;
 import java.util.stream.LongStream;
 
 /**
- * Preselection of the clients that may receive an event, so that its cost depends on the number of
- * clients that perceive its items and not on the number of agents. It selects the clients whose
- * last view contains one of the items or that have a sensor which may reach one now. The selection
- * may be too large; {@link Senses} makes the exact decision. For the event loop's thread only.
+ * Preselection of the clients that may receive an event. Because of it, the cost of an event
+ * depends on the number of clients that perceive its items and not on the number of agents. It
+ * selects the clients whose last view contains one of the items, and those with a sensor that may
+ * reach one of the items now. The selection may contain too many clients; {@link Senses} makes the
+ * exact decision. For the event loop's thread only.
  */
 final class EventRouting {
 
@@ -37,11 +38,14 @@ final class EventRouting {
     // The items in the last view of each agent with sensors.
     private final Map<Perceiver, Showing> showings = new IdentityHashMap<>();
 
-    /** Clients whose last view contains an item. Updated when there are events. */
+    /**
+     * The clients whose last view contains an item, by item. The map is updated only when there are
+     * events.
+     */
     private final Map<ItemId, Set<Perceiver>> viewers = new HashMap<>();
 
-    // The clients of this frame: with sensors, without sensors, and those with unlimited and with
-    // limited reach.
+    // The clients of this frame, in four lists: with sensors, without sensors, with sensors of
+    // unlimited reach, and with sensors of limited reach.
     private final List<Perceiver> withSensors = new ArrayList<>();
     private final List<Perceiver> withoutSensors = new ArrayList<>();
     private final List<Perceiver> reachingAll = new ArrayList<>();
@@ -49,7 +53,8 @@ final class EventRouting {
     private boolean hasLockStep;
 
     /**
-     * Boxes that contain the reach of each client's sensors; keys are indices in {@link #within}.
+     * Boxes that contain the reach of each client's sensors. The keys are indices in {@link
+     * #within}.
      */
     private final BoxIndex reaches = new BoxIndex();
 
@@ -89,7 +94,8 @@ final class EventRouting {
     }
 
     /**
-     * Updates {@link #viewers} for a change of the view of a member; both lists are ordered by id.
+     * Updates {@link #viewers} after a change of the view of a member. Both lists are ordered by
+     * id.
      */
     private void update(Perceiver member, List<PerceivedItem> before, List<PerceivedItem> now) {
         int old = 0;

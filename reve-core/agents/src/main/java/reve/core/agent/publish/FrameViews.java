@@ -13,8 +13,8 @@ import java.util.function.BooleanSupplier;
 import java.util.function.Predicate;
 
 /**
- * A copy of one frame, and the clients' views of it, with and without relations. The event loop's
- * thread.
+ * A copy of one frame, and the clients' views of it, with and without relations. For the event
+ * loop's thread.
  */
 final class FrameViews {
 
@@ -66,7 +66,7 @@ final class FrameViews {
                                         : look(member, isTimeLeft));
     }
 
-    /** Returns whether the time was too short for what the client's sensors perceive. */
+    /** Returns whether the time was too short to complete a client's view. */
     boolean isCut() {
         return isCut;
     }

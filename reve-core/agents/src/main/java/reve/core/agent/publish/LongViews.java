@@ -12,21 +12,27 @@ import java.util.function.BooleanSupplier;
 
 /**
  * The clients whose views need more than one slice of the event loop's time. Their views are
- * computed one after the other, in a copy of the frame of their own, so that the other clients
+ * computed one after the other, in a separate copy of the frame. Meanwhile the other clients
  * receive newer frames between the slices. See docs/decisions/0006. For the event loop's thread
  * only.
  */
 final class LongViews {
 
-    /** Number of successive views in one slice each after which a client is served as others. */
+    /**
+     * Number of views in sequence that must each fit in one slice before a client is served like
+     * the others again.
+     */
     private static final int SHORT_VIEWS = 10;
 
     private final EventRouting routing;
 
-    /** Clients, and the number of their last views that needed one slice each. */
+    /**
+     * The clients with long views. The value is the number of their last views that needed only one
+     * slice each.
+     */
     private final Map<Perceiver, Integer> shortViews = new IdentityHashMap<>();
 
-    /** The client whose view of the copied frame is not complete. */
+    /** The client whose view of the copied frame is not complete yet; null if there is none. */
     private @Nullable Perceiver looking;
 
     /** Null while no client has long views. */
@@ -60,7 +66,7 @@ final class LongViews {
     }
 
     /**
-     * Continues the view of a client, or begins one of the newest frame.
+     * Continues the unfinished view of a client, or begins a view of the newest frame.
      *
      * @param newest empty or overwritten if that frame cannot be read now
      * @param isTimeLeft false at the end of the slice
@@ -74,7 +80,7 @@ final class LongViews {
         }
         Perceiver before = looking;
         if (before != null && !before.perceptions().isDue(copy.frame())) {
-            looking = null; // its requests have changed
+            looking = null; // the requests of this client have changed
         }
         boolean isContinued = looking == member;
         if (!isContinued && (looking != null || !read(copy, newest))) {

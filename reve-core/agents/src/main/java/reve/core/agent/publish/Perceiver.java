@@ -15,7 +15,10 @@ import java.util.BitSet;
 import java.util.Optional;
 import java.util.function.BooleanSupplier;
 
-/** A client, as the publisher of its world sees it. For the event loop's thread only. */
+/**
+ * The interface through which the publisher of a world uses a client. For the event loop's thread
+ * only.
+ */
 public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client {
 
     /** Returns the name that the client declared. */
@@ -34,8 +37,8 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
     boolean hasSensors();
 
     /**
-     * Assigns a body to the client, possibly another one than before, or ends its session if the
-     * outcome is a refusal.
+     * Assigns a body to the client, possibly a different one than before. Ends the client's session
+     * if the outcome is a refusal.
      */
     void embodied(Outcome outcome);
 
@@ -62,6 +65,6 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
     /** Sends an event to the client. */
     void tell(HeardEvent.Told event);
 
-    /** Records that at most {@code events} events of these frames were not sent. */
+    /** Records that up to {@code events} events of these frames were not sent. */
     void miss(long events, long first, long last);
 }

@@ -13,8 +13,8 @@ import java.util.Optional;
 import java.util.concurrent.atomic.LongAdder;
 
 /**
- * The requests of one client for single perceptions or a stream. The thread that reads its messages
- * adds requests; the publisher serves them.
+ * The requests of one client for single perceptions or a stream of perceptions. The thread that
+ * reads the client's messages adds requests. The publisher serves them.
  */
 public final class PerceptionRequests {
 
@@ -78,7 +78,9 @@ public final class PerceptionRequests {
         onceRelations = perceive.relations();
     }
 
-    /** Begins a new stream of perceptions, because the world was rewound in that frame. */
+    /**
+     * Begins a new stream of perceptions with a frame, because the world was rewound in that frame.
+     */
     synchronized void restart(long frame) {
         everyFrom = frame;
         outbox.restart();
@@ -92,7 +94,7 @@ public final class PerceptionRequests {
         notBefore = Math.max(notBefore, frame);
     }
 
-    /** Returns whether a perception of a frame must be sent. */
+    /** Returns whether a perception of this frame must be sent to the client. */
     public synchronized boolean isDue(long frame) {
         return frame >= notBefore && (isOnceDue(frame) || isEveryDue(frame));
     }
@@ -105,14 +107,16 @@ public final class PerceptionRequests {
         Optional<View> of(boolean relations);
     }
 
-    /** Returns whether a perception that must be sent of a frame contains relations. */
+    /**
+     * Returns whether the client needs relations in a perception that must be sent of this frame.
+     */
     public synchronized boolean wantsRelations(long frame) {
         return frame >= notBefore
                 && (onceRelations && isOnceDue(frame) || everyRelations && isEveryDue(frame));
     }
 
     /**
-     * Queues the perceptions that must be sent of a frame; returns false if one of them is not
+     * Queues the perceptions that must be sent of a frame. Returns false if one of them is not
      * computed yet.
      */
     synchronized boolean serve(long frame, Views views) {

@@ -26,32 +26,32 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.BooleanSupplier;
 
 /**
- * Sender of the results, events and perceptions of a world's frames to its clients. The world's
- * thread only records data here, without a lock; the event loop does the work for all clients.
+ * Sends the results, events and perceptions of a world's frames to its clients. The world's thread
+ * only records data in this object, without a lock. The event loop does the work for all clients.
  */
 public final class Publisher {
 
     /**
-     * Maximum number of frames whose events wait to be sent; events of further frames are lost. 17
-     * s at 60 frames per second.
+     * Maximum number of frames whose events wait to be sent. Events of further frames are lost. At
+     * 60 frames per second, this number corresponds to 17 s.
      */
     private static final int MAX_EVENT_FRAMES = 1024;
 
     /**
-     * Time for sending events about acts to clients in real time, per frame [ns]; further events
-     * about acts are dropped.
+     * Time per frame for sending events about acts to clients in real time [ns]. After this time,
+     * further events about acts are dropped for these clients.
      */
     private static final long ACTS_NANOS = 5_000_000;
 
     /**
-     * Time for one session's view before the event loop does other work [ns]; a later slice
-     * continues, see {@link LongViews}.
+     * Time for one session's view before the event loop does other work [ns]. A later slice
+     * continues the view, see {@link LongViews}.
      */
     private static final long LOOK_NANOS = 10_000_000;
 
     /**
-     * Number of events that are sent per frame even if that takes longer, so that no event is
-     * dropped for a few clients on a busy machine.
+     * Number of events per frame that are sent even if that takes longer. With few clients, no
+     * event is therefore dropped, even on a busy machine.
      */
     private static final long FEWEST_SENT = 1000;
 
@@ -134,7 +134,8 @@ public final class Publisher {
     }
 
     /**
-     * Returns whether there is data to send, or sessions wait for perceptions; event loop's thread.
+     * Returns whether there is data to send, or sessions wait for perceptions. For the event loop's
+     * thread only.
      */
     public boolean hasWork() {
         return news || owesPerceptions;
@@ -145,7 +146,10 @@ public final class Publisher {
         leavers.add(session);
     }
 
-    /** Runs code that sends a result with the frame that is being made; called in the phase ACT. */
+    /**
+     * Runs code that sends a result together with the frame that is being made. Called in the phase
+     * ACT.
+     */
     public void withFrame(Runnable report) {
         reports.add(report);
     }
@@ -195,10 +199,10 @@ public final class Publisher {
 
     private void publish() {
         dropWhoHasLeft();
-        // The order is snapshot, events, commands: a client receives the events of a frame before
-        // its perception of that frame, and a client that joins in a frame receives the events of
-        // that frame. Events wait for the snapshot of their frame, which determines the clients
-        // that perceive their items.
+        // The order is: snapshot, events, commands. A client therefore receives the events of a
+        // frame before its perception of that frame. A client that joins in a frame receives the
+        // events of that frame. Events wait for the snapshot of their frame, because the snapshot
+        // shows which clients perceive their items.
         Optional<WorldSnapshot> snapshot = unservedSnapshot();
         try {
             for (Runnable report = reports.poll(); report != null; report = reports.poll()) {
@@ -247,8 +251,8 @@ public final class Publisher {
     }
 
     /**
-     * Sends the events of all frames up to the one that is being served; the world recorded them
-     * before its snapshot.
+     * Sends the events of all frames up to the frame that is being served. The world recorded these
+     * events before it made the snapshot.
      */
     private void tellEvents() {
         int lost = lostEventFrames.getAndSet(0);
@@ -320,8 +324,8 @@ public final class Publisher {
     }
 
     /**
-     * Returns whether the frame must be read: for the perception of a client, or to decide which
-     * clients receive new events.
+     * Returns whether the frame must be read. This is so if a client needs a perception, or if
+     * there are new events and it must be decided which clients receive them.
      */
     private boolean isWanted(WorldSnapshot snapshot, boolean news) {
         long frame = snapshot.frame();
@@ -347,8 +351,8 @@ public final class Publisher {
     }
 
     /**
-     * Returns whether the server raised the event for an absent agent; listeners in Java may raise
-     * events of these types with other fields.
+     * Returns whether the server itself raised the event for an absent agent. Listeners in Java may
+     * raise events of the same types, but with other fields.
      */
     private static boolean isAbsence(WorldEvent event) {
         return ABSENCES.contains(event.type())
@@ -442,7 +446,8 @@ public final class Publisher {
         } else {
             shares.spend(member.perceptionCost(), nanos);
         }
-        // A long view may have been one of an earlier frame.
+        // A client with a long view may have received a view of an earlier frame. It then still
+        // waits for this frame.
         owesPerceptions |= !served || member.perceptions().isDue(views.frame());
     }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Sending of perceptions, events and pictures of frames to the clients of a world. The event loop's
- * thread.
+ * Sending of perceptions, events and pictures of frames to the clients of a world. For the event
+ * loop's thread.
  */
 @NullMarked
 package reve.core.agent.publish;

@@ -18,8 +18,8 @@ import java.util.Optional;
 import java.util.stream.Collectors;
 
 /**
- * Admission of clients: decides by the hello whether a client is admitted, and to which world. The
- * event loop's thread.
+ * Decides by a client's hello whether the client is admitted, and to which world. For the event
+ * loop's thread only.
  */
 public final class Admission implements Door {
 
@@ -92,8 +92,8 @@ public final class Admission implements Door {
     }
 
     /**
-     * Returns the world that the hello names or, without a name, the only world that the client may
-     * join.
+     * Returns the world that the hello names. If it names none, returns the only world that the
+     * client may join.
      */
     private ServedWorld requireWorld(Optional<String> name, Rights rights) throws CloseReason {
         List<ServedWorld> open =

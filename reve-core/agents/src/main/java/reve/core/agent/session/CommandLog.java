@@ -9,13 +9,13 @@ import java.util.Arrays;
 import java.util.Map;
 
 /**
- * The ids and results of a client's commands, so that a command which the client repeats is
- * executed once. Stores the results of the last {@value #REMEMBERED} commands, or of fewer if these
- * contain more than {@value #CHARACTERS} characters; an unknown id that may belong to an older
- * command is {@link Known.Forgotten}. Guarded by its session.
+ * The ids and results of a client's commands. They prevent a command that the client repeats from
+ * being executed twice. Results of the last {@value #REMEMBERED} commands are stored, or of fewer
+ * commands if their results exceed {@value #CHARACTERS} characters. An unknown id that may belong
+ * to an older command is {@link Known.Forgotten}. Guarded by the lock of its session.
  *
- * <p>Most results only contain a frame. They are stored as numbers, which takes little memory and
- * no work of the garbage collector.
+ * <p>Most results contain only a frame number. Such results are stored as numbers, which take
+ * little memory and cause no work for the garbage collector.
  */
 final class CommandLog {
 
@@ -24,7 +24,10 @@ final class CommandLog {
     /** Maximum size of all stored results except the last one [characters]. */
     static final int CHARACTERS = 1 << 18;
 
-    /** Counted for a number, a truth value, and the frame of a list or map [characters]. */
+    /**
+     * Size that is counted for a number, a truth value, and the frame of a list or map
+     * [characters].
+     */
     private static final int FRAME = 16;
 
     private static final int FEW = 16;
@@ -59,7 +62,7 @@ final class CommandLog {
 
         record Done(ServerMessage result) implements Known {}
 
-        /** The command may have been executed; its result is no longer stored. */
+        /** The command may have been executed, but its result is not stored any more. */
         record Forgotten() implements Known {}
     }
 
@@ -90,7 +93,7 @@ final class CommandLog {
         highest = Math.max(highest, id);
     }
 
-    /** Records that a command was not accepted after all; the client may send it again. */
+    /** Records that a command was finally not accepted. The client may send it again. */
     void cancel(long id) {
         int place = pendingPlace(id);
         if (place >= 0) {
@@ -124,7 +127,7 @@ final class CommandLog {
         count--;
     }
 
-    /** Makes room for twice as many results; the oldest of them becomes the first. */
+    /** Doubles the space for results. The oldest result becomes the first one. */
     private void grow() {
         int room = Math.min(2 * count, REMEMBERED);
         var grownIds = new long[room];
@@ -145,7 +148,10 @@ final class CommandLog {
         oldest = 0;
     }
 
-    /** Returns the approximate size of what a result stores beside numbers [characters]. */
+    /**
+     * Returns the approximate size of the part of a result that is not stored as numbers
+     * [characters].
+     */
     private static int size(ServerMessage result) {
         return switch (result) {
             case ServerMessage.Refused refused -> refused.reason().length();

@@ -13,7 +13,8 @@ import java.util.OptionalLong;
 
 /**
  * The last events sent to a client, so that a resumed session receives the events that it missed.
- * Events that are too old or exceed a total size are discarded. Guarded by its session.
+ * Events that are too old are discarded, and so are the oldest events if the total size exceeds its
+ * limit. Guarded by the lock of {@link SessionOutput}.
  */
 final class EventLog {
 
@@ -49,15 +50,15 @@ final class EventLog {
         }
     }
 
-    /** Records that not all events of this frame and of earlier ones are stored. */
+    /** Records that some events of this frame or of earlier frames are not stored. */
     void forget(long frame) {
         lastForgotten = Math.max(lastForgotten, frame);
     }
 
     /**
      * Returns the events after a frame, in order, without encoding or copying. If some events are
-     * no longer stored, the first event is {@code missed}, which reports it, and the remaining
-     * events of incomplete frames are omitted.
+     * not stored any more, the first event is {@code missed}, which reports the loss. The remaining
+     * events of incomplete frames are then omitted.
      *
      * @param encoding encoding of the event {@code missed}
      */

@@ -8,8 +8,8 @@ import java.util.HashSet;
 import java.util.Set;
 
 /**
- * The sessions of clients without a token that wait for a new connection, in a limited number. Any
- * thread.
+ * The sessions of clients without a token that wait for a new connection. Their number is limited.
+ * For any thread.
  */
 public final class KeptSessions {
 
@@ -44,7 +44,7 @@ public final class KeptSessions {
         return false;
     }
 
-    /** Removes a session that was resumed or has ended; does nothing if it is absent. */
+    /** Removes a session that was resumed or has ended. Does nothing if the session is absent. */
     void keepNoLonger(Client session) {
         synchronized (kept) {
             kept.remove(session);

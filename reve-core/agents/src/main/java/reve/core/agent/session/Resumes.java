@@ -2,8 +2,8 @@
 package reve.core.agent.session;
 
 /**
- * Limit on how often new connections may resume a session: a burst, then {@value #PER_SECOND} per
- * second. Guarded by its session.
+ * Limit on how often new connections may resume a session. A burst is allowed, then {@value
+ * #PER_SECOND} resumes per second. Guarded by the lock of its session.
  */
 public final class Resumes {
 

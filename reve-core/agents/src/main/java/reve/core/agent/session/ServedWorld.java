@@ -101,8 +101,8 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Holds the first frame until this number of agents waits to join. Call it before the loop
-     * runs.
+     * Holds the first frame until this number of agents waits to join. Call this method before the
+     * loop runs.
      */
     public void expectAgents(int agents) {
         lockStep.expect(agents);
@@ -179,8 +179,8 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Informs agents that their allowance has become exhausted or was restored. Loop's thread;
-     * rare.
+     * Notifies agents that their allowance has become exhausted or was restored. For the frame
+     * loop's thread. Called rarely.
      */
     private void tellWaiting(Allowance allowance) {
         boolean spent = allowance.isSpent();
@@ -218,8 +218,8 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Returns the event that informs an agent in lock-step how long the world waits for it, if its
-     * allowance is exhausted.
+     * Returns the event that notifies an agent in lock-step how long the world waits for it. The
+     * event is sent only if the agent's allowance is exhausted.
      */
     Optional<ServerMessage.Event> hurry(@Nullable Turn turn, long frame) {
         return Optional.ofNullable(turn)
@@ -305,8 +305,8 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Queues the command by which a client leaves the world, for the next frame whose queue has
-     * room.
+     * Queues the command by which a client leaves the world. If the queue of the next frame is
+     * full, the command waits for a later frame.
      */
     synchronized void leave(Session session, String reason) {
         if (session.role() == Role.AGENT) {
@@ -318,8 +318,8 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Queues the leave commands that wait for room. A name is free again once its leave is queued,
-     * because commands of one name are executed in order.
+     * Queues the waiting leave commands for which there is room. A name is free again once its
+     * leave command is queued, because commands of one name are executed in order.
      */
     private synchronized void queueLeaving() {
         while (!leaving.isEmpty() && port.commands().offer(leaving.getFirst())) {

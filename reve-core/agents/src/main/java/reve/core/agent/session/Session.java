@@ -44,15 +44,14 @@ import java.util.Set;
 import java.util.function.BooleanSupplier;
 
 /**
- * One client from its hello until it leaves: its identity, its requests and its commands. After a
- * broken connection, the session continues for the time that the client requested; a new connection
- * that presents the session token resumes it. Any thread, unless stated otherwise.
+ * One client from its hello until it leaves, with its identity, requests and commands. After a
+ * broken connection, the session continues for the time that the client requested. A new connection
+ * that presents the session token resumes it. For any thread, unless stated otherwise.
  */
 public final class Session implements Client, Perceiver {
 
     /**
-     * Codes of the reasons for the end of a connection after which a new connection may resume the
-     * session.
+     * Codes of the reasons that allow a session to be resumed. They state why its connection ended.
      */
     private static final Set<String> RESUMABLE = Set.of("lost", "idle", "too-slow");
 
@@ -78,7 +77,7 @@ public final class Session implements Client, Perceiver {
     private final SessionCommands commands;
     private final PerceptionShares.Cost perceptionCost;
 
-    // Guarded by this.
+    // Guarded by this object's lock.
     private final Resumes resumes;
     private Optional<String> body = Optional.empty();
     private boolean welcomed;
@@ -235,8 +234,8 @@ public final class Session implements Client, Perceiver {
     }
 
     /**
-     * Handles the outcome of the join: it is sent to the client together with the frame. World's
-     * thread.
+     * Handles the outcome of the join. The outcome is sent to the client together with the frame.
+     * For the world's thread only.
      */
     void came(Outcome outcome) {
         if (outcome instanceof Outcome.Joined joined) {
@@ -255,8 +254,8 @@ public final class Session implements Client, Perceiver {
     }
 
     /**
-     * Handles the assignment of a body, possibly another one than before, or its refusal, which
-     * ends the session.
+     * Handles the assignment of a body, possibly a different one than before. A refusal ends the
+     * session.
      */
     @Override
     public void embodied(Outcome outcome) {
@@ -276,7 +275,7 @@ public final class Session implements Client, Perceiver {
     }
 
     /**
-     * Sends the welcome; the client is in the world from this frame on. For the event loop's thread
+     * Sends the welcome. The client is in the world from this frame on. For the event loop's thread
      * only.
      */
     synchronized void welcome(Optional<String> newBody, long frame) {
@@ -301,7 +300,10 @@ public final class Session implements Client, Perceiver {
                                 + body.map(item -> " with body " + Text.quote(item)).orElse(""));
     }
 
-    /** Informs the agent how long the world waits for it, if the agent uses this allowance. */
+    /**
+     * Notifies the agent for how long the world waits for it. Does nothing if the agent does not
+     * use this allowance.
+     */
     void tellWaiting(Allowance allowance) {
         Turn waitedFor = pace.turn();
         if (waitedFor == null || !uses(allowance)) {
@@ -372,8 +374,8 @@ public final class Session implements Client, Perceiver {
     }
 
     /**
-     * Returns the frame number for the quota: agents in lock-step may send more messages in a world
-     * that makes frames faster.
+     * Returns the frame number for the quota. The quota of an agent in lock-step also grows with
+     * frames, so that it may send more messages in a faster world.
      */
     private long framesOfQuota() {
         return pace.isLockStep() ? world.publisher().published() : 0;
@@ -394,7 +396,7 @@ public final class Session implements Client, Perceiver {
         pace.requireLockStep(id, this);
     }
 
-    /** Ends the agent's round, if it is in lock-step. */
+    /** Ends the current round of an agent in lock-step. Does nothing for other agents. */
     void endRound(ClientMessage.Ready ready) {
         pace.endRound(ready, world.publisher().published());
     }

@@ -15,9 +15,9 @@ import reve.core.agent.protocol.ServerMessage;
 import java.util.Optional;
 
 /**
- * The commands of one session. Each is executed once, and its result is sent to the connection that
- * the session has at that time. Any thread; guarded by the session, so that a result is not lost
- * while a new connection resumes the session.
+ * The commands of one session. Each command is executed once. Its result is sent to the connection
+ * that the session has at that time. For any thread. Guarded by the lock of the session, so that no
+ * result is lost while a new connection resumes the session.
  */
 final class SessionCommands implements Requester {
 

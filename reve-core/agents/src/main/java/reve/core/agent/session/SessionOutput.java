@@ -15,20 +15,20 @@ import reve.core.agent.publish.PerceptionRequests;
 import java.util.function.Function;
 
 /**
- * The outgoing messages of a session: they go to its current connection, or to a later one that
- * resumes the session. Any thread, unless stated otherwise. Lock order: the lock of the session
- * before the lock of this object.
+ * The outgoing messages of a session. They are sent to its current connection, or to a later
+ * connection that resumes the session. For any thread, unless stated otherwise. Lock order: the
+ * lock of the session before the lock of this object.
  */
 final class SessionOutput {
     private final Function<Connection, PerceptionRequests> requestsOver;
 
     /**
-     * Events sent lately, for a connection that resumes the session; null if no connection may.
-     * Guarded by this.
+     * Recent events, for a connection that resumes the session; null if the session cannot be
+     * resumed. Guarded by this object's lock.
      */
     private final @Nullable EventLog events;
 
-    /** The newest frame in which a command took effect. Guarded by this. */
+    /** The newest frame in which a command took effect. Guarded by this object's lock. */
     private long lastResultFrame;
 
     /** The current connection; null while it is broken. Changed under the lock of this object. */
@@ -40,7 +40,7 @@ final class SessionOutput {
 
     /**
      * @param keptNanos how long events are kept for a connection that resumes the session [ns]; 0
-     *     if no connection may
+     *     if the session cannot be resumed
      * @param requestsOver creates the object with the requests of the client over a connection
      */
     SessionOutput(
@@ -96,7 +96,10 @@ final class SessionOutput {
         return previous;
     }
 
-    /** Informs the current connection about the client, before its welcome. */
+    /**
+     * Notifies the relay of the current connection about the client, before the client's welcome is
+     * sent.
+     */
     void welcomed(Role role, String world, String client) {
         Connection now = connection;
         if (now != null) {
@@ -105,8 +108,8 @@ final class SessionOutput {
     }
 
     /**
-     * Queues, as the first messages of the current connection, a welcome and the events after a
-     * frame.
+     * Queues a welcome and the events after a frame. They are the first messages of the current
+     * connection.
      */
     synchronized void begin(ServerMessage welcome, long frameSeen) {
         Connection now = connection;
@@ -185,8 +188,8 @@ final class SessionOutput {
     }
 
     /**
-     * Records that events of these frames, at most {@code count}, are not sent. The event loop's
-     * thread.
+     * Records that events of these frames, at most {@code count}, are not sent. For the event
+     * loop's thread.
      */
     void miss(long count, long first, long last) {
         if (last < joinedInFrame) {

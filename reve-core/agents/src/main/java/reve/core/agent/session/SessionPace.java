@@ -14,8 +14,8 @@ import reve.core.agent.publish.PerceptionRequests;
 import java.util.Optional;
 
 /**
- * How a session keeps pace with its world: in lock-step, where the world waits for the agent, or in
- * real time. For any thread.
+ * The pace of a session relative to its world. In lock-step, the world waits for the agent; in real
+ * time, it does not. For any thread.
  */
 final class SessionPace {
     private final LockStep lockStep;
@@ -24,12 +24,12 @@ final class SessionPace {
     private final @Nullable Turn turn;
 
     /**
-     * True while the client is an agent in real time with a body, which agents in lock-step may
-     * delay. Guarded by this.
+     * True while the client is an agent in real time that has a body. Agents in lock-step may delay
+     * such an agent. Guarded by this object's lock.
      */
     private boolean inRealTime;
 
-    /** True after the agent has left. Guarded by this. */
+    /** True after the agent has left. Guarded by this object's lock. */
     private boolean left;
 
     SessionPace(LockStep lockStep, @Nullable Turn turn) {
@@ -46,7 +46,9 @@ final class SessionPace {
         return turn;
     }
 
-    /** If the agent is in lock-step, requests a perception for each of its rounds. */
+    /**
+     * Requests a perception for each round of an agent in lock-step. Does nothing for other agents.
+     */
     void follow(PerceptionRequests requests, long helloId) {
         if (turn != null) {
             requests.follow(turn, helloId);
@@ -93,7 +95,8 @@ final class SessionPace {
     }
 
     /**
-     * Refuses a message that only agents in lock-step may send, if the agent is in real time.
+     * Throws an exception if the agent is not in lock-step. Used for messages that only agents in
+     * lock-step may send.
      *
      * @param client names the client in the refusal
      */
@@ -108,7 +111,7 @@ final class SessionPace {
     }
 
     /**
-     * Ends the agent's round, if it is in lock-step.
+     * Ends the current round of an agent in lock-step. Does nothing for other agents.
      *
      * @param published number of the newest published frame
      */

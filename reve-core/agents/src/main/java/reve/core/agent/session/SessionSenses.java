@@ -23,8 +23,8 @@ import java.util.Set;
 import java.util.function.BooleanSupplier;
 
 /**
- * What the client of a session perceives: everything, or the items that the sensors of its body
- * reach. For the event loop's thread only.
+ * The perception of a session's client. The client perceives everything, or the items that the
+ * sensors of its body reach. For the event loop's thread only.
  */
 final class SessionSenses {
     private final Role role;
@@ -63,8 +63,8 @@ final class SessionSenses {
 
     /**
      * Returns the indices of the fields of an event that are sent to the client, see {@link
-     * Senses#hear}; a client without sensors receives all. Only the role control receives the
-     * message of a fault or a refused law, because it may name files of the server.
+     * Senses#hear}. A client without sensors receives all fields. Only the role control receives
+     * the message of a fault or of a refused law, because the message may name files of the server.
      */
     Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
         if (senses != null) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel of agents: who is in the world, joining with a body of one's own, and the log of
-// events.
+// The panel of agents. It shows the agents in the world and the log of events, and lets the user
+// join with a body.
 import { h, toast } from "./dom.js";
 import { Steer } from "./steer.js";
 

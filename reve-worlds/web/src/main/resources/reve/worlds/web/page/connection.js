@@ -4,7 +4,7 @@
 const RETRY_MILLISECONDS = [250, 500, 1000, 2000, 4000];
 const SILENT = new Set(["goodbye", "token-revoked", "bad-token", "not-permitted", "too-many-attempts", "name-taken"]);
 
-/** The error of a command that the server refused. */
+/** The error with which the promise of a command rejects if the server refuses the command. */
 export class Refused extends Error {
   constructor(code, reason) {
     super(reason);
@@ -12,11 +12,9 @@ export class Refused extends Error {
   }
 }
 
-/**
- * A client that reconnects when the server is available again. It dispatches the events "welcome",
- * "event" and "perception" with the message, "binary" with an ArrayBuffer, "end" with the bye or
- * null, and "retry".
- */
+/** A client that reconnects when the server is available again. It dispatches these events:
+ *  "welcome", "event" and "perception" with the message; "binary" with an ArrayBuffer; "end" with
+ *  the message bye or null; and "retry". */
 export class Connection extends EventTarget {
   #socket = null;
   #hello = null;
@@ -122,8 +120,8 @@ export class Connection extends EventTarget {
     this.#waiting.clear();
   }
 
-  /** Sends a message that has an answer. The promise rejects with Refused if the server refuses it.
-   *  */
+  /** Sends a message that has an answer. Returns a promise of the answer, which rejects with
+   *  Refused if the server refuses the message. */
   ask(t, fields = {}) {
     return new Promise((resolve, reject) => {
       if (!this.isOpen) {
@@ -147,8 +145,8 @@ export class Connection extends EventTarget {
     if (this.isOpen) this.#socket.send(JSON.stringify({ t, ...fields }));
   }
 
-  /** Requests the next frame of the scene, with the optional columns of these bits; 255 stops the
-   *  view. */
+  /** Requests the next frame of the scene. The bits of `columns` select optional columns; 255 stops
+   *  the view. */
   watch(columns) {
     if (this.isOpen) this.#socket.send(new Uint8Array([columns]));
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Helpers for elements, numbers and messages.
 
-/** Creates an element; a property whose name begins with "on" becomes an event listener. */
+/** Creates an element. A property whose name begins with "on" becomes an event listener. */
 export function h(tag, properties, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(properties ?? {})) {
@@ -44,7 +44,7 @@ export function toast(message, bad = false) {
   setTimeout(() => element.remove(), bad ? 9000 : 4000);
 }
 
-/** Replaces the children of an element, unless the new ones look the same. */
+/** Replaces the children of an element. Does nothing if the new children look the same. */
 export function fill(element, ...children) {
   const next = h("div", null, ...children);
   if (next.innerHTML !== element.innerHTML) element.replaceChildren(...next.childNodes);

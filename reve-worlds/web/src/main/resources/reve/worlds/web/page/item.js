@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel of items: search, and the live properties of the selected item in its four aspects.
+// The panel of items. It searches items, and shows the present properties of the selected item by
+// its four aspects.
 import { h, show, toast } from "./dom.js";
 
 const FOUND = 60;

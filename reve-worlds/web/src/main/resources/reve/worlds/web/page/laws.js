@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel of laws: which are loaded, what they use, their parameters, their cost and their lines
-// in the ledger.
+// The panel of laws. It lists the loaded laws with the properties that they use, their parameters,
+// their cost and their lines in the ledger.
 import { h, number, toast } from "./dom.js";
 import { LawText } from "./lawtext.js";
 
@@ -105,7 +105,8 @@ export class LawsPanel {
       this.budget(library, control));
   }
 
-  /** The computing time that a library may take in a frame, and what happens if it takes more. */
+  /** Shows the budget of a library: the computing time that it may take in a frame, and the
+   *  reaction if it takes more. */
   budget(library, control) {
     const given = library.budget ?? { then: "warn" };
     const id = `budget-${library.library}`;
@@ -195,7 +196,8 @@ export class LawsPanel {
     );
   }
 
-  /** Takes an event of the trial of a new version, which acts in a copy of the world. */
+  /** Handles an event of the trial of a new version of a law. The new version acts in a copy of the
+   *  world. */
   shadow(event) {
     const { library, stage, frames } = event;
     if (stage === "begins" || !this.trials.has(library)) {
@@ -223,7 +225,8 @@ export class LawsPanel {
       event.message ? h("p", { className: "fault" }, event.message) : null);
   }
 
-  /** Plots the differences over the frames of a trial, each up to its largest value. */
+  /** Plots the differences over the frames of a trial. The largest value of each line determines
+   *  its scale. */
   divergence(points, of) {
     const lines = ["position", "velocity"].map((name) => {
       const most = Math.max(...points.map((point) => point[name])) || 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The editor of laws as text: a law is written, or dropped as a file, and loaded into the running
-// world.
+// The editor of laws as text. The user writes a law, or drops a file with a law. The editor loads
+// the law into the running world.
 import { h, toast } from "./dom.js";
 
 const ENDING = ".law";
@@ -41,7 +41,7 @@ export class LawText {
     this.text.scrollIntoView({ block: "center" });
   }
 
-  /** Reads a file of a law as text, and loads it. */
+  /** Reads a file that contains a law as text, and loads the law. */
   async take(file) {
     if (!file) return;
     this.app.openTab("laws");
@@ -53,7 +53,7 @@ export class LawText {
     await this.send(file.name);
   }
 
-  /** Loads the text of the editor; `source` names it in messages. */
+  /** Loads the law in the editor. The argument `source` names the text in messages. */
   async send(source = "text") {
     this.load.disabled = true;
     this.problems.textContent = "";
@@ -72,7 +72,8 @@ export class LawText {
     }
   }
 
-  /** Selects the line of the first problem, whose message begins with source:line:column. */
+  /** Selects the line of the first problem. The message of a problem begins with
+   *  source:line:column. */
   #select(message) {
     const place = /:(\d+):(\d+): /.exec(message);
     if (!place) return;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plots over time: phases of the frame, energy by law, and any property of any item.
+// Plots over time. They show the phases of the frame, the energy by law, and any property of any
+// item.
 import uPlot from "uplot";
 import { h, number } from "./dom.js";
 
@@ -13,7 +14,7 @@ function short(value) {
 }
 
 class Plot {
-  /** @param marks changes of the laws, drawn as vertical lines */
+  /** @param marks changes of the laws; the plot shows them as vertical lines */
   constructor(title, unit, holder, marks, onremove) {
     this.marks = marks;
     this.title = title;
@@ -126,7 +127,7 @@ export class PlotsPanel {
     }
   }
 
-  /** Adds the mean time of each phase per frame between two reports of the state. */
+  /** Adds, for each phase, the mean time per frame between two reports of the state. */
   state(state, before) {
     if (!before || state.frames <= before.frames) return;
     const values = {};
@@ -148,7 +149,7 @@ export class PlotsPanel {
     this.energy.add(time, values);
   }
 
-  /** Records a change of the laws; plots over the world's time draw it as a vertical line. */
+  /** Records a change of the laws. Plots over the world's time show it as a vertical line. */
   mark(label) {
     this.marks.push({ time: this.app.view.time, label });
     if (this.marks.length > MARKS) this.marks.shift();
@@ -182,8 +183,8 @@ export class PlotsPanel {
     }
   }
 
-  /** Requests reports about the plotted items except the selected one, which is requested anyway.
-   *  */
+  /** Requests reports about the plotted items. The selected item is skipped, because its report is
+   *  requested anyway. */
   async readOthers() {
     const app = this.app;
     if (this.reading || !app.connection.isOpen || app.role === "agent" || document.hidden) return;
@@ -194,7 +195,7 @@ export class PlotsPanel {
       try {
         this.sample(await app.connection.report("inspect", { item }), app.view.time);
       } catch {
-        // The item has left the world.
+        // The error is ignored, because the item has left the world.
       }
     }
     this.reading = false;

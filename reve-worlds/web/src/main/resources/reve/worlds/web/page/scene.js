@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a View: bodies as instances, springs as lines, surfaces as triangles, and aids such as a
-// ground, a grid and arrows.
+// Draws a View. Bodies are drawn as instances, springs as lines, and surfaces as triangles. It also
+// draws aids such as a ground, a grid and arrows.
 import * as THREE from "three";
 import { OrbitControls } from "./three/OrbitControls.js";
 import { CAPSULE, CYLINDER, MESH_SHAPE, NONE, PLANE, SPHERE } from "./view.js";
@@ -10,10 +10,11 @@ const TRAIL_POINTS = 240;
 const TRAIL_ITEMS = 120;
 const MANY = 600;
 const SLOW_SECONDS = 0.09;
-/** Maximum length of a velocity arrow, as the time in which the body moves along it [s]; so bodies
- *  almost at rest have short arrows. */
+/** Maximum length of a velocity arrow, as the time in which the body moves along it [s]. Because of
+ *  it, bodies almost at rest have short arrows. */
 const MOST_SECONDS = 2;
-/** Bounds for objects whose parts move: infinite, so that three.js does not compute any. */
+/** Bounds for objects whose parts move. They are infinite, so that three.js does not compute
+ *  bounds. */
 const EVERYWHERE = new THREE.Sphere(new THREE.Vector3(), Infinity);
 const LINEAR = Float32Array.from({ length: 256 }, (_, i) => {
   const c = i / 255;
@@ -401,8 +402,8 @@ export class Scene {
     this.#trail();
   }
 
-  /** Draws arrows from the bodies along a vector column, on one scale of at most `most`; unless
-   *  that limits it, the longest arrow is an eighth of the scene. */
+  /** Draws arrows from the bodies along a vector column. All arrows have one scale: the longest
+   *  arrow is an eighth of the scene. The scale is at most `most`, so the arrows may be shorter. */
   #arrows(lines, on, column, most) {
     lines.visible = on;
     if (!on) return;
@@ -503,7 +504,7 @@ export class Scene {
     return box;
   }
 
-  /** Moves the camera to the world's own viewpoint; if there is none, shows all bodies. */
+  /** Moves the camera to the world's own viewpoint. If the world has none, shows all bodies. */
   #first() {
     const own = this.view.camera;
     if (!own) {
@@ -540,7 +541,7 @@ export class Scene {
     }
   }
 
-  /** Moves the camera so that all bodies, or the body of one slot, are visible. */
+  /** Moves the camera so that all bodies are visible, or the body of one slot. */
   fit(slot = null) {
     const box = slot === null ? this.bounds() : this.#boxOf(slot);
     if (box.isEmpty()) return;
@@ -640,7 +641,8 @@ export class Scene {
     this.camera.updateProjectionMatrix();
   }
 
-  /** Shows another state of the world, such as a predicted one, as white shapes; null hides it. */
+  /** Shows another state of the world, such as a predicted one, as white shapes. The argument null
+   *  hides it. */
   showGhost(items) {
     this.ghost.count = 0;
     if (!items) return;
@@ -661,7 +663,7 @@ export class Scene {
     this.ghost.instanceMatrix.needsUpdate = true;
   }
 
-  /** Draws a picture; `moved` is true if the view has received a new frame. */
+  /** Draws a picture. The argument `moved` is true if the view has received a new frame. */
   draw(moved, seconds) {
     this.resize();
     if (this.built !== this.view.version) {

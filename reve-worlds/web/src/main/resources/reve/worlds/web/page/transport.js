@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The controls of time: pause, step, speed, snapshots and rewinding, and the state of the frame
-// loop.
+// The controls of time. They pause, step, rewind and save the world, set its speed, and show the
+// state of the frame loop.
 import { $, toast } from "./dom.js";
 
 const READ_MILLISECONDS = 500;
@@ -48,7 +48,7 @@ export class Transport {
     this.command("step", { frames: 1 });
   }
 
-  /** Shows or hides a prediction: where all items will be if no one acts. */
+  /** Shows or hides a prediction of the world: the places of all items if no agent acts. */
   async ahead() {
     const on = $("ahead").getAttribute("aria-pressed") !== "true";
     $("ahead").setAttribute("aria-pressed", String(on));
@@ -81,7 +81,7 @@ export class Transport {
       app.plots.state(state, this.state);
       this.state = state;
     } catch {
-      // The connection shows the reason.
+      // The error is ignored here, because the connection shows the reason.
     }
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The items of a world as columns; an item's slot is its index in them. They are read from binary
-// frames or from perceptions.
+// The items of a world as columns. The slot of an item is its index in the columns. The columns are
+// read from binary frames or from perceptions.
 
 const FRAME = 1, MESH = 2, TEXTURE = 3;
 const HEADER_BYTES = 32;
@@ -11,8 +11,8 @@ export const NONE = 0, SPHERE = 1, BOX = 2, PLANE = 3, MESH_SHAPE = 4, CAPSULE =
 
 const text = new TextDecoder();
 
-/** Columns of all items by slot. `version` counts changes of the structure: which items exist, and
- *  how they look. */
+/** Columns of all items by slot. The field `version` counts changes of the structure, that is, of
+ *  the set of items and of their looks. */
 export class View {
   constructor() {
     this.clear();
@@ -45,7 +45,7 @@ export class View {
     this.colourBytes = new Uint8Array(this.colour.buffer);
   }
 
-  /** Reads a binary message. Returns true for a frame. */
+  /** Reads a binary message. Returns true if the message is a frame. */
   read(buffer) {
     this.bytes += buffer.byteLength;
     const data = new DataView(buffer);
@@ -116,7 +116,7 @@ export class View {
     this.items[slot] = undefined;
   }
 
-  /** Drops the meshes and textures that no item has any more, as the server does. */
+  /** Drops the meshes and textures that no item uses. The server drops them, too. */
   #dropUnused() {
     if (this.meshes.size + this.textures.size === 0) return;
     const meshes = new Set();
@@ -170,8 +170,8 @@ export class View {
     this.meshes.set(data.getUint32(4, true), mesh);
   }
 
-  /** Reads a perception of an agent, which contains locations and symbols but no shapes, so all
-   *  items are drawn as boxes. */
+  /** Reads a perception of an agent. It contains locations and symbols but no shapes, so all items
+   *  are drawn as boxes. */
   perceive(message) {
     this.frame = message.frame;
     this.time = message.time;
