@@ -29,6 +29,9 @@ Draws scenes on the CPU with the OSMesa library. The stream is described in SCEN
   --samples N   at most N samples per pixel, 0 to 16 (default 16: what the library offers);
                 0 turns anti-aliasing off
 
+Lowers its own priority (nice 5), because a server whose processors are busy makes frames of
+worlds before pictures.
+
 environment: LP_NUM_THREADS   threads that draw (default 2)
 exit codes:  0 the input ended   1 failure   2 usage   3 malformed scene stream
              4 no graphics library
@@ -80,6 +83,8 @@ int Main(int argc, char** argv) {
                  kHelp);
     return kExitUsage;
   }
+  // Pictures take only what the worlds of a busy server leave. The threads that draw inherit this.
+  [[maybe_unused]] const int priority = nice(5);
   Renderer renderer(max_samples);
   return Session(renderer, STDIN_FILENO, STDOUT_FILENO).Run();
 }

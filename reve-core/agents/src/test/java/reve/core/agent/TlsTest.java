@@ -23,6 +23,7 @@ import tools.jackson.databind.JsonNode;
 import java.io.IOException;
 import java.net.InetSocketAddress;
 import java.net.Socket;
+import java.nio.ByteBuffer;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
@@ -38,6 +39,7 @@ import java.util.Random;
 import java.util.concurrent.atomic.AtomicReference;
 
 import javax.net.ssl.SSLContext;
+import javax.net.ssl.SSLEngine;
 import javax.net.ssl.SSLException;
 import javax.net.ssl.SSLSocket;
 
@@ -45,6 +47,8 @@ import javax.net.ssl.SSLSocket;
 class TlsTest {
     /** Number of lines that are cut at random places; 200 in a long run. */
     private static final int LINES = Integer.getInteger("reve.test.lines", 60);
+
+    private static final int HANDSHAKES = 40;
 
     private static final Duration NEVER = Duration.ofMinutes(5);
     private static final Duration SOON = Duration.ofMillis(150);
@@ -116,6 +120,48 @@ class TlsTest {
             ada.say("{'t':'bye'}").expectBye("goodbye");
         }
         room.stepUntil("it is gone", () -> room.server.stats().open() == 0);
+    }
+
+    /**
+     * Handshakes of many clients are computed by a few platform threads. A thread for each of them
+     * stopped the world for seconds.
+     */
+    @Test
+    void aFloodOfHandshakesTakesFewThreads() throws Exception {
+        SSLEngine engine = trusting.createSSLEngine("localhost", 1);
+        engine.setUseClientMode(true);
+        ByteBuffer clientHello =
+                ByteBuffer.allocate(engine.getSession().getPacketBufferSize());
+        engine.wrap(ByteBuffer.allocate(0), clientHello);
+        byte[] greeting = Arrays.copyOf(clientHello.array(), clientHello.position());
+        List<Socket> flood = new ArrayList<>();
+        try {
+            for (int i = 0; i < HANDSHAKES; i++) {
+                Socket socket = new Socket();
+                flood.add(socket);
+                socket.connect(room.server.address());
+                socket.getOutputStream().write(greeting);
+            }
+            for (Socket socket : flood) { // the server answers each of them
+                assertThat(socket.getInputStream().read()).isEqualTo(22);
+            }
+            int most = Math.max(1, Runtime.getRuntime().availableProcessors() / 2);
+            // The threads of a server that an earlier test has closed may need a moment to end.
+            room.stepUntil(
+                    "1 to " + most + " threads compute", () -> handshakeThreads() >= 1 && handshakeThreads() <= most);
+            join(room).close();
+        } finally {
+            for (Socket socket : flood) {
+                socket.close();
+            }
+        }
+    }
+
+    /** Returns the number of platform threads that compute handshakes. */
+    private static long handshakeThreads() {
+        return Thread.getAllStackTraces().keySet().stream()
+                .filter(thread -> thread.getName().equals("tls"))
+                .count();
     }
 
     @Test

@@ -4,6 +4,7 @@ package reve.core.file;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.WorldFolder;
 
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
 import java.text.Normalizer;
 import java.util.HashMap;
@@ -15,6 +16,12 @@ import java.util.Map;
  * packs. The same checks apply when a pack is made and when it is opened. For one thread.
  */
 final class PackNames {
+    /** Longest name of one file or folder that file systems store [bytes of UTF-8]. */
+    private static final int MAX_PART_BYTES = 255;
+
+    /** Longest name of a file with its folders [bytes of UTF-8]. */
+    private static final int MAX_NAME_BYTES = 1024;
+
     private final Path pack;
 
     /**
@@ -39,6 +46,7 @@ final class PackNames {
         } catch (AssetException refused) {
             throw new PackException(pack + ": " + refused.getMessage(), refused);
         }
+        requireShort(name);
         for (int end = name.indexOf('/'); end >= 0; end = name.indexOf('/', end + 1)) {
             addFolder(name.substring(0, end));
         }
@@ -53,6 +61,30 @@ final class PackNames {
         files.put(joined(name), name);
         if (files.size() > WorldPack.MAX_FILES) {
             throw WorldPack.tooMany(pack, files.size());
+        }
+    }
+
+    /** Checks that file systems can store the name. */
+    private void requireShort(String name) throws PackException {
+        int longest = 0;
+        for (String part : name.split("/")) {
+            longest = Math.max(longest, part.getBytes(StandardCharsets.UTF_8).length);
+        }
+        int whole = name.getBytes(StandardCharsets.UTF_8).length;
+        if (longest > MAX_PART_BYTES || whole > MAX_NAME_BYTES) {
+            throw new PackException(
+                    pack
+                            + ": the name `"
+                            + Node.shorten(name)
+                            + "` has "
+                            + whole
+                            + " bytes, and "
+                            + longest
+                            + " in its longest part; expected at most "
+                            + MAX_NAME_BYTES
+                            + ", and "
+                            + MAX_PART_BYTES
+                            + " in each file or folder name; rename it");
         }
     }
 

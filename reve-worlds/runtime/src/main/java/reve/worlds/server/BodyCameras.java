@@ -45,6 +45,11 @@ final class BodyCameras implements Cameras, AutoCloseable {
 
     private static final int MAX_NAMES = 0xffff;
 
+    /** Reports that the body that carries the camera has left the world. */
+    private static final class GoneException extends RuntimeException {
+        private static final long serialVersionUID = 1;
+    }
+
     private final SnapshotRing snapshots;
     private final Renderer renderer;
     private final ThreadPoolExecutor artist =
@@ -77,6 +82,9 @@ final class BodyCameras implements Cameras, AutoCloseable {
         Photo photo;
         try {
             photo = photo(body, camera);
+        } catch (GoneException gone) {
+            answer.refused("the body has left the world");
+            return;
         } catch (RuntimeException failed) {
             answer.failed(failed);
             return;
@@ -104,7 +112,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
         Sensor.Camera camera = sensor.camera().orElseThrow();
         Camera view =
                 SceneBuilder.viewOf(snapshot, body, sensor.fieldOfView())
-                        .orElseThrow(() -> new RenderException("the body has left the world"));
+                        .orElseThrow(GoneException::new);
         Scene scene =
                 new SceneBuilder(
                                 new ImageFormat(camera.width(), camera.height(), SAMPLES, true),

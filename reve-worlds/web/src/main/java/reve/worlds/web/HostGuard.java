@@ -7,9 +7,9 @@ import org.eclipse.jetty.server.Handler;
 import org.eclipse.jetty.server.Request;
 import org.eclipse.jetty.server.Response;
 import org.eclipse.jetty.util.Callback;
-import org.jspecify.annotations.Nullable;
 
 import java.net.URI;
+import java.util.List;
 import java.util.Set;
 
 /**
@@ -43,7 +43,8 @@ final class HostGuard extends Handler.Wrapper {
         }
         boolean upgrades =
                 "websocket".equalsIgnoreCase(request.getHeaders().get(HttpHeader.UPGRADE));
-        if (upgrades && !isOwn(request.getHeaders().get(HttpHeader.ORIGIN), request, host)) {
+        List<String> origins = request.getHeaders().getValuesList(HttpHeader.ORIGIN);
+        if (upgrades && (origins.size() != 1 || !isOwn(origins.getFirst(), request, host))) {
             Response.writeError(
                     request,
                     response,
@@ -55,10 +56,7 @@ final class HostGuard extends Handler.Wrapper {
         return super.handle(request, response, callback);
     }
 
-    private static boolean isOwn(@Nullable String origin, Request request, String host) {
-        if (origin == null) {
-            return false;
-        }
+    private static boolean isOwn(String origin, Request request, String host) {
         try {
             URI uri = URI.create(origin);
             return (request.isSecure() ? "https" : "http").equals(uri.getScheme())

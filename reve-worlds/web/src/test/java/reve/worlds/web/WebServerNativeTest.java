@@ -286,6 +286,26 @@ class WebServerNativeTest {
     }
 
     @Test
+    void aWebSocketWithTwoOriginsIsRefused() throws Exception {
+        URI address = URI.create(page.address());
+        try (var socket = new Socket("127.0.0.1", address.getPort())) {
+            socket.getOutputStream()
+                    .write(
+                            ("GET /world HTTP/1.1\r\nHost: "
+                                            + address.getAuthority()
+                                            + "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                                            + "Sec-WebSocket-Version: 13\r\n"
+                                            + "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+                                            + "Origin: http://"
+                                            + address.getAuthority()
+                                            + "\r\nOrigin: http://example.com\r\n\r\n")
+                                    .getBytes(StandardCharsets.US_ASCII));
+            var answer = new String(socket.getInputStream().readNBytes(13), StandardCharsets.US_ASCII);
+            assertThat(answer).isEqualTo("HTTP/1.1 403 ");
+        }
+    }
+
+    @Test
     void otherHostNamesLeadNowhere() throws Exception {
         URI address = URI.create(page.address());
         try (var socket = new Socket("127.0.0.1", address.getPort())) {

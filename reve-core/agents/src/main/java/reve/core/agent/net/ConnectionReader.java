@@ -293,20 +293,12 @@ final class ConnectionReader {
         }
     }
 
-    /**
-     * Runs a long command on a thread of its own. Meanwhile nothing is read from the client.
-     * Commands that compute for seconds, such as fork and save, run on a platform thread. On a
-     * virtual thread they would block its carrier thread, which other virtual threads need.
-     */
+    /** Runs a long command on another thread. Meanwhile nothing is read from the client. */
     private void hold(Client client, ClientMessage.Request request) {
         pause();
-        boolean computes =
-                request instanceof ClientMessage.Fork
-                        || request instanceof ClientMessage.Save
-                        || request instanceof ClientMessage.LoadLaw;
-        Thread.Builder thread = computes ? Thread.ofPlatform().daemon() : Thread.ofVirtual();
-        thread.name("agent control")
-                .start(
+        connections
+                .commands()
+                .execute(
                         () -> {
                             try {
                                 client.request(request);

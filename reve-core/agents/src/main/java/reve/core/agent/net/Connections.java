@@ -26,6 +26,13 @@ import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
+import java.util.concurrent.BlockingQueue;
+import java.util.concurrent.Executor;
+import java.util.concurrent.ExecutorService;
+import java.util.concurrent.LinkedBlockingQueue;
+import java.util.concurrent.SynchronousQueue;
+import java.util.concurrent.ThreadPoolExecutor;
+import java.util.concurrent.TimeUnit;
 import java.util.function.Supplier;
 
 import javax.net.ssl.SSLEngine;
@@ -48,6 +55,13 @@ public final class Connections {
      */
     private static final int JOINS_PER_TURN = 256;
 
+    /** Number of threads that compute TLS handshakes. */
+    private static final int HANDSHAKE_THREADS =
+            Math.max(1, Runtime.getRuntime().availableProcessors() / 2);
+
+    /** Time after which a thread that has no command ends [s]. */
+    private static final long IDLE_SECONDS = 10;
+
     /** Minimum time between two attempts to read from clients that have used up their quota. */
     private static final long THROTTLE_NANOS = ReadShares.WINDOW_NANOS;
 
@@ -69,6 +83,17 @@ public final class Connections {
     private final EventLoop loop;
     private final Descriptors descriptors;
     private final ServerSocketChannel listening;
+
+    /**
+     * Runs the computations of TLS handshakes. A few threads suffice, and a flood of handshakes
+     * leaves the other processors to the worlds.
+     */
+    private final ExecutorService handshakes =
+            threads("tls", HANDSHAKE_THREADS, HANDSHAKE_THREADS, new LinkedBlockingQueue<>());
+
+    /** Runs the commands of control clients and queries: at most one for each connection. */
+    private final ExecutorService commands =
+            threads("agent control", 0, Integer.MAX_VALUE, new SynchronousQueue<>());
 
     /** Maximum number of open connections. */
     private final int most;
@@ -143,9 +168,11 @@ public final class Connections {
         writers.start();
     }
 
-    /** Stops the threads that write. For any thread. */
+    /** Stops the threads that write, and starts no further command. For any thread. */
     public void stop() {
         writers.stop();
+        handshakes.shutdown();
+        commands.shutdown();
     }
 
     /** Returns whether a connection has data to write. For any thread. */
@@ -235,6 +262,11 @@ public final class Connections {
         return audit;
     }
 
+    /** Returns the threads that run commands of control clients and queries. */
+    Executor commands() {
+        return commands;
+    }
+
     Door door() {
         return door;
     }
@@ -301,6 +333,23 @@ public final class Connections {
             counters.open.decrement();
             descriptors.give();
         }
+    }
+
+    /**
+     * Creates daemon platform threads. Virtual threads would not do: they wake the event loop, and
+     * a world's thread that wakes it, too, would then wait until each virtual thread before it gets
+     * one of the few carrier threads. Tasks after {@link #stop} are dropped.
+     */
+    private static ExecutorService threads(
+            String name, int least, int most, BlockingQueue<Runnable> waiting) {
+        return new ThreadPoolExecutor(
+                least,
+                most,
+                IDLE_SECONDS,
+                TimeUnit.SECONDS,
+                waiting,
+                Thread.ofPlatform().name(name).daemon().factory(),
+                new ThreadPoolExecutor.DiscardPolicy());
     }
 
     private void accept() {
@@ -381,7 +430,7 @@ public final class Connections {
             Wire wire =
                     encryption.isEmpty()
                             ? Wire.of(channel, client)
-                            : new TlsWire(channel, client, encryption.get().get());
+                            : new TlsWire(channel, client, encryption.get().get(), handshakes);
             var connection = new Connection(this, wire, relay);
             open.add(connection);
             descriptors.take();

@@ -9,6 +9,7 @@ import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
 import java.nio.channels.SocketChannel;
 import java.util.Objects;
+import java.util.concurrent.Executor;
 
 import javax.net.ssl.SSLEngine;
 import javax.net.ssl.SSLEngineResult;
@@ -42,6 +43,9 @@ final class TlsWire implements Wire {
     private final Plain plain;
     private final SSLEngine engine;
 
+    /** Runs the computations of handshakes. */
+    private final Executor handshakes;
+
     // These two fields are null until {@link #register} sets them.
     private @Nullable EventLoop loop;
     private @Nullable SelectionKey key;
@@ -73,10 +77,15 @@ final class TlsWire implements Wire {
         private static final long serialVersionUID = 1;
     }
 
-    TlsWire(SocketChannel channel, InetSocketAddress peer, SSLEngine engine) {
+    /**
+     * @param handshakes runs the computations of handshakes on platform threads
+     */
+    TlsWire(
+            SocketChannel channel, InetSocketAddress peer, SSLEngine engine, Executor handshakes) {
         this.channel = channel;
         this.plain = new Plain(channel, peer);
         this.engine = engine;
+        this.handshakes = handshakes;
     }
 
     @Override
@@ -174,17 +183,14 @@ final class TlsWire implements Wire {
         computing = true;
         interest(SelectionKey.OP_READ, false);
         EventLoop told = Objects.requireNonNull(loop);
-        Thread.ofVirtual()
-                .name("tls")
-                .start(
-                        () -> {
-                            for (Runnable task = engine.getDelegatedTask();
-                                    task != null;
-                                    task = engine.getDelegatedTask()) {
-                                task.run();
-                            }
-                            told.later(this::computed);
-                        });
+        handshakes.execute(
+                () -> {
+                    // The client may have disconnected while this task waited for a thread.
+                    while (channel.isOpen() && engine.getDelegatedTask() instanceof Runnable task) {
+                        task.run();
+                    }
+                    told.later(this::computed);
+                });
     }
 
     private void computed() {
