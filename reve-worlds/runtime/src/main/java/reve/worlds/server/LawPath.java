@@ -307,7 +307,8 @@ public record LawPath(
                 && !runsApart
                 && !library.isText()
                 && !isOperators(library)
-                && !KnownLaws.contains(library.sha256(), folder)) {
+                && !KnownLaws.contains(library.sha256(), folder)
+                && !wasUntrusted(library)) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED,
                     "the law library '"
@@ -320,6 +321,16 @@ public record LawPath(
                             + ": it is opened only with --trust, in a sandbox with --apart, or with"
                             + " --laws DIR that has it");
         }
+    }
+
+    /**
+     * Returns whether native code was in the operator's folder of untrusted laws when this account
+     * stored the world. It then runs in a sandbox again.
+     */
+    private boolean wasUntrusted(LawLibrary library) {
+        return sandboxed.folder().isPresent()
+                && !PreparedLibrary.isPython(library.bytes())
+                && KnownLaws.contains(library.sha256(), sandboxed.folder());
     }
 
     /**
@@ -351,7 +362,7 @@ public record LawPath(
     /**
      * Adds libraries of a stored world to {@link KnownLaws}, because their files may be replaced
      * before the store is opened again. Adds only libraries that ship with this release or come
-     * from the operator's folder. Reads files.
+     * from the operator's folders. Reads files.
      */
     void remember(List<LawLibrary> libraries) {
         List<LawLibrary> opened = libraries.stream().filter(library -> !library.isText()).toList();
@@ -370,6 +381,34 @@ public record LawPath(
                                                                 || holds(own, library.bytes()))
                                         .toList(),
                                 folder));
+        // A library of --laws whose file was replaced can be among these. It then runs in a
+        // sandbox, too.
+        boolean onlyFolders = !trusted && !sandboxed.worlds();
+        sandboxed
+                .folder()
+                .ifPresent(
+                        untrusted ->
+                                KnownLaws.keep(
+                                        opened.stream()
+                                                .filter(library -> !ships(library))
+                                                .filter(
+                                                        library ->
+                                                                !PreparedLibrary.isPython(
+                                                                        library.bytes()))
+                                                .filter(
+                                                        library ->
+                                                                onlyFolders
+                                                                                && !isInFolder(
+                                                                                        library)
+                                                                        || holds(
+                                                                                untrusted,
+                                                                                library.bytes()))
+                                                .toList(),
+                                        sandboxed.folder()));
+    }
+
+    private boolean isInFolder(LawLibrary library) {
+        return folder.map(own -> holds(own, library.bytes())).orElse(false);
     }
 
     /** Returns whether a shipped file has the bytes of a library. */

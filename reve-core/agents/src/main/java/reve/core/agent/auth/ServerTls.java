@@ -57,10 +57,14 @@ public final class ServerTls {
     private final Path certificate;
     private final Path key;
     private final InstantSource clock;
+    private final PatientReader reader;
     private volatile Pair pair;
     private Versions read;
     private Versions seen;
     private Optional<String> problem = Optional.empty();
+
+    /** Why the files cannot be read now; empty if they can. */
+    private Optional<String> slow = Optional.empty();
 
     /**
      * @param expires end of the certificate's validity
@@ -74,6 +78,7 @@ public final class ServerTls {
         this.certificate = certificate;
         this.key = key;
         this.clock = clock;
+        this.reader = new PatientReader(certificate);
         this.read = versions();
         this.seen = read;
         this.pair = read(certificate, key);
@@ -104,21 +109,33 @@ public final class ServerTls {
      * the other.
      */
     public void refresh() {
-        Versions now = versions();
-        if (now.equals(seen) && !now.equals(read)) {
-            read = now;
-            try {
-                pair = read(certificate, key);
-                problem = Optional.empty();
-                LOG.info("{} and {} were read again", certificate, key);
-            } catch (IOException e) {
-                problem =
-                        Optional.of(
-                                "connections still use the certificate read before: "
-                                        + e.getMessage());
+        try {
+            Versions now = reader.read(this::versions);
+            if (now.equals(seen) && !now.equals(read)) {
+                readAgain(now);
             }
+            seen = now;
+            slow = Optional.empty();
+        } catch (IOException e) {
+            slow = Optional.of(unchanged(e));
         }
-        seen = now;
+    }
+
+    private void readAgain(Versions now) throws PatientReader.SlowException {
+        try {
+            pair = reader.read(() -> read(certificate, key));
+            problem = Optional.empty();
+            LOG.info("{} and {} were read again", certificate, key);
+        } catch (PatientReader.SlowException e) {
+            throw e;
+        } catch (IOException e) {
+            problem = Optional.of(unchanged(e));
+        }
+        read = now;
+    }
+
+    private static String unchanged(IOException e) {
+        return "connections still use the certificate read before: " + e.getMessage();
     }
 
     /**
@@ -126,6 +143,9 @@ public final class ServerTls {
      * there is no problem.
      */
     public Optional<String> problem() {
+        if (slow.isPresent()) {
+            return slow;
+        }
         Instant expires = pair.expires;
         return problem.isPresent() || clock.instant().isBefore(expires)
                 ? problem
@@ -201,6 +221,9 @@ public final class ServerTls {
         if (!Files.isRegularFile(file)) { // reading a pipe would block until a writer opens it
             throw new FileSystemException(
                     file + " is a pipe or a device, expected a file in PEM; " + "name that file");
+        }
+        if (Files.size(file) == 0) { // as a file of /proc that may never end
+            throw new FileSystemException(file + " is empty, expected a file in PEM");
         }
         if (Files.size(file) > MOST_BYTES) { // the parser takes minutes for megabytes
             throw new FileSystemException(

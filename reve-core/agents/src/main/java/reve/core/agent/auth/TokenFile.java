@@ -48,6 +48,7 @@ public final class TokenFile {
 
     private final Path path;
     private final InstantSource clock;
+    private final PatientReader reader;
 
     /** Version of the file that was read; null if it did not exist. */
     private @Nullable FileVersion read;
@@ -55,9 +56,13 @@ public final class TokenFile {
     private Map<String, AgentToken> tokens;
     private Optional<String> problem = Optional.empty();
 
+    /** The tokens of a version of the file. */
+    private record Content(FileVersion version, Map<String, AgentToken> tokens) {}
+
     private TokenFile(Path path, InstantSource clock) throws IOException {
         this.path = path;
         this.clock = clock;
+        this.reader = new PatientReader(path);
         FileVersion version = version(path);
         this.read = version;
         this.tokens = read(path, version);
@@ -147,18 +152,26 @@ public final class TokenFile {
     }
 
     private synchronized Map<String, AgentToken> refreshed() {
-        FileVersion now = null;
+        FileVersion before = read;
+        Map<String, AgentToken> known = tokens;
         try {
-            now = version(path);
-            if (!now.equals(read)) {
-                tokens = read(path, now);
+            Content content =
+                    reader.read(
+                            () -> {
+                                FileVersion now = version(path);
+                                return new Content(
+                                        now, now.equals(before) ? known : read(path, now));
+                            });
+            read = content.version();
+            if (!content.version().equals(before)) {
+                tokens = content.tokens();
                 problem = Optional.empty();
                 LOG.info("{} was read again: {} tokens", path, tokens.size());
             }
         } catch (IOException e) {
+            read = null;
             problem = Optional.of("the tokens stay as they were: " + e.getMessage());
         }
-        read = now;
         return tokens;
     }
 
@@ -189,6 +202,9 @@ public final class TokenFile {
     private static Map<String, AgentToken> read(Path path, FileVersion version) throws IOException {
         if (version.isOpenToOthers()) {
             throw new FileSystemException(version.openToOthers(path));
+        }
+        if (version.bytes() == 0) { // as a file of /proc that may never end
+            throw new FileSystemException(path + " is no file of tokens: it is empty");
         }
         if (version.bytes() > MAX_BYTES) {
             throw new FileSystemException(
