@@ -115,6 +115,7 @@ class HostProcess implements AutoCloseable {
     private final SharedWord request;
     private final SharedWord reply;
     private final Mailbox mailbox;
+    private boolean endsWhenInterrupted;
     private int requests;
     private long endedNanos = System.nanoTime();
     private long spentNanos;
@@ -194,6 +195,11 @@ class HostProcess implements AutoCloseable {
     /** Begins a request; the caller appends the arguments. */
     Mailbox begin(Request number) {
         return mailbox.begin(number);
+    }
+
+    /** Makes later calls end the host if the calling thread is interrupted. */
+    void endWhenInterrupted() {
+        endsWhenInterrupted = true;
     }
 
     /**
@@ -285,6 +291,10 @@ class HostProcess implements AutoCloseable {
                 count(Math.min(now - last, MOST_LOOK_NANOS));
                 last = now;
                 boolean late = spent() >= limitNanos || wall >= MOST_WALL * limitNanos;
+                if (endsWhenInterrupted && Thread.currentThread().isInterrupted()) {
+                    process.destroyForcibly();
+                    throw new HostLost("interrupted", 0, true, List.of(), "", 0);
+                }
                 if (late && (!isInSandbox() || wall >= MOST_WALL * limitNanos + SANDBOX_NANOS)) {
                     kill();
                     throw lost(

@@ -21,7 +21,8 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     private static final int MOST_KILLS = 3;
 
     /**
-     * Tests the library, and sets its name and the versions of the programs that it uses.
+     * Tests the library, and sets its name and the versions of the programs that it uses. Ends
+     * early if the calling thread is interrupted.
      *
      * @throws PhysicsException if the library cannot be opened or ends the process; the library is
      *     closed then
@@ -39,6 +40,7 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     private boolean isTested(HostedLibrary library, boolean isLast) {
         String stage = "opening it";
         try (HostProcess host = hosts.start()) {
+            host.endWhenInterrupted();
             Calls calls =
                     request -> {
                         request.accept(host);
@@ -55,6 +57,12 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
             tryToLoad(host, library);
             return true;
         } catch (HostLost lost) {
+            if (Thread.currentThread().isInterrupted()) {
+                library.close();
+                throw new PhysicsException(
+                        Status.LIBRARY_LOAD_FAILED,
+                        library.source() + ": it was not tested to the end, because the server ends");
+            }
             if (lost.killed && !isLast) {
                 return false;
             }

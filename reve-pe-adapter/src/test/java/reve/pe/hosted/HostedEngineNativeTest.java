@@ -32,6 +32,8 @@ import java.util.Arrays;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.concurrent.atomic.AtomicInteger;
+import java.util.concurrent.atomic.AtomicReference;
 
 class HostedEngineNativeTest extends EngineContract {
     @Override
@@ -186,6 +188,42 @@ class HostedEngineNativeTest extends EngineContract {
                 assertThat(drag.name()).isEqualTo("drag");
             }
             assertThat(starts[0]).isEqualTo(4);
+        }
+    }
+
+    /** So a server that ends does not wait for a library that never returns. */
+    @Test
+    void aTrialEndsIfItsThreadIsInterrupted() throws Exception {
+        Path program = NativeFiles.program("vesper-host");
+        var starts = new AtomicInteger();
+        var refusal = new AtomicReference<Throwable>();
+        try (Hosts hosts =
+                        new Hosts(
+                                () -> {
+                                    starts.incrementAndGet();
+                                    return new HostProcess(program, 0);
+                                },
+                                start -> {});
+                EngineFixture orbit = new EngineFixture(new Hosted(hosts)).springOrbit()) {
+            Thread folder =
+                    Thread.ofPlatform()
+                            .start(
+                                    () -> {
+                                        try {
+                                            orbit.engine
+                                                    .prepare("hostile_loop_in_create")
+                                                    .close();
+                                        } catch (PhysicsException refused) {
+                                            refusal.set(refused);
+                                        }
+                                    });
+            while (starts.get() < 2) {
+                Thread.onSpinWait();
+            }
+            folder.interrupt();
+            folder.join();
+            assertThat(refusal.get()).hasMessageContaining("not tested to the end");
+            assertThat(starts).hasValue(2);
         }
     }
 

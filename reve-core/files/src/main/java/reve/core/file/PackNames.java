@@ -19,9 +19,6 @@ final class PackNames {
     /** Longest name of one file or folder that file systems store [bytes of UTF-8]. */
     private static final int MAX_PART_BYTES = 255;
 
-    /** Longest name of a file with its folders [bytes of UTF-8]. */
-    private static final int MAX_NAME_BYTES = 1024;
-
     private final Path pack;
 
     /**
@@ -66,25 +63,19 @@ final class PackNames {
 
     /** Checks that file systems can store the name. */
     private void requireShort(String name) throws PackException {
-        int longest = 0;
         for (String part : name.split("/")) {
-            longest = Math.max(longest, part.getBytes(StandardCharsets.UTF_8).length);
-        }
-        int whole = name.getBytes(StandardCharsets.UTF_8).length;
-        if (longest > MAX_PART_BYTES || whole > MAX_NAME_BYTES) {
-            throw new PackException(
-                    pack
-                            + ": the name `"
-                            + Node.shorten(name)
-                            + "` has "
-                            + whole
-                            + " bytes, and "
-                            + longest
-                            + " in its longest part; expected at most "
-                            + MAX_NAME_BYTES
-                            + ", and "
-                            + MAX_PART_BYTES
-                            + " in each file or folder name; rename it");
+            int length = part.getBytes(StandardCharsets.UTF_8).length;
+            if (length > MAX_PART_BYTES) {
+                throw new PackException(
+                        pack
+                                + ": the name `"
+                                + Node.shorten(part)
+                                + "` has "
+                                + length
+                                + " bytes; expected at most "
+                                + MAX_PART_BYTES
+                                + " in the name of a file or folder, rename it");
+            }
         }
     }
 
