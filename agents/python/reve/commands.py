@@ -151,7 +151,8 @@ class Commands(ABC, Generic[R, Q]):
 
     def set_law(self, library: str, *, swap: Optional[str] = None, **parameters: float) -> R:
         """Changes parameters of a loaded law library, in SI units; the others keep their values.
-        With `swap="shadow"`, they first act in a copy of the world.
+        With `swap="shadow"`, they first act in a copy of the world, with `swap="at-once"` they take
+        effect in the next frame. Without `swap`, the option `--swap` of the server decides.
         """
         fields: dict[str, Argument] = {} if swap is None else {"swap": swap}
         return self._command("set-law", library=library, **fields, parameters=parameters)

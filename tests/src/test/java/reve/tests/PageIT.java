@@ -266,6 +266,20 @@ class PageIT {
                                     .booleanValue())
                     .isTrue();
             browser.picture(PICTURES.resolve("law-shadow.png"));
+
+            browser.ask(
+                    "reve.connection.ask('load-law', {library: 'wind.law', text: 'law wind\\n "
+                            + " parameter f = 1 N\\n  each body: force += f (1, 0, 0)\\n'})"
+                            + ".then(() => true)");
+            browser.ask(
+                    "reve.connection.ask('set-law', {library: 'wind', swap: 'shadow', parameters:"
+                            + " {f: 2}}).then(() => true)");
+            browser.await(
+                    "document.querySelector('#law-shadows [data-library=wind] .parameters')"
+                            + "?.textContent === 'f = 2.0'");
+            browser.await(
+                    trial.replace("push", "wind").formatted(" .chip.good")
+                            + "?.textContent === 'accepted'");
             assertThat(browser.errors).isEmpty();
         }
     }

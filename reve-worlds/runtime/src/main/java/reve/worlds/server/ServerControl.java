@@ -176,7 +176,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         return (world, frame) -> {
             Laws laws = simulation.physics().laws();
             try {
-                if (swap.equals(Optional.of(LawSwap.SHADOW))) {
+                if (shadows.areDueForParameters(swap)) {
                     shadows.begin(frame, List.of(laws.newParameters(library, parameters)));
                 } else {
                     laws.setParameters(frame, library, parameters);

@@ -9,7 +9,7 @@ import java.util.Optional;
  * How new versions of loaded laws take over.
  *
  * @param swap for all versions; if empty, native code and Python are tried in the shadow, and texts
- *     take over at once
+ *     and new parameters of loaded versions take over at once
  * @param seconds world time that a trial covers [s], above 0
  * @param energyLimit maximum gain of energy in a trial, as a multiple of the energies that {@link
  *     ShadowEnergy} compares it with; above 0
@@ -21,7 +21,7 @@ public record SwapPlan(Optional<LawSwap> swap, double seconds, double energyLimi
     /** Limit of the energy, unless the operator gives another one. */
     public static final double DEFAULT_ENERGY_LIMIT = 10;
 
-    /** Native code and Python in the shadow, texts at once. */
+    /** Native code and Python in the shadow, texts and parameters at once. */
     public static final SwapPlan STANDARD =
             new SwapPlan(Optional.empty(), DEFAULT_SECONDS, DEFAULT_ENERGY_LIMIT);
 
@@ -41,5 +41,10 @@ public record SwapPlan(Optional<LawSwap> swap, double seconds, double energyLimi
     boolean isShadowed(boolean text, Optional<LawSwap> asked) {
         return asked.or(() -> swap).orElse(text ? LawSwap.AT_ONCE : LawSwap.SHADOW)
                 == LawSwap.SHADOW;
+    }
+
+    /** Returns whether new parameters of a loaded library are tried in the shadow. */
+    boolean areParametersShadowed(Optional<LawSwap> asked) {
+        return asked.or(() -> swap).orElse(LawSwap.AT_ONCE) == LawSwap.SHADOW;
     }
 }

@@ -239,6 +239,7 @@ export class LawsPanel {
   async loadLaw() {
     const library = this.available.value;
     if (!library) return;
+      event.parameters ? h("p", { className: "doc parameters" }, event.parameters) : null,
     this.load.disabled = true;
     try {
       const result = await this.app.connection.ask("load-law", { library });
