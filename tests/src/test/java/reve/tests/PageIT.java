@@ -296,6 +296,59 @@ class PageIT {
     }
 
     @Test
+    void theHeaderOfALawShowsWhereItRunsWhyAndItsBudget() throws Exception {
+        Path untrusted = Files.createDirectory(folder.resolve("strangers"));
+        Path trusted = Files.createDirectory(folder.resolve("laws"));
+        Path tests = Project.NATIVE.resolve("adapter-test-laws");
+        Files.copy(tests.resolve("libvesper_law_wind.so"), untrusted.resolve("wind.so"));
+        Files.copy(
+                tests.resolve("libvesper_law_counts_years.so"), trusted.resolve("counts_years.so"));
+        Files.writeString(
+                trusted.resolve("pull.law"), "law pull\n  each body: force += 1 N (1, 0, 0)\n");
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        "worlds/sandbox",
+                        "--port",
+                        "0",
+                        "--web",
+                        "0",
+                        "--json",
+                        "--laws",
+                        trusted.toString(),
+                        "--untrusted",
+                        untrusted.toString(),
+                        "--weak-sandbox")) {
+            open(server);
+            browser.await(OPEN);
+            browser.click("#tab-laws");
+            String header = "#law-list > section[data-library=%s] header .standing";
+            for (String law : java.util.List.of("wind", "counts_years", "pull", "newton_motion")) {
+                browser.await("document.querySelector('" + header.formatted(law) + "')");
+            }
+            assertThat(browser.text(header.formatted("wind")))
+                    .isEqualTo("sandboxnot trustedno budget");
+            assertThat(browser.text(header.formatted("counts_years")))
+                    .isEqualTo("enginetrustedno budget");
+            assertThat(browser.text(header.formatted("pull"))).isEqualTo("enginetextno budget");
+            assertThat(browser.text(header.formatted("newton_motion")))
+                    .isEqualTo("engineshippedno budget");
+            browser.ask(
+                    "reve.connection.ask('set-budget', {library: 'wind', milliseconds: 2.5, then:"
+                            + " 'unload'}).then(() => true)");
+            browser.await(
+                    "document.querySelector('"
+                            + header.formatted("wind")
+                            + " .allowed')?.textContent === 'budget 2.5 ms, then unload'");
+            browser.ask(
+                    "document.querySelector('#law-list > section[data-library=wind]').scrollIntoView()");
+            browser.picture(PICTURES.resolve("law-headers.png"));
+            assertThat(browser.errors).isEmpty();
+        }
+    }
+
+    @Test
     void aLawThatFailsIsShownInQuarantine() throws Exception {
         Path laws = Files.createDirectory(folder.resolve("laws"));
         Path source =
