@@ -9,6 +9,7 @@
 #include "failure.hpp"
 #include "floating_point.hpp"
 #include "grain.hpp"
+#include "loop_bound.hpp"
 #include "message.hpp"
 
 namespace vesper::apart {
@@ -141,6 +142,7 @@ void ServedLibrary::CallLaw(Call&& call) {
   } catch (...) {
     throw Failure(VESPER_LAW_FAILED, "threw an exception of unknown type");
   }
+  ReportRefusedLoop("");
   if (status == VESPER_OK) return;
   Sanitize(error);
   error.status = status;
@@ -216,6 +218,7 @@ void ServedLibrary::Log(void* context, uint32_t level, const char* message) {
 void ServedLibrary::ParallelFor(void*, uint64_t count, uint64_t grain,
                                 void (*body)(void* user, uint64_t begin, uint64_t end),
                                 void* user) {
+  if (RefuseLoop(count)) return;
   if (grain == 0) grain = ChooseGrain(count);
   for (uint64_t begin = 0; begin < count;) {
     const uint64_t size = std::min(grain, count - begin);

@@ -7,6 +7,7 @@
 
 #include "failure.hpp"
 #include "floating_point.hpp"
+#include "loop_bound.hpp"
 
 namespace vesper {
 
@@ -24,7 +25,8 @@ inline Failure ForeignFailure(const std::string& caller, vesper_status status, v
 }
 
 /// Runs `call(vesper_error*)` under default floating-point modes. Throws LAW_FAILED, naming
-/// `caller`, if the call returns another status than VESPER_OK or throws.
+/// `caller`, if the call returns another status than VESPER_OK or throws, and LAW_MISBEHAVED if it
+/// asked for a loop that is too long.
 template <class Call>
 void CallForeign(const std::string& caller, Call&& call) {
   vesper_error error = BlankError();
@@ -37,6 +39,7 @@ void CallForeign(const std::string& caller, Call&& call) {
   } catch (...) {
     throw Failure(VESPER_LAW_FAILED, "%s: threw an exception of unknown type", caller.c_str());
   }
+  ReportRefusedLoop(caller + ": ");
   if (status != VESPER_OK) throw ForeignFailure(caller, status, error);
 }
 

@@ -8,6 +8,7 @@
 
 #include "converting_runner.hpp"
 #include "foreign_call.hpp"
+#include "loop_bound.hpp"
 #include "unit.hpp"
 
 namespace vesper {
@@ -211,6 +212,7 @@ void LawLibrary::DropLog() {
 
 void LawLibrary::HostParallelFor(void* context, uint64_t count, uint64_t grain, RangeBody body,
                                  void* user) {
+  if (RefuseLoop(count)) return;
   static_cast<LawLibrary*>(context)->pool_.ParallelFor(count, grain, body, user);
 }
 

@@ -42,6 +42,16 @@ bool IsVersion(const char* text) {
          text[length] == '\0';
 }
 
+/// Maximum number of components of SCRATCH in a row, as many as a contact law needs several times.
+constexpr uint32_t kMaxScratchComponents = 4096;
+
+void CheckScratch(const vesper_property_use& use, const std::string& name) {
+  Require(use.flags == 0, name, "SCRATCH cannot be optional or deferred");
+  if (use.components <= kMaxScratchComponents) return;
+  throw Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: SCRATCH has %u components, expected %u or fewer",
+                name.c_str(), use.components, kMaxScratchComponents);
+}
+
 void CheckUse(const vesper_property_use& use, const vesper_law_desc& law,
               const std::string& where) {
   Require(IsValidName(use.name), where, "a property use has no valid name");
@@ -54,8 +64,7 @@ void CheckUse(const vesper_property_use& use, const vesper_law_desc& law,
   Require((use.access >= VESPER_READ && use.access <= VESPER_ACCUMULATE) ||
               use.access == VESPER_SCRATCH,
           name, "access must be READ, WRITE, READ_WRITE, ACCUMULATE or SCRATCH");
-  Require(use.access != VESPER_SCRATCH || use.flags == 0, name,
-          "SCRATCH cannot be optional or deferred");
+  if (use.access == VESPER_SCRATCH) CheckScratch(use, name);
   if ((use.flags & VESPER_USE_DEFERRED) != 0) {
     Require(!IsField(use.scalar_type), name, "a field cannot be DEFERRED");
     Require(use.access == VESPER_READ || law.synchronize != nullptr, name,

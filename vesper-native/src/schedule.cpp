@@ -2,6 +2,7 @@
 #include "schedule.hpp"
 
 #include <algorithm>
+#include <cinttypes>
 
 #include "failure.hpp"
 
@@ -101,7 +102,7 @@ vesper_property Schedule::Target(const LoadedLaw& law, MatchedUse& matched) {
   target.kind = use.kind;
   target.components = use.components;
   target.access = use.access;
-  if (matched.IsScratch()) return ScratchTarget(matched, target);
+  if (matched.IsScratch()) return ScratchTarget(law, matched, target);
   if (matched.property == kNone || !columns_[matched.property].bound) {
     if ((use.flags & VESPER_USE_OPTIONAL) != 0) return target;
     throw Failure(VESPER_NOT_FOUND, "%s: needs property %s, which is not bound; add it first",
@@ -120,8 +121,18 @@ vesper_property Schedule::Target(const LoadedLaw& law, MatchedUse& matched) {
 }
 
 /// Returns scratch memory for `target`, whose shape is already set.
-vesper_property Schedule::ScratchTarget(MatchedUse& matched, vesper_property target) const {
-  matched.scratch.Resize(columns_.row_count(matched.scratch_kind));
+vesper_property Schedule::ScratchTarget(const LoadedLaw& law, MatchedUse& matched,
+                                        vesper_property target) const {
+  const uint64_t rows = columns_.row_count(matched.scratch_kind);
+  if (rows > kMaxScratchBytes / matched.scratch.row_size()) {
+    throw Failure(VESPER_LAW_MISBEHAVED,
+                  "%s: SCRATCH %s: %" PRIu64 " rows of %zu bytes, expected %" PRIu64
+                  " MiB or less; declare fewer components",
+                  law.law.label().c_str(), target.name, rows, matched.scratch.row_size(),
+                  kMaxScratchBytes >> 20)
+        .Property(target.name);
+  }
+  matched.scratch.Resize(rows);
   target.data = matched.scratch.data();
   target.row_count = matched.scratch.row_count();
   return target;

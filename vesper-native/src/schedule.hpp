@@ -51,7 +51,8 @@ class Schedule final : private LawCalls {
   void PlanLaw(const ScheduledLaw& scheduled);
   Accumulation& FindAccumulation(uint32_t property);
   void BindLaw(LoadedLaw& law);
-  vesper_property ScratchTarget(MatchedUse& matched, vesper_property target) const;
+  vesper_property ScratchTarget(const LoadedLaw& law, MatchedUse& matched,
+                                vesper_property target) const;
   vesper_property Target(const LoadedLaw& law, MatchedUse& matched);
   PhaseLaws& Phase(vesper_phase phase) { return phases_[phase - VESPER_PHASE_FORCE]; }
   void Run(vesper_phase phase, const vesper_step& step);

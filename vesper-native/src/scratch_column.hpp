@@ -8,6 +8,9 @@
 
 namespace vesper {
 
+/// Maximum memory of one use of SCRATCH, in all rows [bytes]; the engine keeps a copy besides.
+inline constexpr uint64_t kMaxScratchBytes = uint64_t{1} << 30;
+
 /// Scratch memory of a law: rows of `row_size` bytes, zero until the law writes them.
 class ScratchColumn {
  public:

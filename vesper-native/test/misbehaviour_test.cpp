@@ -71,6 +71,36 @@ TEST_P(MisbehaviourTest, ExceptionBecomesAStatus) {
   EXPECT_REFUSED(LAW_FAILED, "law throwing: threw: out of range", throwing.Advance(1, 1));
 }
 
+TEST_P(MisbehaviourTest, LoopOverMoreThanAnyMemoryHoldsIsRefused) {
+  for (const uint32_t threads : {1u, 3u}) {
+    for (const double count : {0x1p60, 0x1p63, 0x1p40 + 1}) {
+      for (const double grain : {0.0, 1.0, 0x1p63}) {
+        TestEngine fresh({GetParam(), threads});
+        fresh.AddBodies(bodies);
+        const vesper_library_id looping =
+            fresh.Load("looping", {{"count", count}, {"grain", grain}});
+        const vesper_error error = fresh.Advance(1, 1);
+        EXPECT_REFUSED(LAW_MISBEHAVED, "law looping: parallel_for over ", error);
+        EXPECT_REFUSED(LAW_MISBEHAVED, " elements, expected 1099511627776 or fewer", error);
+        EXPECT_EQ(error.library_id, looping);
+      }
+    }
+  }
+}
+
+/// The end of the first range must not wrap around to the beginning.
+TEST_P(MisbehaviourTest, LoopInRangesOfAnyLengthDoesEachElementOnce) {
+  for (const uint32_t threads : {1u, 3u}) {
+    for (const double grain : {1.0, 4.0, 0x1p40, 0x1p63}) {
+      TestEngine fresh({GetParam(), threads});
+      fresh.AddBodies(bodies);
+      fresh.Load("looping", {{"count", 5}, {"grain", grain}});
+      EXPECT_OK(fresh.Advance(1, 1));
+      EXPECT_EQ(bodies.force, (std::vector<double>{1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0}));
+    }
+  }
+}
+
 TEST_P(MisbehaviourTest, LawThatCannotBeMadeIsNotLoaded) {
   TestEngine fresh(Options());
   fresh.AddBodies(bodies);

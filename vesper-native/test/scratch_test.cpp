@@ -139,6 +139,36 @@ TEST_P(ScratchTest, CannotBeOptional) {
                  engine.TryLoad("remembering_perhaps"));
 }
 
+/// Otherwise, 8 GB for each body.
+TEST_P(ScratchTest, HasAtMost4096ComponentsInARow) {
+  TestEngine engine(Options());
+  EXPECT_REFUSED(LIBRARY_LOAD_FAILED,
+                 "law remembering_all, property sum: SCRATCH has 1000000000 components, expected "
+                 "4096 or fewer",
+                 engine.TryLoad("remembering_all"));
+}
+
+TEST_P(ScratchTest, HasAtMostOneGibibyteInAllRows) {
+  Bodies few(100);
+  TestEngine engine(Options());
+  engine.AddBodies(few);
+  engine.Load("remembering_much");
+  EXPECT_OK(engine.Advance(1, 1));
+  Bodies many((1 << 15) + 1);  // rows of 32 KiB
+  TestEngine full(Options());
+  full.AddBodies(many);
+  const vesper_library_id library = full.Load("remembering_much");
+  const vesper_error error = full.Advance(1, 1);
+  EXPECT_REFUSED(LAW_MISBEHAVED,
+                 "law remembering_much: SCRATCH sum: 32769 rows of 32768 bytes, expected 1024 MiB "
+                 "or less",
+                 error);
+  EXPECT_EQ(error.library_id, library);
+  EXPECT_STREQ(error.property, "sum");
+  EXPECT_OK(full.Unload(library));
+  EXPECT_OK(full.Advance(1, 1));
+}
+
 TEST_P(ScratchTest, HoldsNoNaN) {
   Remembering world(2, Options());
   world.bodies.mass[1] = 1e308;

@@ -153,7 +153,9 @@ class Commands(ABC, Generic[R, Q]):
 
     def set_law(self, library: str, *, swap: Optional[str] = None, **parameters: float) -> R:
         """Changes parameters of a loaded law library, in SI units. Other parameters keep their
-        values. With `swap="shadow"`, the new values first act in a copy of the world.
+        values. With `swap="shadow"`, the new values first act in a copy of the world. With
+        `swap="at-once"`, they take effect in the next frame. Without `swap`, the option `--swap` of
+        the server decides.
         """
         fields: dict[str, Argument] = {} if swap is None else {"swap": swap}
         return self._command("set-law", library=library, **fields, parameters=parameters)

@@ -71,6 +71,11 @@ static _Noreturn void AnswerForEver(volatile uint32_t* words) {
   }
 }
 
+static void CountRanges(void* user, uint64_t begin, uint64_t end) {
+  (void)begin, (void)end;
+  ++*(uint64_t*)user;
+}
+
 static void* Nothing(void* argument) { return argument; }
 
 /* Returns 1 if the act succeeded. */
@@ -153,6 +158,12 @@ static int Do(vesper_law* law, const vesper_step* step) {
       return 0;
     case ANSWER_BY_ITSELF:
       AnswerForEver(*(volatile uint32_t**)law->host->context);
+    case LOOP_OVER_TOO_MANY: {
+      uint64_t ranges = 0;
+      law->host->parallel_for(law->host->context, (uint64_t)1 << 60, (uint64_t)1 << 59, CountRanges,
+                              &ranges);
+      return ranges > 0;
+    }
     case EXIT_AS_IF_KILLED:
       _exit(128 + SIGKILL);
     default:

@@ -34,6 +34,7 @@ enum HostileAct {
   FLUSH_DENORMALS,
   ANSWER_BY_ITSELF,
   EXIT_AS_IF_KILLED,
+  LOOP_OVER_TOO_MANY,
 };
 
 #endif /* HOSTILE_H_ */

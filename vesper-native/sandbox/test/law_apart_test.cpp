@@ -177,6 +177,14 @@ TEST_F(HostileLaw, CannotCommitNaN) {
   EXPECT_REFUSED(LAW_MISBEHAVED, "position, row 1", Advance());
 }
 
+TEST_F(HostileLaw, CannotLoopOverMoreThanAnyMemoryHolds) {
+  Load(LOOP_OVER_TOO_MANY);
+  EXPECT_REFUSED(LAW_FAILED,
+                 "law hostile: parallel_for over 1152921504606846976 elements, expected "
+                 "1099511627776 or fewer",
+                 Advance());
+}
+
 TEST_F(HostileLaw, LogsABoundedNumberOfLines) {
   Load(LOG_LINES);
   EXPECT_OK(Advance());

@@ -5,6 +5,10 @@
 #define PARAMETER_COUNT 1
 #include "test_law.h"
 
+#ifndef COMPONENTS
+#define COMPONENTS 1
+#endif
+
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {
   const double* mass = law->bound[0].data;
   double* shown = law->bound[1].data;
@@ -26,7 +30,7 @@ static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error*
 static const vesper_property_use kUses[] = {
     REAL_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM),
     REAL_USE("acceleration", 3, VESPER_WRITE, VESPER_UNIT_METRE_PER_SECOND_SQUARED),
-    USE("sum", KIND, VESPER_F64, 1, VESPER_SCRATCH, VESPER_UNIT_ONE, FLAGS),
+    USE("sum", KIND, VESPER_F64, COMPONENTS, VESPER_SCRATCH, VESPER_UNIT_ONE, FLAGS),
     USE("count", KIND, VESPER_U32, 2, VESPER_SCRATCH, VESPER_UNIT_ONE, 0),
 };
 static const vesper_parameter_desc kParameters[] = {

@@ -214,6 +214,8 @@ class LawsApartIT {
             JsonNode loaded = laws(server.port());
             assertThat(loaded.at("/0/library").asString()).isEqualTo("newton_motion");
             assertThat(loaded.at("/0/apart").isMissingNode()).isTrue();
+            assertThat(loaded.at("/0/trust").asString()).isEqualTo("shipped");
+            assertThat(loaded.at("/1/trust").asString()).isEqualTo("untrusted");
             assertThat(loaded.at("/1/library").asString()).isEqualTo("wind");
             assertThat(loaded.at("/1/apart").asBoolean()).isTrue();
             Set<Long> before = hostsThatStay(server);

@@ -266,6 +266,20 @@ class PageIT {
                                     .booleanValue())
                     .isTrue();
             browser.picture(PICTURES.resolve("law-shadow.png"));
+
+            browser.ask(
+                    "reve.connection.ask('load-law', {library: 'wind.law', text: 'law wind\\n "
+                            + " parameter f = 1 N\\n  each body: force += f (1, 0, 0)\\n'})"
+                            + ".then(() => true)");
+            browser.ask(
+                    "reve.connection.ask('set-law', {library: 'wind', swap: 'shadow', parameters:"
+                            + " {f: 2}}).then(() => true)");
+            browser.await(
+                    "document.querySelector('#law-shadows [data-library=wind] .parameters')"
+                            + "?.textContent === 'f = 2.0'");
+            browser.await(
+                    trial.replace("push", "wind").formatted(" .chip.good")
+                            + "?.textContent === 'accepted'");
             assertThat(browser.errors).isEmpty();
         }
     }
@@ -279,6 +293,59 @@ class PageIT {
                         + "')); for (const type of ['dragover', 'drop'])"
                         + " document.body.dispatchEvent(new DragEvent(type, {dataTransfer: data,"
                         + " bubbles: true, cancelable: true})); })()");
+    }
+
+    @Test
+    void theHeaderOfALawShowsWhereItRunsWhyAndItsBudget() throws Exception {
+        Path untrusted = Files.createDirectory(folder.resolve("strangers"));
+        Path trusted = Files.createDirectory(folder.resolve("laws"));
+        Path tests = Project.NATIVE.resolve("adapter-test-laws");
+        Files.copy(tests.resolve("libvesper_law_wind.so"), untrusted.resolve("wind.so"));
+        Files.copy(
+                tests.resolve("libvesper_law_counts_years.so"), trusted.resolve("counts_years.so"));
+        Files.writeString(
+                trusted.resolve("pull.law"), "law pull\n  each body: force += 1 N (1, 0, 0)\n");
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        "worlds/sandbox",
+                        "--port",
+                        "0",
+                        "--web",
+                        "0",
+                        "--json",
+                        "--laws",
+                        trusted.toString(),
+                        "--untrusted",
+                        untrusted.toString(),
+                        "--weak-sandbox")) {
+            open(server);
+            browser.await(OPEN);
+            browser.click("#tab-laws");
+            String header = "#law-list > section[data-library=%s] header .standing";
+            for (String law : java.util.List.of("wind", "counts_years", "pull", "newton_motion")) {
+                browser.await("document.querySelector('" + header.formatted(law) + "')");
+            }
+            assertThat(browser.text(header.formatted("wind")))
+                    .isEqualTo("sandboxnot trustedno budget");
+            assertThat(browser.text(header.formatted("counts_years")))
+                    .isEqualTo("enginetrustedno budget");
+            assertThat(browser.text(header.formatted("pull"))).isEqualTo("enginetextno budget");
+            assertThat(browser.text(header.formatted("newton_motion")))
+                    .isEqualTo("engineshippedno budget");
+            browser.ask(
+                    "reve.connection.ask('set-budget', {library: 'wind', milliseconds: 2.5, then:"
+                            + " 'unload'}).then(() => true)");
+            browser.await(
+                    "document.querySelector('"
+                            + header.formatted("wind")
+                            + " .allowed')?.textContent === 'budget 2.5 ms, then unload'");
+            browser.ask(
+                    "document.querySelector('#law-list > section[data-library=wind]').scrollIntoView()");
+            browser.picture(PICTURES.resolve("law-headers.png"));
+            assertThat(browser.errors).isEmpty();
+        }
     }
 
     @Test

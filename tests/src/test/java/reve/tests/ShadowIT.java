@@ -176,4 +176,70 @@ class ShadowIT {
                     .hasMessageContaining("swap is \"later\" (expected shadow or at-once)");
         }
     }
+
+    /** The server's rule {@code --swap shadow} also holds for parameters. */
+    @Test
+    void parametersOfAMessageAndOfAFileAreTriedToo() throws Exception {
+        Path log = folder.resolve("run.log");
+        Files.writeString(
+                world.laws().resolve("push.law"),
+                "law push\n  parameter f = 1 N, from 0 N to 1000 N\n"
+                        + "  each body: force += f (1, 0, 0)\n");
+        try (Server server =
+                world.serve(
+                        "--swap",
+                        "shadow",
+                        "--shadow-seconds",
+                        "0.5",
+                        "--record",
+                        log.toString())) {
+            try (AgentClient boss =
+                    AgentClient.connect(
+                            "127.0.0.1",
+                            Integer.parseInt(server.port()),
+                            Join.as("boss").withRole("control"))) {
+                server.events()
+                        .await(
+                                "law-loaded",
+                                event -> event.path("library").asString().equals("push"));
+                int seen = server.events().count();
+                Map<String, Object> three =
+                        Map.of("library", "push", "parameters", Map.of("f", 3.0));
+                assertThat(boss.command("set-law", three).accepted()).isTrue();
+                JsonNode end = awaitEnd(server, seen);
+                assertThat(end.path("stage").asString()).as(end.toString()).isEqualTo("accepted");
+                assertThat(end.path("frames").asInt()).isEqualTo(30);
+                assertThat(end.path("parameters").asString()).isEqualTo("f = 3.0");
+
+                seen = server.events().count();
+                Files.writeString(world.laws().resolve("push.yaml"), "f: 0.9 kN\n");
+                end = awaitEnd(server, seen);
+                assertThat(end.path("stage").asString()).as(end.toString()).isEqualTo("refused");
+                assertThat(end.path("parameters").asString()).isEqualTo("f = 900.0");
+                assertThat(end.path("energy").asDouble())
+                        .isGreaterThan(end.path("mostEnergy").asDouble());
+                assertThat(boss.report("laws", Map.of()).content().get("loaded").toString())
+                        .contains("value=3.0");
+
+                int before = server.events().count();
+                Map<String, Object> two =
+                        Map.of(
+                                "library",
+                                "push",
+                                "parameters",
+                                Map.of("f", 2.0),
+                                "swap",
+                                "at-once");
+                assertThat(boss.command("set-law", two).accepted()).isTrue();
+                server.events()
+                        .await("law-loaded", event -> server.events().isAfter(event, before));
+                assertThat(boss.report("laws", Map.of()).content()).doesNotContainKey("trials");
+            }
+            server.process().toHandle().destroy();
+            server.events().untilEnd();
+            assertThat(server.exitCode()).isZero();
+        }
+        Reve.Outcome replay = Reve.run("replay", log.toString(), "--trust");
+        assertThat(replay.out()).contains("identical: ");
+    }
 }

@@ -312,6 +312,19 @@ class StoreIT {
                 .isPositive()
                 .isLessThan(found.path("knownFrame").asLong());
         assertThat(frames).hasBinaryContent(half);
+        Outcome laws = Reve.run("store", "laws", store.toString(), "--json");
+        assertThat(laws.code()).as(laws.err()).isEqualTo(1);
+        JsonNode listed = new JsonMapper().readTree(laws.out());
+        assertThat(listed.path("frame")).isEqualTo(found.path("frame"));
+        assertThat(listed.path("laws").path(0).path("kind").asString()).isEqualTo("native");
+        assertThat(listed.path("laws").path(0).path("sha256").asString()).hasSize(64);
+        assertThat(Reve.run("store", "laws", store.toString()).out())
+                .contains(
+                        listed.path("laws").path(0).path("library").asString() + ": native, ",
+                        "to continue without a law: ./reve serve WORLD --store "
+                                + store
+                                + " --without-law NAME");
+        assertThat(frames).hasBinaryContent(half);
 
         Outcome repaired = Reve.runAsProcess("store", "repair", store.toString());
         assertThat(repaired.code()).as(repaired.err()).isZero();

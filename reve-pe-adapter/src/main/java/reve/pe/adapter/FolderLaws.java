@@ -100,14 +100,14 @@ final class FolderLaws {
             }
         } finally {
             puts.stream()
-                    .filter(put -> !tried.containsKey(put))
+                    .filter(put -> !tried.containsKey(put) || tried.get(put).parametersOnly())
                     .forEach(put -> put.library.close());
         }
     }
 
     /**
-     * Returns the new version of a loaded library if the file contains a version that needs a
-     * trial. The file counts as changed only when the version takes over.
+     * Returns the new version of a loaded library, or its new parameters, if the files contain one
+     * that needs a trial. The file counts as changed only when the version takes over.
      */
     private Optional<NewVersion> versionForTrial(Put put) {
         ActiveFile active = byName.get(put.name());
@@ -117,11 +117,16 @@ final class FolderLaws {
         ActiveFile old = followed(put.name(), active);
         PreparedLibrary library = put.library;
         FolderParameters parameters = put.parameters;
-        if (!laws.isLoaded(old.libraryId)
-                || old.sha256.equals(library.sha256())
-                || !trials.areDue(LawLibrary.of(library, parameters.values()))) {
+        if (!laws.isLoaded(old.libraryId)) {
             return Optional.empty();
         }
+        if (old.sha256.equals(library.sha256())) {
+            return parametersForTrial(put, old);
+        }
+        if (!trials.areDue(LawLibrary.of(library, parameters.values()))) {
+            return Optional.empty();
+        }
+        ActiveFile next = new ActiveFile(old.libraryId, library.sha256(), parameters.values());
         return Optional.of(
                 laws.newVersion(
                                 old.libraryId,
@@ -129,11 +134,35 @@ final class FolderLaws {
                                 parameters.values(),
                                 put.file,
                                 parameters.check()::check)
-                        .heardBy((at, refusal) -> tried(put.name(), old, put, refusal)));
+                        .heardBy((at, refusal) -> tried(put.name(), old, next, refusal)));
+    }
+
+    /**
+     * Returns the new parameters of a loaded library if they need a trial; empty if their unit is
+     * wrong, which is reported when they are tried at once.
+     */
+    private Optional<NewVersion> parametersForTrial(Put put, ActiveFile old) {
+        FolderParameters wanted = put.parameters;
+        if (old.parameters.equals(wanted.values()) || !trials.areDueForParameters()) {
+            return Optional.empty();
+        }
+        List<PhysicsLaw> present = laws.lawsOf(old.libraryId);
+        try {
+            wanted.check().check(present);
+        } catch (PhysicsException wrongUnit) {
+            return Optional.empty();
+        }
+        ActiveFile next = new ActiveFile(old.libraryId, old.sha256, wanted.values());
+        return Optional.of(
+                laws.newParameters(
+                                present.getFirst().library(),
+                                changed(old.parameters, wanted, present))
+                        .heardBy((at, refusal) -> tried(put.name(), old, next, refusal)));
     }
 
     /** Notes that the version of a file has taken over, unless the file has changed meanwhile. */
-    private void tried(String name, ActiveFile old, Put put, Optional<PhysicsException> refusal) {
+    private void tried(
+            String name, ActiveFile old, ActiveFile next, Optional<PhysicsException> refusal) {
         if (refusal.isPresent()) {
             return; // the trial has reported the refusal
         }
@@ -143,9 +172,7 @@ final class FolderLaws {
                         .map(Map.Entry::getKey)
                         .findFirst()
                         .orElse(name);
-        byName.put(
-                owner,
-                new ActiveFile(old.libraryId, put.library.sha256(), put.parameters.values()));
+        byName.put(owner, next);
         laws.leaveToFolder(old.libraryId);
     }
 
@@ -320,23 +347,35 @@ final class FolderLaws {
         List<PhysicsLaw> present = laws.lawsOf(active.libraryId);
         try {
             wanted.check().check(present);
-            Map<String, Double> changed = new LinkedHashMap<>();
-            for (PhysicsLaw law : present) {
-                for (LawParameter parameter : law.parameters()) {
-                    for (String known :
-                            List.of(parameter.name(), law.name() + "." + parameter.name())) {
-                        if (active.parameters.containsKey(known)) {
-                            changed.put(known, parameter.standard());
-                        }
-                    }
-                }
-            }
-            changed.putAll(wanted.values());
-            laws.setParameters(frame, present.getFirst().library(), changed);
+            laws.setParameters(
+                    frame,
+                    present.getFirst().library(),
+                    changed(active.parameters, wanted, present));
             byName.put(name, new ActiveFile(active.libraryId, active.sha256, wanted.values()));
         } catch (PhysicsException refusal) {
             refuse(frame, name, refusal);
         }
+    }
+
+    /**
+     * Returns the values that give a library the wanted parameters: those of the file, and the
+     * default of each parameter that the file contained before.
+     */
+    private static Map<String, Double> changed(
+            Map<String, Double> before, FolderParameters wanted, List<PhysicsLaw> present) {
+        Map<String, Double> changed = new LinkedHashMap<>();
+        for (PhysicsLaw law : present) {
+            for (LawParameter parameter : law.parameters()) {
+                for (String known :
+                        List.of(parameter.name(), law.name() + "." + parameter.name())) {
+                    if (before.containsKey(known)) {
+                        changed.put(known, parameter.standard());
+                    }
+                }
+            }
+        }
+        changed.putAll(wanted.values());
+        return changed;
     }
 
     /** Unloads the library of a removed file. */

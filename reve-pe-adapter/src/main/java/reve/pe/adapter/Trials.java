@@ -14,6 +14,11 @@ public interface Trials {
                 }
 
                 @Override
+                public boolean areDueForParameters() {
+                    return false;
+                }
+
+                @Override
                 public void begin(long frame, List<NewVersion> versions) {
                     throw new IllegalStateException("there are no trials");
                 }
@@ -24,6 +29,9 @@ public interface Trials {
 
     /** Returns whether a new version from a file of the laws folder needs a trial. */
     boolean areDue(LawLibrary library);
+
+    /** Returns whether new parameters from a file of the laws folder need a trial. */
+    boolean areDueForParameters();
 
     /**
      * Begins a trial of versions that take over together, in one frame. Ends running trials of

@@ -9,7 +9,11 @@ import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
+import reve.core.text.Visible;
+import reve.pe.adapter.Quarantined;
+import reve.worlds.Product;
 import reve.worlds.server.StoreCheck;
+import reve.worlds.server.StoreLaws;
 
 import java.io.PrintWriter;
 import java.nio.file.Path;
@@ -19,12 +23,13 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The command {@code store}. It checks a store that no server has open, and repairs a damaged
- * store.
+ * The command {@code store}. It checks a store that no server has open, lists the laws of a store,
+ * and repairs a damaged store.
  */
 @Command(
         name = "store",
-        description = "Checks a store that no server has open, and repairs a damaged " + "one.")
+        description =
+                "Checks a store that no server has open, lists its laws, and repairs a damaged one.")
 public final class StoreCommand implements Runnable {
     @Spec private CommandSpec spec = CommandSpec.create();
 
@@ -41,7 +46,7 @@ public final class StoreCommand implements Runnable {
 
     @Override
     public void run() {
-        throw new ParameterException(spec.commandLine(), "expected one of check, repair");
+        throw new ParameterException(spec.commandLine(), "expected one of check, laws, repair");
     }
 
     @Command(
@@ -87,6 +92,71 @@ public final class StoreCommand implements Runnable {
                         .orElse("nothing to repair"));
         out.flush();
         return ExitCode.OK;
+    }
+
+    @Command(
+            name = "laws",
+            description =
+                    "Lists the laws of a store by name and content, and those in quarantine. Opens"
+                            + " no law, and changes nothing.")
+    int laws(@Mixin StoreOptions options) throws Exception {
+        StoreLaws found = StoreLaws.of(options.file, options.laws.path(spec));
+        if (options.json) {
+            Json.print(spec, found.fields());
+        } else {
+            print(found);
+        }
+        return found.isWhole() ? ExitCode.OK : ExitCode.FAILURE;
+    }
+
+    private void print(StoreLaws found) {
+        PrintWriter out = spec.commandLine().getOut();
+        found.problems().forEach(problem -> out.println(Visible.line(problem)));
+        out.println(
+                found.frame() < 0
+                        ? found.store() + ": nothing can be recovered"
+                        : found.store()
+                                + ": laws at frame "
+                                + found.frame()
+                                + (found.laws().isEmpty()
+                                        ? ": none"
+                                        : ", in the order of loading"));
+        for (StoreLaws.Law law : found.laws()) {
+            out.println(
+                    "  "
+                            + Visible.line(law.library().name())
+                            + ": "
+                            + law.kind()
+                            + ", "
+                            + law.library().bytes().length
+                            + " bytes, SHA-256 "
+                            + law.library().sha256()
+                            + (law.library().parameters().isEmpty()
+                                    ? ""
+                                    : ", " + Visible.line(law.library().parameters().toString())));
+        }
+        for (Quarantined law : found.quarantined()) {
+            out.println(
+                    "in quarantine since frame "
+                            + law.frame()
+                            + ": "
+                            + Visible.line(law.library())
+                            + ", SHA-256 "
+                            + law.sha256()
+                            + ": "
+                            + law.status()
+                            + ": "
+                            + Visible.line(law.message()));
+        }
+        if (!found.laws().isEmpty()) {
+            out.println(
+                    "to continue without a law: "
+                            + Product.command()
+                            + " serve WORLD --store "
+                            + found.store()
+                            + " --without-law NAME");
+        }
+        out.flush();
     }
 
     private void print(StoreCheck found) {

@@ -18,9 +18,9 @@ final class SwapOptions {
             names = "--swap",
             paramLabel = "HOW",
             description =
-                    "How a new version of a loaded law takes over. shadow: after it has acted in a"
+                    "How a new version of a loaded law, or new parameters, take over. shadow: after it has acted in a"
                             + " copy of the world; at-once: in the next frame (default: native code"
-                            + " and Python in the shadow, texts at once).")
+                            + " and Python in the shadow, texts and parameters at once).")
     private Optional<String> swap = Optional.empty();
 
     @Option(

@@ -123,16 +123,32 @@ public final class ImageCodec {
 
     private static PhysicsImage physics(
             Stored stored, Function<String, byte @Nullable []> libraries) {
-        List<LawLibrary> loaded = new ArrayList<>();
-        Trees.field(stored.tree(), "libraries")
-                .forEach(library -> loaded.add(library(library, libraries)));
-        List<Quarantined> out = new ArrayList<>();
-        Trees.field(stored.tree(), "quarantined").forEach(tree -> out.add(quarantined(tree)));
         byte[] engine = stored.sections().get(ENGINE);
         if (engine == null) {
             throw new CorruptException("the section engine is missing");
         }
-        return new PhysicsImage(loaded, out, engine);
+        return new PhysicsImage(libraries(stored, libraries), quarantined(stored), engine);
+    }
+
+    /**
+     * Returns the law libraries of an image, in the order of loading.
+     *
+     * @param libraries returns the bytes of a law library by SHA-256, or null if there is none
+     * @throws CorruptException if a library is missing
+     */
+    public static List<LawLibrary> libraries(
+            Stored stored, Function<String, byte @Nullable []> libraries) {
+        List<LawLibrary> loaded = new ArrayList<>();
+        Trees.field(stored.tree(), "libraries")
+                .forEach(library -> loaded.add(library(library, libraries)));
+        return loaded;
+    }
+
+    /** Returns the quarantined libraries of an image. */
+    public static List<Quarantined> quarantined(Stored stored) {
+        List<Quarantined> out = new ArrayList<>();
+        Trees.field(stored.tree(), "quarantined").forEach(tree -> out.add(quarantined(tree)));
+        return out;
     }
 
     static Map<String, Object> tree(LawLibrary library) {

@@ -9,6 +9,7 @@ import reve.core.agent.port.WorldPort;
 import reve.core.file.AgentPolicy;
 import reve.core.file.Problem;
 import reve.core.frame.FrameEvent;
+import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
 import reve.core.world.WorldEvent;
 import reve.pe.adapter.LawFolder;
@@ -49,6 +50,9 @@ final class HostedWorld implements AutoCloseable {
     private @Nullable Journal recordingJournal;
     private Optional<String> unkept = Optional.empty();
     private Optional<Path> olderRecording = Optional.empty();
+
+    /** Number of events of the frame in progress that were reported before PHYSICS. */
+    private int told;
 
     /**
      * Builds the world, loads its laws, and opens its journals.
@@ -99,6 +103,8 @@ final class HostedWorld implements AutoCloseable {
             simulation.onPublish("server events", this::tellEvents);
             keepJournals(pacing == Pacing.FAST);
             shadows.start();
+            closing.add(
+                    simulation.bus().subscribe(FramePhase.ACT, "loaded laws", this::tellLoaded));
         } catch (IOException | RuntimeException refused) {
             closing.closeAfter(refused);
             throw refused;
@@ -284,8 +290,26 @@ final class HostedWorld implements AutoCloseable {
                 .map(gap -> plan.persistence().recording().orElseThrow().file() + ": " + gap);
     }
 
+    /**
+     * Reports the events of the frame so far if a law was loaded, before the law's first step: a
+     * law that does not return would delay the report. Runs after all changes of ACT.
+     */
+    private void tellLoaded(FrameEvent frame) {
+        List<WorldEvent> soFar = frame.world().events();
+        if (soFar.stream().anyMatch(event -> event.type().equals("law-loaded"))) {
+            tell(frame, soFar);
+            told = soFar.size();
+        }
+    }
+
     private void tellEvents(FrameEvent frame) {
-        for (WorldEvent event : frame.world().events()) {
+        List<WorldEvent> all = frame.world().events();
+        tell(frame, all.subList(Math.min(told, all.size()), all.size()));
+        told = 0;
+    }
+
+    private void tell(FrameEvent frame, List<WorldEvent> raised) {
+        for (WorldEvent event : raised) {
             if (!events.wants(event.type())) {
                 continue;
             }

@@ -25,7 +25,14 @@ import java.util.stream.IntStream;
 final class LawReport {
     private static final double NANOSECONDS = 1e9;
 
-    private LawReport() {}
+    private final LawEquations equations;
+    private final LawTrust trust;
+
+    /** Creates reports with the equations and the reasons of trust that were read. */
+    LawReport(LawEquations equations, LawTrust trust) {
+        this.equations = equations;
+        this.trust = trust;
+    }
 
     /**
      * Returns the report. For the world's thread only.
@@ -34,10 +41,9 @@ final class LawReport {
      * @param faults whether to include messages of faults, which may name files of the server
      * @param trials the trials of new versions, see {@link Shadows#report}
      */
-    static Map<String, Object> of(
+    Map<String, Object> of(
             PhysicsAdapter physics,
             List<String> available,
-            LawEquations equations,
             boolean faults,
             List<Map<String, Object>> trials) {
         Laws laws = physics.laws();
@@ -63,8 +69,7 @@ final class LawReport {
                                                                                 library,
                                                                                 loaded.get(i),
                                                                                 times.get(i)))
-                                                        .toList(),
-                                                equations)));
+                                                        .toList())));
         content.put("loaded", libraries);
         content.put(
                 "quarantined",
@@ -88,11 +93,8 @@ final class LawReport {
         return fields;
     }
 
-    private static Map<String, Object> library(
-            LawLibrary library,
-            boolean apart,
-            List<Map<String, Object>> laws,
-            LawEquations equations) {
+    private Map<String, Object> library(
+            LawLibrary library, boolean apart, List<Map<String, Object>> laws) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("library", library.name());
         fields.put("sha256", library.sha256());
@@ -107,6 +109,7 @@ final class LawReport {
         if (apart) {
             fields.put("apart", true);
         }
+        fields.put("trust", trust.of(library, apart));
         fields.put("laws", laws);
         return fields;
     }

@@ -71,6 +71,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private final ServerEvents events;
     private final Ledger ledger;
     private final LawEquations equations = new LawEquations();
+    private final LawTrust trust;
     private final WorldAnswers answers;
     private @Nullable SimulationImage beginning;
 
@@ -93,6 +94,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         this.events = events;
         this.ledger = new Ledger(simulation.physics());
         this.answers = new WorldAnswers(simulation);
+        this.trust = new LawTrust(simulation.shippedLaws());
     }
 
     @Override
@@ -179,7 +181,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         return (world, frame) -> {
             Laws laws = simulation.physics().laws();
             try {
-                if (swap.equals(Optional.of(LawSwap.SHADOW))) {
+                if (shadows.areDueForParameters(swap)) {
                     shadows.begin(frame, List.of(laws.newParameters(library, parameters)));
                 } else {
                     laws.setParameters(frame, library, parameters);
@@ -209,8 +211,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
     public Reading laws(boolean faults) {
         List<String> available = simulation.lawNames();
         equations.read(available);
+        trust.read();
         return () ->
-                LawReport.of(simulation.physics(), available, equations, faults, shadows.report());
+                new LawReport(equations, trust)
+                        .of(simulation.physics(), available, faults, shadows.report());
     }
 
     @Override

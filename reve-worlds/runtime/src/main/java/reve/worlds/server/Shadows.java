@@ -31,6 +31,7 @@ import java.util.Objects;
 import java.util.Optional;
 import java.util.Set;
 import java.util.function.Consumer;
+import java.util.stream.Collectors;
 
 /**
  * The trials of new versions of laws in the shadow of a world. A copy of the world makes the same
@@ -136,6 +137,16 @@ final class Shadows implements Trials, AutoCloseable {
     }
 
     @Override
+    public boolean areDueForParameters() {
+        return areDueForParameters(Optional.empty());
+    }
+
+    /** Returns whether new parameters of a loaded library are tried first. */
+    boolean areDueForParameters(Optional<LawSwap> asked) {
+        return plan.areParametersShadowed(asked);
+    }
+
+    @Override
     public void begin(long frame, List<NewVersion> versions) {
         versions.forEach(version -> cancel(frame, version.libraryId()));
         waiting.add(new Trial(versions));
@@ -201,6 +212,13 @@ final class Shadows implements Trials, AutoCloseable {
         fields.put("library", library.name());
         fields.put("stage", stage);
         fields.put("sha256", library.sha256());
+        if (version.parametersOnly()) {
+            fields.put(
+                    "parameters",
+                    library.parameters().entrySet().stream()
+                            .map(each -> each.getKey() + " = " + each.getValue())
+                            .collect(Collectors.joining(", ")));
+        }
         fields.put("frames", progress.frames());
         fields.put("of", frames);
         fields.putAll(progress.divergence().fields());
@@ -224,7 +242,9 @@ final class Shadows implements Trials, AutoCloseable {
                 "message",
                 "library "
                         + version.library().name()
-                        + " stays as it is; its new version is refused: "
+                        + " stays as it is; its new "
+                        + (version.parametersOnly() ? "parameters are" : "version is")
+                        + " refused: "
                         + why.getMessage());
         simulation.world().raise(new WorldEvent(frame, EVENT, fields));
         version.ended().ended(frame, Optional.of(why));

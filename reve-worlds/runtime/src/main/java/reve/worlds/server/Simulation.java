@@ -265,6 +265,11 @@ public final class Simulation implements AutoCloseable {
         }
     }
 
+    /** Returns the folder of the laws that ship. For any thread. */
+    Path shippedLaws() {
+        return lawPath.shipped();
+    }
+
     /**
      * Opens the library of a law by its name. For any thread.
      *

@@ -195,7 +195,12 @@ public record StoreCheck(
         return Optional.empty();
     }
 
-    private static Made made(Path store, LawPath laws) throws IOException {
+    /**
+     * Reads a store that contains something.
+     *
+     * @throws CorruptException if it is not a store, or is empty
+     */
+    static StoreContents contents(Path store) throws IOException {
         StoreContents contents = StoreContents.read(store);
         if (contents.isEmpty()) {
             throw new CorruptException(
@@ -203,6 +208,11 @@ public record StoreCheck(
                             + (Files.exists(store) ? " is an empty store" : " is not there")
                             + ": there is nothing to check");
         }
+        return contents;
+    }
+
+    private static Made made(Path store, LawPath laws) throws IOException {
+        StoreContents contents = contents(store);
         List<String> problems = new ArrayList<>(contents.problems());
         LawFiles found = new LawFiles(laws, problems::add);
         Optional<End> end;

@@ -25,6 +25,7 @@ import reve.core.world.WorldEvent;
 import reve.pe.PhysicsLaw.Claim;
 import reve.pe.PreparedLibrary;
 import reve.pe.adapter.LawChange;
+import reve.pe.adapter.LawFolder;
 import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.Laws;
 import reve.pe.adapter.NewVersion;
@@ -447,6 +448,138 @@ class ShadowNativeTest {
         assertThat(changes).containsExactly(new LawChange.ParametersSet(1, Map.of("f", 5.0)));
     }
 
+    /** The laws folder with the law push, which has acted for one frame. */
+    private LawFolder folderWithPush(Path laws) throws Exception {
+        Files.createDirectory(laws);
+        Files.writeString(laws.resolve("push.law"), push("f (1, 0, 0)"));
+        LawFolder watched =
+                new LawFolder(
+                        LawFolder.ORIGIN,
+                        laws,
+                        simulation.engine(),
+                        simulation.physics().laws(),
+                        simulation.commands(),
+                        LawParameters::inFile,
+                        shadows);
+        lookAndRun(watched, 1);
+        changes.clear();
+        return watched;
+    }
+
+    /** Two scans find a changed file complete. */
+    private void lookAndRun(LawFolder watched, int frames) throws InterruptedException {
+        watched.look();
+        watched.look();
+        run(frames);
+    }
+
+    private double push() {
+        return simulation.physics().laws().loaded().stream()
+                .filter(law -> law.library().equals("push"))
+                .mapToDouble(
+                        law ->
+                                loaded("push")
+                                        .parameters()
+                                        .getOrDefault("f", law.parameters().getFirst().standard()))
+                .findFirst()
+                .orElseThrow();
+    }
+
+    private static final String WITHOUT_PUSH =
+            WORLD.substring(0, WORLD.indexOf("- text:")) + WORLD.substring(WORLD.indexOf("items:"));
+
+    @Test
+    void parametersInAFileAreTriedWhereNewVersionsAre() throws Exception {
+        start(WITHOUT_PUSH, PLAN);
+        shadows.start();
+        Path laws = folder.resolve("laws");
+        try (LawFolder watched = folderWithPush(laws)) {
+            Path file = laws.resolve("push.yaml");
+            Files.writeString(file, "f: 5 N\n");
+            lookAndRun(watched, TRIAL + 1);
+            assertThat(changes).as("the old value moves the world").isEmpty();
+            assertThat(shadows.report().getFirst())
+                    .containsEntry("library", "push")
+                    .containsEntry("parameters", "f = 5.0");
+            assertThat((double) shadows.report().getFirst().get("velocity"))
+                    .isCloseTo(4 * TRIAL * DT, within(1e-12));
+            run(1);
+            assertThat(changes).containsExactly(new LawChange.ParametersSet(1, Map.of("f", 5.0)));
+
+            Files.writeString(file, "f: 900 N\n");
+            lookAndRun(watched, 2 * TRIAL + 1);
+            assertThat(push()).as("refused: the old value stays").isEqualTo(5.0);
+            assertThat(stages("refused"))
+                    .singleElement()
+                    .satisfies(
+                            event -> {
+                                Map<String, Object> fields = event.fields();
+                                assertThat(fields).containsEntry("parameters", "f = 900.0");
+                                assertThat((double) fields.get("energy"))
+                                        .isGreaterThan((double) fields.get("mostEnergy"));
+                                assertThat(String.valueOf(fields.get("message")))
+                                        .startsWith(
+                                                "library push stays as it is; its new parameters"
+                                                        + " are refused: in frame ")
+                                        .contains("it gave the bodies", "more than the limit of");
+                            });
+
+            Files.delete(file);
+            lookAndRun(watched, 2 * TRIAL + 1);
+            assertThat(push()).as("the default, after another trial").isEqualTo(1.0);
+            assertThat(stages("accepted")).hasSize(2);
+        }
+    }
+
+    /** The values of the file are those that act again, so there is nothing left to try. */
+    @Test
+    void aFileOfParametersThatIsPutBackEndsItsTrial() throws Exception {
+        start(WITHOUT_PUSH, PLAN);
+        shadows.start();
+        Path laws = folder.resolve("laws");
+        try (LawFolder watched = folderWithPush(laws)) {
+            Files.writeString(laws.resolve("push.yaml"), "f: 5 N\n");
+            lookAndRun(watched, 5);
+            assertThat(shadows.report()).hasSize(1);
+            Files.delete(laws.resolve("push.yaml"));
+            lookAndRun(watched, TRIAL + 5);
+            assertThat(shadows.report()).isEmpty();
+            assertThat(stages("refused")).hasSize(1);
+            assertThat(changes).isEmpty();
+        }
+    }
+
+    @Test
+    void parametersInAFileWithAWrongUnitAreRefusedWithTheirPlace() throws Exception {
+        start(WITHOUT_PUSH, PLAN);
+        shadows.start();
+        Path laws = folder.resolve("laws");
+        try (LawFolder watched = folderWithPush(laws)) {
+            Files.writeString(laws.resolve("push.yaml"), "f: 5 m\n");
+            lookAndRun(watched, 2);
+            assertThat(shadows.report()).isEmpty();
+            assertThat(events)
+                    .filteredOn(event -> event.type().equals("fault"))
+                    .singleElement()
+                    .satisfies(
+                            event ->
+                                    assertThat(String.valueOf(event.fields().get("message")))
+                                            .contains("push.yaml:1:", "unit m does not fit N"));
+        }
+    }
+
+    @Test
+    void parametersInAFileTakeEffectAtOnceByDefault() throws Exception {
+        start(WITHOUT_PUSH, SwapPlan.STANDARD);
+        shadows.start();
+        Path laws = folder.resolve("laws");
+        try (LawFolder watched = folderWithPush(laws)) {
+            Files.writeString(laws.resolve("push.yaml"), "f: 5 N\n");
+            lookAndRun(watched, 1);
+            assertThat(changes).containsExactly(new LawChange.ParametersSet(1, Map.of("f", 5.0)));
+        }
+    }
+
     /** The copy that runs no longer has the laws of the world, or its past. */
     @Test
     void aTrialBeginsAgainIfLawsChangeOrTheWorldIsRewound() throws Exception {
@@ -593,9 +726,20 @@ class ShadowNativeTest {
             run(TRIAL);
             assertThat(stages("accepted")).hasSize(1);
             assertThat(stages("refused")).hasSize(1);
+            Laws laws = simulation.physics().laws();
+            for (double f : new double[] {5, 900}) {
+                shadows.begin(
+                        simulation.loop().frame(),
+                        List.of(laws.newParameters("push", Map.of("f", f))));
+                run(TRIAL + 10);
+            }
+            assertThat(loaded("push").parameters()).isEqualTo(Map.of("f", 5.0));
             hash = simulation.physics().stateHash();
         }
+        assertThat(stages("accepted")).hasSize(2);
+        assertThat(stages("refused")).hasSize(2);
         long taken = stages("accepted").getFirst().frame();
+        long set = stages("accepted").getLast().frame();
         List<Long> frames = new ArrayList<>();
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(log)) {
@@ -609,8 +753,8 @@ class ShadowNativeTest {
                     frames.add(0L);
                 }
             }
-            assertThat(replay.frames()).as("after the image").isEqualTo(2 * TRIAL + 9);
-            assertThat(frames).containsExactly(0L, taken);
+            assertThat(replay.frames()).as("after the image").isEqualTo(4 * TRIAL + 29);
+            assertThat(frames).containsExactly(0L, taken, set);
             try (Simulation again = replay.release()) {
                 assertThat(again.physics().stateHash()).isEqualTo(hash);
                 assertThat(again.events().count(Shadows.EVENT)).isZero();

@@ -265,6 +265,9 @@ class StoreDamageNativeTest {
         Path aside;
         try {
             was = StoreCheck.of(place.resolve(NAME), LAWS);
+            assertThat(StoreLaws.of(place.resolve(NAME), LAWS).frame())
+                    .as(which)
+                    .isEqualTo(was.frame());
             same(place, damaged, which + ", checked");
             aside = StoreCheck.repair(place.resolve(NAME), LAWS).getValue().orElseThrow();
         } catch (CorruptException | IOException lost) {

@@ -8,9 +8,14 @@ import org.junit.jupiter.api.io.TempDir;
 
 import reve.core.agent.AgentServerConfig;
 import reve.core.file.WorldFile;
+import reve.core.frame.Command;
+import reve.core.frame.FrameEvent;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
+import reve.core.world.World;
 import reve.core.world.WorldEvent;
+import reve.pe.PhysicsLaw;
+import reve.pe.adapter.Laws;
 import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.SqliteStore;
 
@@ -21,6 +26,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
+import java.util.concurrent.atomic.AtomicReference;
 
 /** The reports of a server when one of its worlds fails. */
 class WorldServerNativeTest {
@@ -127,6 +133,57 @@ class WorldServerNativeTest {
             server.run();
         }
         assertThat(worlds).isNotEmpty().containsOnly("mine");
+    }
+
+    /** A law that does not return would delay an event that follows its first step. */
+    @Test
+    void aLoadedLawIsReportedBeforeItsFirstStepAndOnce() throws Exception {
+        Queue<String> told = new ConcurrentLinkedQueue<>();
+        AtomicReference<Laws> laws = new AtomicReference<>();
+        ServerEvents events =
+                (event, fields) -> {
+                    if (event.startsWith("law-")) {
+                        long calls =
+                                laws.get().loaded().stream()
+                                        .filter(law -> law.name().equals(fields.get("library")))
+                                        .mapToLong(PhysicsLaw::calls)
+                                        .sum();
+                        told.add(event + " " + fields.get("library") + " " + calls);
+                    } else if (event.equals("rang")) {
+                        told.add(event);
+                    }
+                };
+        WorldPlan plan = plan("loading", 5, Optional.empty());
+        try (HostedWorld world = new HostedWorld(plan, Pacing.FAST, Optional.empty(), events)) {
+            Simulation simulation = world.simulation();
+            laws.set(simulation.physics().laws());
+            simulation
+                    .commands()
+                    .offer(
+                            new Command() {
+                                @Override
+                                public String origin() {
+                                    return "test";
+                                }
+
+                                @Override
+                                public long sequence() {
+                                    return 1;
+                                }
+
+                                @Override
+                                public void execute(World inside, FrameEvent frame) {
+                                    inside.raise(new WorldEvent(frame.frame(), "rang", Map.of()));
+                                    laws.get().load(frame.frame(), "drag", Map.of());
+                                }
+                            });
+            world.run();
+            assertThat(laws.get().loaded())
+                    .filteredOn(law -> law.name().equals("drag"))
+                    .singleElement()
+                    .satisfies(law -> assertThat(law.calls()).isPositive());
+        }
+        assertThat(told).containsExactly("rang", "law-loaded drag 0");
     }
 
     private static Thread journalsThread() {

@@ -7,6 +7,13 @@ import { LawText } from "./lawtext.js";
 const READ_MILLISECONDS = 1000;
 const MOST_TRIALS = 4;
 const PLOT = { width: 260, height: 64 };
+const TRUST = {
+  shipped: ["shipped", "good", "These are the bytes of a law that ships with REVE."],
+  text: ["text", "good", "A law as text accesses only the properties that it declares."],
+  operator: ["trusted", "warn", "The operator lets this code run with all rights of the server's account."],
+  untrusted: ["not trusted", "warn", "The operator does not trust this code."],
+};
+const THEN = { warn: "warn", unload: "unload", "skip-steps": "skip steps" };
 const ACCESS = { read: "reads", write: "writes", accumulate: "adds to", scratch: "remembers" };
 
 export class LawsPanel {
@@ -70,7 +77,7 @@ export class LawsPanel {
       this.available.replaceChildren(new Option("Choose a law…", ""), ...choices.map((name) => new Option(name, name)));
       if (choices.includes(chosen)) this.available.value = chosen;
     }
-    const shape = JSON.stringify(report.loaded.map((library) => [library.sha256, library.budget, library.interval, library.laws.map((law) => law.parameters.map((p) => p.value))]));
+    const shape = JSON.stringify(report.loaded.map((library) => [library.sha256, library.apart, library.trust, library.budget, library.interval, library.laws.map((law) => law.parameters.map((p) => p.value))]));
     if (shape !== this.shape && !this.sliding) {
       this.shape = shape;
       this.cards.clear();
@@ -86,7 +93,8 @@ export class LawsPanel {
     return h("section", { className: "card", "data-library": library.library, "aria-label": `Library ${library.library}` },
       h("header", null, h("h3", null, library.library),
         control && library.text ? h("button", { className: "small", "aria-label": `Edit ${library.library}`, onclick: () => this.editor.edit(library.text) }, "Edit") : null,
-        control ? h("button", { className: "small danger", "aria-label": `Unload ${library.library}`, onclick: () => this.unload(library.library) }, "Unload") : null),
+        control ? h("button", { className: "small danger", "aria-label": `Unload ${library.library}`, onclick: () => this.unload(library.library) }, "Unload") : null,
+        this.standing(library)),
       library.text || library.equation ? h("pre", { className: "equation" }, library.text ?? library.equation) : null,
       library.laws.map((law) => {
         const cost = h("span", { className: "chip" }, "");
@@ -103,6 +111,19 @@ export class LawsPanel {
           law.parameters.map((parameter) => this.parameter(library, law, parameter, control)));
       }),
       this.budget(library, control));
+  }
+
+  /** Where a library runs, why the server runs it, and its budget. */
+  standing(library) {
+    const [trust, kind, why] = TRUST[library.trust] ?? [library.trust ?? "unknown", "warn", ""];
+    const budget = library.budget;
+    return h("p", { className: "chips standing" },
+      library.apart
+        ? h("span", { className: "chip good apart", title: "It runs apart, in a sandboxed process of its own." }, "sandbox")
+        : h("span", { className: "chip apart", title: "It runs in the process of the engine, with the other laws." }, "engine"),
+      h("span", { className: `chip trust ${kind}`, title: why }, trust),
+      h("span", { className: "chip allowed", title: "Computing time that it may take in a frame" },
+        budget ? `budget ${number(budget.milliseconds)} ms, then ${THEN[budget.then] ?? budget.then}` : "no budget"));
   }
 
   /** Shows the budget of a library: the computing time that it may take in a frame, and the
@@ -220,6 +241,7 @@ export class LawsPanel {
       h("header", null, h("h3", null, event.library),
         h("span", { className: event.stage === "refused" ? "chip bad" : event.stage === "accepted" ? "chip good" : "chip" }, event.stage),
         h("span", { className: "chip" }, `${event.frames} of ${event.of} frames`)),
+      event.parameters ? h("p", { className: "doc parameters" }, event.parameters) : null,
       this.divergence(points, event.of),
       difference("position", "m"), difference("velocity", "m/s"),
       event.message ? h("p", { className: "fault" }, event.message) : null);

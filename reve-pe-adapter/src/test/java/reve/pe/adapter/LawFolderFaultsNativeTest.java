@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.adapter;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.world.WorldEvent;
+import reve.pe.NativeFiles;
+import reve.pe.PhysicsLaw;
+
+import java.io.IOException;
+import java.net.StandardProtocolFamily;
+import java.net.UnixDomainSocketAddress;
+import java.nio.channels.ServerSocketChannel;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.nio.file.StandardOpenOption;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Map;
+import java.util.TreeMap;
+
+/**
+ * Files in a laws folder that are no laws, or not yet: each costs one event and no frame. The
+ * frames of the world are compared with those of a world without a folder.
+ */
+@Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+class LawFolderFaultsNativeTest {
+    private static final int MACHINE = 18; // place of e_machine in the header of an ELF file
+    private static final int X86_64 = 62;
+    private static final int AARCH64 = 183;
+
+    @TempDir private Path parent;
+    private final AdapterFixture world = HostedFixture.inProcess();
+    private final AdapterFixture alone = HostedFixture.inProcess();
+    private Path folder;
+    private LawFolder laws;
+    private long frames;
+
+    @BeforeEach
+    void follow() throws IOException {
+        folder = Files.createDirectory(parent.resolve("laws"));
+        world.load("newton_motion");
+        alone.load("newton_motion");
+        laws =
+                new LawFolder(
+                        LawFolder.ORIGIN,
+                        folder,
+                        world.engine,
+                        world.adapter.laws(),
+                        world.commands,
+                        (library, file) -> FolderParameters.NONE);
+    }
+
+    @AfterEach
+    void close() {
+        laws.close();
+        world.close();
+        alone.close();
+    }
+
+    /** Makes a frame of both worlds. */
+    private void frame() {
+        world.run(1);
+        alone.run(1);
+        frames++;
+    }
+
+    private void lookAndRun(int times) {
+        for (int i = 0; i < times; i++) {
+            laws.look();
+            frame();
+        }
+    }
+
+    private List<String> loaded() {
+        return world.adapter.laws().loaded().stream().map(PhysicsLaw::name).toList();
+    }
+
+    private static byte[] wind() throws IOException {
+        return Files.readAllBytes(NativeFiles.testLaw("wind"));
+    }
+
+    /** Returns the law for the other processor: only its header differs. */
+    private static byte[] forAnotherProcessor() throws IOException {
+        byte[] bytes = wind();
+        bytes[MACHINE] = (byte) (bytes[MACHINE] == X86_64 ? AARCH64 : X86_64);
+        return bytes;
+    }
+
+    private static byte[] with(int place, int value) throws IOException {
+        byte[] bytes = wind();
+        bytes[place] = (byte) value;
+        return bytes;
+    }
+
+    /** The messages of the faults by file; fails if a file has two. */
+    private Map<String, String> messages() {
+        Map<String, String> messages = new TreeMap<>();
+        for (WorldEvent fault : world.events("fault")) {
+            String file = String.valueOf(fault.fields().get("file"));
+            assertThat(messages).as("one line each").doesNotContainKey(file);
+            messages.put(file, String.valueOf(fault.fields().get("message")));
+        }
+        return messages;
+    }
+
+    /**
+     * The folder's own thread follows. A thread that waited for the other end of a pipe would never
+     * report the files after it.
+     */
+    @Test
+    void filesThatAreNoLawsCostOneEventEachAndNoFrame() throws Exception {
+        Files.write(folder.resolve("a-arm.so"), forAnotherProcessor());
+        Files.write(folder.resolve("b-32-bit.so"), with(4, 1));
+        Files.write(folder.resolve("c-big-endian.so"), with(5, 2));
+        Files.write(folder.resolve("d-half.so"), Arrays.copyOf(wind(), wind().length / 2));
+        Files.createSymbolicLink(folder.resolve("e-link.so"), NativeFiles.testLaw("wind"));
+        Files.createSymbolicLink(folder.resolve("f-dangling.so"), folder.resolve("nowhere"));
+        for (String pipe : List.of("g-pipe.so", "g-pipe.law", "g-pipe.py")) {
+            Path file = folder.resolve(pipe);
+            assertThat(new ProcessBuilder("mkfifo", file.toString()).start().waitFor()).isZero();
+        }
+        Files.createDirectory(folder.resolve("h-folder.so"));
+        Files.write(folder.resolve("z-wind.so"), wind());
+        try (ServerSocketChannel socket = ServerSocketChannel.open(StandardProtocolFamily.UNIX)) {
+            socket.bind(UnixDomainSocketAddress.of(folder.resolve("i-socket.so")));
+            laws.start();
+            while (messages().size() < 11 || loaded().size() < 2) {
+                Thread.sleep(5);
+                world.run(1);
+                frames++;
+            }
+        }
+        for (int i = 0; i < 50; i++) { // several scans more report nothing again
+            Thread.sleep(20);
+            world.run(1);
+            frames++;
+        }
+        assertThat(messages().values())
+                .satisfiesExactly(
+                        arm -> assertThat(arm).contains("ELF file for another processor"),
+                        small -> assertThat(small).contains("not a 64-bit ELF file"),
+                        big -> assertThat(big).contains("ELF file of another byte order"),
+                        half -> assertThat(half).contains("truncated: needs "),
+                        link -> assertThat(link).contains("found a symbolic link"),
+                        dangling -> assertThat(dangling).contains("found a symbolic link"),
+                        pipe -> assertThat(pipe).contains("found a special file"),
+                        pipe -> assertThat(pipe).contains("found a special file"),
+                        pipe -> assertThat(pipe).contains("found a special file"),
+                        inside -> assertThat(inside).contains("found a folder"),
+                        socket -> assertThat(socket).contains("found a special file"));
+        assertThat(messages().values()).noneMatch(message -> message.contains("\n"));
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        assertThat(world.loop.frame()).isEqualTo(frames);
+    }
+
+    /** A scan follows each 205 bytes, as at 1 kB/s with five scans a second. */
+    @Test
+    void aCopyAtAKilobyteASecondIsOpenedOnceItIsWhole() throws Exception {
+        byte[] whole = wind();
+        Path file = Files.createFile(folder.resolve("wind.so"));
+        for (int done = 0; done < whole.length; done += 205) {
+            Files.write(
+                    file,
+                    Arrays.copyOfRange(whole, done, Math.min(whole.length, done + 205)),
+                    StandardOpenOption.APPEND);
+            lookAndRun(1);
+            assertThat(Files.readString(Path.of("/proc/self/maps"))).doesNotContain("wind.so");
+        }
+        assertThat(world.adapter.stateHash()).isEqualTo(alone.adapter.stateHash());
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        assertThat(world.events("fault")).isEmpty();
+        assertThat(world.events("law-loaded")).hasSize(2);
+    }
+
+    /** A pause makes the part look complete to the scans; its headers say that it is not. */
+    @Test
+    void aCopyThatPausesIsNeverOpenedInPart() throws Exception {
+        byte[] whole = wind();
+        for (int part = 1; part < 16; part++) {
+            Files.write(folder.resolve("wind.so"), Arrays.copyOf(whole, whole.length * part / 16));
+            lookAndRun(4);
+            assertThat(loaded()).containsExactly("newton_motion");
+            assertThat(Files.readString(Path.of("/proc/self/maps"))).doesNotContain("wind.so");
+        }
+        assertThat(world.events("fault")).as("not told before it waits for long").isEmpty();
+        assertThat(world.adapter.stateHash()).isEqualTo(alone.adapter.stateHash());
+        Files.write(folder.resolve("wind.so"), whole);
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+    }
+
+    @Test
+    void aFolderThatIsRemovedAndMadeAgainIsFollowedAgain() throws Exception {
+        Files.write(folder.resolve("wind.so"), wind());
+        lookAndRun(3);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        Files.delete(folder.resolve("wind.so"));
+        Files.delete(folder);
+        lookAndRun(3);
+        assertThat(loaded()).as("laws stay without a folder").contains("wind");
+        Files.createDirectory(folder);
+        Files.write(folder.resolve("wind.so"), wind());
+        lookAndRun(3);
+        assertThat(world.events("law-loaded")).as("the same law acts on").hasSize(2);
+        assertThat(world.events("law-unloaded")).isEmpty();
+        Files.delete(folder.resolve("wind.so"));
+        Files.delete(folder);
+        lookAndRun(3);
+        Files.createDirectory(folder);
+        lookAndRun(2);
+        assertThat(loaded()).as("the new folder is empty").containsExactly("newton_motion");
+        Files.write(folder.resolve("strong.so"), Files.readAllBytes(NativeFiles.testLaw("gale")));
+        lookAndRun(2);
+        assertThat(loaded()).hasSize(2);
+        assertThat(world.events("fault")).isEmpty();
+        assertThat(world.loop.frame()).isEqualTo(frames);
+    }
+}
