@@ -101,6 +101,16 @@ TEST_P(MisbehaviourTest, LoopInRangesOfAnyLengthDoesEachElementOnce) {
   }
 }
 
+/// The constructor runs when the library is opened, to read the declarations.
+TEST_P(MisbehaviourTest, ExceptionOfAConstructorArrivesWithItsMessage) {
+  TestEngine fresh(Options());
+  fresh.AddBodies(bodies);
+  EXPECT_REFUSED(LAW_FAILED, "law picky: no table of drag for 3 speeds", fresh.TryLoad("picky"));
+  EXPECT_REFUSED(LAW_FAILED, "law picky: its constructor threw something that is no std::exception",
+                 fresh.TryLoad("picky_number"));
+  EXPECT_OK(fresh.Advance(1, 1));
+}
+
 TEST_P(MisbehaviourTest, LawThatCannotBeMadeIsNotLoaded) {
   TestEngine fresh(Options());
   fresh.AddBodies(bodies);

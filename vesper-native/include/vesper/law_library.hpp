@@ -263,6 +263,47 @@ class Library {
   vesper_law_library library_{};
 };
 
+/** The table of a library whose laws cannot be constructed: one law, whose `create` fails with the
+ *  message of the exception. Its declarations are unknown. */
+class FailedLibrary {
+ public:
+  FailedLibrary(const char* name, const char* message) {
+    Fail(&error_, message);
+    law_.struct_size = sizeof law_;
+    law_.name = name;
+    law_.version = "0.0.0";
+    law_.doc = "A law whose constructor threw an exception.";
+    law_.phase = VESPER_PHASE_OBSERVE;
+    law_.create = [](const vesper_host* host, vesper_suite*, const double*, vesper_law**,
+                     vesper_error* error) noexcept {
+      if (error != nullptr) *error = static_cast<const FailedLibrary*>(host->user)->error_;
+      return vesper_status{VESPER_LAW_FAILED};
+    };
+    law_.bind = [](vesper_law*, const vesper_property*, vesper_error*) noexcept {
+      return vesper_status{VESPER_OK};
+    };
+    law_.advance = [](vesper_law*, const vesper_step*, vesper_error*) noexcept {
+      return vesper_status{VESPER_OK};
+    };
+    law_.destroy = [](vesper_law*) noexcept {};
+    library_.struct_size = sizeof library_;
+    library_.abi_version = VESPER_ABI_VERSION;
+    library_.name = name;
+    library_.law_count = 1;
+    library_.laws = &law_;
+    library_.user = this;
+  }
+  FailedLibrary(const FailedLibrary&) = delete;
+  FailedLibrary& operator=(const FailedLibrary&) = delete;
+
+  const vesper_law_library* get() const { return &library_; }
+
+ private:
+  vesper_error error_{};
+  vesper_law_desc law_{};
+  vesper_law_library library_{};
+};
+
 }  // namespace vesper::detail
 
 /** Defines the library: VESPER_LAW_LIBRARY("name", Law, MoreLaws...), once, in one source file,
@@ -272,8 +313,13 @@ class Library {
     try {                                                                             \
       static const ::vesper::detail::Library<__VA_ARGS__> library(name);              \
       return library.get();                                                           \
+    } catch (const std::exception& e) {                                               \
+      static const ::vesper::detail::FailedLibrary failed(name, e.what());            \
+      return failed.get();                                                            \
     } catch (...) {                                                                   \
-      return nullptr; /* a constructor threw: the engine refuses the library */       \
+      static const ::vesper::detail::FailedLibrary failed(                            \
+          name, "its constructor threw something that is no std::exception");         \
+      return failed.get();                                                            \
     }                                                                                 \
   }
 
