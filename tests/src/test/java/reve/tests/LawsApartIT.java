@@ -110,6 +110,13 @@ class LawsApartIT {
             Outcome replayed = reve(replay, option.toArray(String[]::new));
             assertThat(replayed.out()).as(replayed.err()).startsWith("identical: 6 frames");
         }
+        // The account remembers which libraries were in the folder, also after their files are
+        // gone.
+        Files.delete(untrusted.resolve("libvesper_law_wind.so"));
+        Outcome gone = reve(replay, "--untrusted", untrusted.toString());
+        assertThat(gone.out()).as(gone.err()).startsWith("identical: 6 frames");
+        Path other = Files.createDirectory(folder.resolve("other"));
+        assertThat(reve(replay, "--untrusted", other.toString()).code()).isEqualTo(4);
     }
 
     /** The recording contains the decision that the clock made. */

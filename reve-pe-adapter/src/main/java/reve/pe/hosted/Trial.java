@@ -61,7 +61,8 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
                 library.close();
                 throw new PhysicsException(
                         Status.LIBRARY_LOAD_FAILED,
-                        library.source() + ": it was not tested to the end, because the server ends");
+                        library.source()
+                                + ": it was not tested to the end, because the server ends");
             }
             if (lost.killed && !isLast) {
                 return false;

@@ -210,9 +210,7 @@ class HostedEngineNativeTest extends EngineContract {
                             .start(
                                     () -> {
                                         try {
-                                            orbit.engine
-                                                    .prepare("hostile_loop_in_create")
-                                                    .close();
+                                            orbit.engine.prepare("hostile_loop_in_create").close();
                                         } catch (PhysicsException refused) {
                                             refusal.set(refused);
                                         }

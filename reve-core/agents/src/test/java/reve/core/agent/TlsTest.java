@@ -130,8 +130,7 @@ class TlsTest {
     void aFloodOfHandshakesTakesFewThreads() throws Exception {
         SSLEngine engine = trusting.createSSLEngine("localhost", 1);
         engine.setUseClientMode(true);
-        ByteBuffer clientHello =
-                ByteBuffer.allocate(engine.getSession().getPacketBufferSize());
+        ByteBuffer clientHello = ByteBuffer.allocate(engine.getSession().getPacketBufferSize());
         engine.wrap(ByteBuffer.allocate(0), clientHello);
         byte[] greeting = Arrays.copyOf(clientHello.array(), clientHello.position());
         List<Socket> flood = new ArrayList<>();
@@ -148,7 +147,8 @@ class TlsTest {
             int most = Math.max(1, Runtime.getRuntime().availableProcessors() / 2);
             // The threads of a server that an earlier test has closed may need a moment to end.
             room.stepUntil(
-                    "1 to " + most + " threads compute", () -> handshakeThreads() >= 1 && handshakeThreads() <= most);
+                    "1 to " + most + " threads compute",
+                    () -> handshakeThreads() >= 1 && handshakeThreads() <= most);
             join(room).close();
         } finally {
             for (Socket socket : flood) {

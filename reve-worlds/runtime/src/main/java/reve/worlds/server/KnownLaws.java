@@ -8,6 +8,7 @@ import reve.core.disk.PartFile;
 import reve.pe.adapter.LawLibrary;
 
 import java.io.IOException;
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
@@ -18,6 +19,7 @@ import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.Predicate;
 
 /**
  * The file of known law libraries. A library is known if it shipped with the release or was in the
@@ -25,6 +27,8 @@ import java.util.Set;
  * SHA-256 of their bytes. Known libraries may be replaced later, by an upgrade or by a new version
  * in the folder. A store that contains the old bytes still opens without {@code --trust}. For a
  * library of a folder, the operator must name the same folder again.
+ *
+ * <p>library of a folder of untrusted laws, this permits a sandbox only.
  *
  * <p>A line contains the SHA-256, the name and, for a library of a folder, the folder. The file
  * belongs to the account; stores and recordings cannot add to it. It keeps at most {@link
@@ -40,6 +44,9 @@ final class KnownLaws {
     /** Separates the name of a library from its folder. */
     private static final String OF = "  of ";
 
+    /** Separates the name of a library from its folder of untrusted laws. */
+    private static final String UNTRUSTED_OF = "  untrusted of ";
+
     private static final long MOST_BYTES = 16L << 20;
 
     private KnownLaws() {}
@@ -50,22 +57,32 @@ final class KnownLaws {
      * @param folder the operator's folder that this command uses
      */
     static boolean contains(String sha256, Optional<Path> folder) {
+        return hasLine(
+                sha256,
+                line ->
+                        !line.contains(OF) && !line.contains(UNTRUSTED_OF)
+                                || folder.map(own -> line.endsWith(of(OF, own))).orElse(false));
+    }
+
+    /**
+     * Returns whether a library with these bytes was in this folder of untrusted laws, so it may
+     * run in a sandbox.
+     */
+    static boolean containsUntrusted(String sha256, Path folder) {
+        return hasLine(sha256, line -> line.endsWith(of(UNTRUSTED_OF, folder)));
+    }
+
+    private static boolean hasLine(String sha256, Predicate<String> isMeant) {
         try {
-            return lines().stream()
-                    .filter(line -> line.startsWith(sha256))
-                    .anyMatch(
-                            line ->
-                                    !line.contains(OF)
-                                            || folder.map(own -> line.endsWith(of(own)))
-                                                    .orElse(false));
+            return lines().stream().filter(line -> line.startsWith(sha256)).anyMatch(isMeant);
         } catch (IOException unreadable) {
             LOG.warn("{} cannot be read: {}", FILE, unreadable.toString());
             return false;
         }
     }
 
-    private static String of(Path folder) {
-        return OF + folder.toAbsolutePath().normalize();
+    private static String of(String separator, Path folder) {
+        return separator + folder.toAbsolutePath().normalize();
     }
 
     /**
@@ -74,17 +91,22 @@ final class KnownLaws {
      * @param folder the folder that contains the libraries; empty for libraries that ship with the
      *     release
      */
-    static synchronized void keep(List<LawLibrary> libraries, Optional<Path> folder) {
+    static void keep(List<LawLibrary> libraries, Optional<Path> folder) {
+        keepAll(libraries, folder.map(own -> of(OF, own)).orElse(""));
+    }
+
+    /** Adds libraries of a folder of untrusted laws like {@link #keep}. */
+    static void keepUntrusted(List<LawLibrary> libraries, Path folder) {
+        keepAll(libraries, of(UNTRUSTED_OF, folder));
+    }
+
+    private static synchronized void keepAll(List<LawLibrary> libraries, String place) {
         try {
             List<String> present = lines();
             Set<String> known = new HashSet<>(present);
             List<String> lines = new ArrayList<>();
             for (LawLibrary library : libraries) {
-                String line =
-                        library.sha256()
-                                + "  "
-                                + library.name()
-                                + folder.map(KnownLaws::of).orElse("");
+                String line = library.sha256() + "  " + library.name() + place;
                 if (line.lines().count() == 1 && known.add(line)) {
                     lines.add(line);
                 }
@@ -107,7 +129,7 @@ final class KnownLaws {
             }
             Files.write(FILE, lines, StandardOpenOption.CREATE, StandardOpenOption.APPEND);
         } catch (IOException unwritable) {
-            LOG.info(
+            LOG.warn(
                     "{} cannot be written, so stores of these laws need --trust after they were"
                             + " replaced: {}",
                     FILE,
@@ -123,7 +145,8 @@ final class KnownLaws {
         if (!Files.isRegularFile(FILE) || Files.size(FILE) > MOST_BYTES) {
             throw new IOException("it is no regular file of at most " + MOST_BYTES + " bytes");
         }
-        return Files.readAllLines(FILE);
+        // A line with a damaged byte is no reason to forget the others.
+        return new String(Files.readAllBytes(FILE), StandardCharsets.UTF_8).lines().toList();
     }
 
     private static Path folder() {

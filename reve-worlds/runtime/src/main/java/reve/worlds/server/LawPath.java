@@ -328,9 +328,11 @@ public record LawPath(
      * stored the world. It then runs in a sandbox again.
      */
     private boolean wasUntrusted(LawLibrary library) {
-        return sandboxed.folder().isPresent()
-                && !PreparedLibrary.isPython(library.bytes())
-                && KnownLaws.contains(library.sha256(), sandboxed.folder());
+        return !PreparedLibrary.isPython(library.bytes())
+                && sandboxed
+                        .folder()
+                        .map(own -> KnownLaws.containsUntrusted(library.sha256(), own))
+                        .orElse(false);
     }
 
     /**
@@ -388,7 +390,7 @@ public record LawPath(
                 .folder()
                 .ifPresent(
                         untrusted ->
-                                KnownLaws.keep(
+                                KnownLaws.keepUntrusted(
                                         opened.stream()
                                                 .filter(library -> !ships(library))
                                                 .filter(
@@ -397,14 +399,12 @@ public record LawPath(
                                                                         library.bytes()))
                                                 .filter(
                                                         library ->
-                                                                onlyFolders
-                                                                                && !isInFolder(
-                                                                                        library)
+                                                                onlyFolders && !isInFolder(library)
                                                                         || holds(
                                                                                 untrusted,
                                                                                 library.bytes()))
                                                 .toList(),
-                                        sandboxed.folder()));
+                                        untrusted));
     }
 
     private boolean isInFolder(LawLibrary library) {

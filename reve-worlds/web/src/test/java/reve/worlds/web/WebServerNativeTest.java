@@ -300,7 +300,8 @@ class WebServerNativeTest {
                                             + address.getAuthority()
                                             + "\r\nOrigin: http://example.com\r\n\r\n")
                                     .getBytes(StandardCharsets.US_ASCII));
-            var answer = new String(socket.getInputStream().readNBytes(13), StandardCharsets.US_ASCII);
+            var answer =
+                    new String(socket.getInputStream().readNBytes(13), StandardCharsets.US_ASCII);
             assertThat(answer).isEqualTo("HTTP/1.1 403 ");
         }
     }

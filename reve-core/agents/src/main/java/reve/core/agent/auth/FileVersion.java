@@ -14,6 +14,7 @@ import java.util.Set;
 /** The attributes of a file that identify its version, and its permissions. */
 record FileVersion(
         FileTime modified,
+        Object changed,
         long bytes,
         Object inode,
         boolean isFolder,
@@ -31,6 +32,7 @@ record FileVersion(
         PosixFileAttributes file = Files.readAttributes(path, PosixFileAttributes.class);
         return new FileVersion(
                 file.lastModifiedTime(),
+                Files.getAttribute(path, "unix:ctime"),
                 file.size(),
                 file.fileKey(),
                 file.isDirectory(),

@@ -80,8 +80,7 @@ final class TlsWire implements Wire {
     /**
      * @param handshakes runs the computations of handshakes on platform threads
      */
-    TlsWire(
-            SocketChannel channel, InetSocketAddress peer, SSLEngine engine, Executor handshakes) {
+    TlsWire(SocketChannel channel, InetSocketAddress peer, SSLEngine engine, Executor handshakes) {
         this.channel = channel;
         this.plain = new Plain(channel, peer);
         this.engine = engine;

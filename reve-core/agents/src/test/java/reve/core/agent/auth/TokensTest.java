@@ -18,6 +18,7 @@ import java.net.InetAddress;
 import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
+import java.nio.file.attribute.FileTime;
 import java.nio.file.attribute.PosixFilePermissions;
 import java.time.Instant;
 import java.util.ArrayList;
@@ -181,6 +182,26 @@ class TokensTest {
         assertThat(TokenFile.revoke(file, "bob")).isEmpty();
         assertThat(tokens.find(ada)).isPresent();
         assertThat(tokens.find(other)).isEmpty();
+    }
+
+    @Test
+    void aChangeWithTheSameSizeAndTimeIsSeen() throws IOException {
+        String secret = add("ada");
+        TokenFile tokens = TokenFile.open(file, () -> now);
+        FileTime before = Files.getLastModifiedTime(file);
+        Files.writeString(file, " ".repeat((int) Files.size(file)));
+        Files.setLastModifiedTime(file, before);
+        assertThat(tokens.find(secret)).isPresent();
+        assertThat(tokens.problem()).isPresent();
+    }
+
+    @Test
+    void anEmptyFileIsNotRead() throws IOException {
+        String secret = add("ada");
+        TokenFile tokens = TokenFile.open(file, () -> now);
+        Files.write(file, new byte[0]);
+        assertThat(tokens.find(secret)).isPresent();
+        assertThat(tokens.problem()).get().asString().contains("it is empty");
     }
 
     @Test
