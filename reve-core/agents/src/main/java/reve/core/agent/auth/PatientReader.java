@@ -20,10 +20,10 @@ import java.util.concurrent.TimeoutException;
 final class PatientReader {
 
     /** Time that a caller waits for a file [ms]. */
-    static final long PATIENCE_MILLIS = 200;
+    static final long PATIENCE_MILLIS = 500;
 
     /** Time after which a thread that still reads is given up, and another one may read [ns]. */
-    private static final long GIVE_UP_NANOS = TimeUnit.SECONDS.toNanos(2);
+    private static final long GIVE_UP_NANOS = TimeUnit.SECONDS.toNanos(10);
 
     /** Maximum number of threads that were given up and have not ended. */
     private static final int MOST_GIVEN_UP = 8;
