@@ -227,8 +227,8 @@ void Sandbox::Start(const Options& options, int library_fd, const std::string& f
   cpu_ = ProcessorTime();
 }
 
-/// Waits until the starting process has reported the process id of the sandbox, and the sandbox has
-/// reported its layers.
+/// Waits until the process that starts the sandbox has reported the sandbox's process id, and the
+/// sandbox has reported which layers of protection are active.
 void Sandbox::AwaitStart(int report) {
   const auto deadline = Clock::now() + kStartLimit;
   for (bool confined = false; pid_ < 0 || !confined;) {

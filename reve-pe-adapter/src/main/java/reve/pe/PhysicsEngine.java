@@ -129,8 +129,8 @@ public interface PhysicsEngine extends AutoCloseable {
     }
 
     /**
-     * Writes the wall-clock time of each law since it was loaded [ns], in the order of {@link
-     * #laws}. Allocates nothing; times are for reports and budgets only.
+     * Writes for each law the total wall-clock time of its calls since it was loaded [ns], in the
+     * order of {@link #laws}. Allocates nothing; times are for reports and budgets only.
      *
      * @param into long enough for all laws
      */

@@ -84,8 +84,9 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     }
 
     /**
-     * Loads and unloads the library. Only a crash is a failure. Refusals are ignored, because the
-     * engine checks whether the laws fit the world when the library is loaded.
+     * Loads and unloads the library. Only a crash is a failure. If the engine of this process
+     * refuses the laws, the refusal is ignored: the engine of the world checks later, when it loads
+     * the library, whether the laws fit the world.
      */
     private static void tryToLoad(HostProcess host, HostedLibrary library) throws HostLost {
         library.put(host.begin(Request.LOAD)).putInt(0);

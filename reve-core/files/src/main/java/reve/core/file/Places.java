@@ -89,9 +89,9 @@ public final class Places {
     }
 
     /**
-     * Returns the positions in a file.
+     * Returns the places in the text of a file at which items and constants are written.
      *
-     * @param items the position of each item of the description
+     * @param items the place in the text of each item of the description
      */
     static Places of(String file, List<Place> items, List<Node> constants) {
         Map<String, Place> byName = new HashMap<>();

@@ -55,8 +55,8 @@ final class Shadows implements Trials, AutoCloseable {
     private static final int MOST_TIMES = 10;
 
     /**
-     * Minimum time of the clock after which a trial is refused [ns]. The time is long because a
-     * machine may be busy.
+     * Least wall-clock time that a trial may take before it is refused as too slow [ns]. The time
+     * is long because a machine may be busy.
      */
     private static final double LEAST_NANOS = 60e9;
 
