@@ -10,6 +10,7 @@ import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
 import reve.core.text.Visible;
+import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.Quarantined;
 import reve.worlds.Product;
 import reve.worlds.server.StoreCheck;
@@ -21,6 +22,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.stream.Collectors;
 
 /**
  * The command {@code store}. It checks a store that no server has open, lists the laws of a store,
@@ -133,7 +135,7 @@ public final class StoreCommand implements Runnable {
                             + law.library().sha256()
                             + (law.library().parameters().isEmpty()
                                     ? ""
-                                    : ", " + Visible.line(law.library().parameters().toString())));
+                                    : ", " + parameters(law.library())));
         }
         for (Quarantined law : found.quarantined()) {
             out.println(
@@ -157,6 +159,12 @@ public final class StoreCommand implements Runnable {
                             + " --without-law NAME");
         }
         out.flush();
+    }
+
+    private static String parameters(LawLibrary library) {
+        return library.parameters().entrySet().stream()
+                .map(each -> Visible.line(each.getKey()) + " = " + each.getValue())
+                .collect(Collectors.joining(", "));
     }
 
     private void print(StoreCheck found) {

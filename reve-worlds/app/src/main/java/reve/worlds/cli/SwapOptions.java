@@ -18,8 +18,8 @@ final class SwapOptions {
             names = "--swap",
             paramLabel = "HOW",
             description =
-                    "How a new version of a loaded law, or new parameters, take over. shadow: after it has acted in a"
-                            + " copy of the world; at-once: in the next frame (default: native code"
+                    "How a new version of a loaded law, or its new parameters, take over. shadow:"
+                            + " after they have acted in a copy of the world; at-once: in the next frame (default: native code"
                             + " and Python in the shadow, texts and parameters at once).")
     private Optional<String> swap = Optional.empty();
 

@@ -52,7 +52,7 @@ final class HostedWorld implements AutoCloseable {
     private Optional<Path> olderRecording = Optional.empty();
 
     /** Number of events of the frame in progress that were reported before PHYSICS. */
-    private int told;
+    private int reported;
 
     /**
      * Builds the world, loads its laws, and opens its journals.
@@ -104,7 +104,7 @@ final class HostedWorld implements AutoCloseable {
             keepJournals(pacing == Pacing.FAST);
             shadows.start();
             closing.add(
-                    simulation.bus().subscribe(FramePhase.ACT, "loaded laws", this::tellLoaded));
+                    simulation.bus().subscribe(FramePhase.ACT, "loaded laws", this::reportLoaded));
         } catch (IOException | RuntimeException refused) {
             closing.closeAfter(refused);
             throw refused;
@@ -294,21 +294,24 @@ final class HostedWorld implements AutoCloseable {
      * Reports the events of the frame so far if a law was loaded, before the law's first step: a
      * law that does not return would delay the report. Runs after all changes of ACT.
      */
-    private void tellLoaded(FrameEvent frame) {
+    private void reportLoaded(FrameEvent frame) {
         List<WorldEvent> soFar = frame.world().events();
-        if (soFar.stream().anyMatch(event -> event.type().equals("law-loaded"))) {
-            tell(frame, soFar);
-            told = soFar.size();
+        for (WorldEvent event : soFar) {
+            if (event.type().equals("law-loaded")) {
+                report(frame, soFar);
+                reported = soFar.size();
+                return;
+            }
         }
     }
 
     private void tellEvents(FrameEvent frame) {
         List<WorldEvent> all = frame.world().events();
-        tell(frame, all.subList(Math.min(told, all.size()), all.size()));
-        told = 0;
+        report(frame, all.subList(Math.min(reported, all.size()), all.size()));
+        reported = 0;
     }
 
-    private void tell(FrameEvent frame, List<WorldEvent> raised) {
+    private void report(FrameEvent frame, List<WorldEvent> raised) {
         for (WorldEvent event : raised) {
             if (!events.wants(event.type())) {
                 continue;
