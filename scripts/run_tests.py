@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the tests of rooms, three suites at a time; the last line is `N passed, N failed`.
+"""Runs the tests of rooms, four suites at a time; the last line is `N passed, N failed`.
 
     run_tests.py ROOT [--quick] [--failed] [ROOM[/PART] ...]
 
@@ -62,7 +62,7 @@ SHORT_LIVES = {"REVE_JAVA_OPTIONS": SHORT_LIVED}
 FIRST_COMPILER = {"reve-core/world", "reve-core/files", "reve-core/agents"}
 
 # More than two processors: many tests wait for servers.
-AT_ONCE = 3
+AT_ONCE = 4
 PROGRESS_SECONDS = 20
 
 # A finished test, as printed by ctest, JUnit's feed and pytest.

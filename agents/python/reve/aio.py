@@ -16,7 +16,15 @@ from typing import AsyncIterator, Awaitable, Callable, List, Optional, Tuple, Ty
 from . import protocol
 from .commands import Commands
 from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, welcome_in
-from .errors import ReveError, broken, closed_by_server, left, not_answered, not_welcomed
+from .errors import (
+    ReveError,
+    broken,
+    closed_by_server,
+    left,
+    not_answered,
+    not_welcomed,
+    unreadable,
+)
 from .protocol import (
     Act,
     Argument,
@@ -41,10 +49,12 @@ _T = TypeVar("_T")
 class _Wire:
     """One connection: sends messages, and yields received ones."""
 
-    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    def __init__(
+        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, encoding: str
+    ) -> None:
         self.writer = writer
         self._reader = reader
-        self._incoming = Incoming()
+        self._incoming = Incoming(encoding)
 
     async def next(self) -> Optional[ServerMessage]:
         """Returns the next message, or None at the end of the connection."""
@@ -56,6 +66,13 @@ class _Wire:
             self._incoming.feed(data)
             message = self._incoming.next()
         return message
+
+    async def await_welcome(self) -> Welcome:
+        while True:
+            welcome = welcome_in(await self.next())
+            if welcome is not None:
+                self._incoming.limit = protocol.MOST_BYTES
+                return welcome
 
 
 async def connect(
@@ -118,30 +135,28 @@ class Client:
         self._waiters: List[asyncio.Future[None]] = []
 
     async def _begin(self) -> None:
-        self._wire, welcome = await self._open(self._greeting)
+        self._wire, welcome = await self._open(self._greeting, self._timeout)
         self._talk = Conversation(self._greeting, welcome)
         self._reader = asyncio.create_task(self._read())
 
-    async def _open(self, greeting: Message) -> Tuple[_Wire, Welcome]:
+    async def _open(self, greeting: Message, patience: float) -> Tuple[_Wire, Welcome]:
         try:
-            return await asyncio.wait_for(self._join(greeting), self._timeout)
+            return await asyncio.wait_for(self._join(greeting), patience)
         except asyncio.TimeoutError as error:
             raise not_welcomed() from error
 
     async def _join(self, greeting: Message) -> Tuple[_Wire, Welcome]:
         context = trusting(self._tls) if self._tls else None
         try:
-            wire = _Wire(*await asyncio.open_connection(*self._address, ssl=context))
+            reader, writer = await asyncio.open_connection(*self._address, ssl=context)
         except ssl.SSLError as error:
             raise failed(error) from error
+        wire = _Wire(reader, writer, str(greeting.get("encoding", protocol.JSON)))
         try:
-            wire.writer.write(protocol.encode(greeting))
-            while True:
-                welcome = welcome_in(await wire.next())
-                if welcome is not None:
-                    return wire, welcome
+            writer.write(protocol.encode(greeting))
+            return wire, await wire.await_welcome()
         except BaseException:
-            wire.writer.close()
+            writer.close()
             raise
 
     @property
@@ -253,6 +268,14 @@ class Client:
     # ---- the reader's task ----
 
     async def _read(self) -> None:
+        try:
+            await self._read_messages()
+        except ReveError as error:
+            self._finish(error)
+        except Exception as error:  # a message whose fields have wrong types
+            self._finish(unreadable(error))
+
+    async def _read_messages(self) -> None:
         end: ReveError = closed_by_server()
         while True:
             try:
@@ -265,12 +288,8 @@ class Client:
                     continue
             except OSError as error:
                 end = broken(error)
-            except ReveError as error:
-                self._finish(error)
-                return
             if not await self._resume():
-                self._finish(end)
-                return
+                raise end
 
     async def _resume(self) -> bool:
         """Reconnects until the time of grace is over. Returns True if the session continues."""
@@ -285,7 +304,8 @@ class Client:
             if greeting is None:
                 return False
             try:
-                self._wire, _ = await self._open(greeting)
+                patience = min(self._timeout, deadline - loop.time())
+                self._wire, _ = await self._open(greeting, patience)
             except (ReveError, OSError) as error:
                 if isinstance(error, ReveError) and not self._talk.may_retry(error):
                     self._finish(error)

@@ -25,7 +25,15 @@ from typing import (
 from . import protocol
 from .commands import Commands
 from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, welcome_in
-from .errors import ReveError, broken, closed_by_server, left, not_answered, not_welcomed
+from .errors import (
+    ReveError,
+    broken,
+    closed_by_server,
+    left,
+    not_answered,
+    not_welcomed,
+    unreadable,
+)
 from .protocol import (
     Act,
     Argument,
@@ -50,9 +58,9 @@ _T = TypeVar("_T")
 class _Wire:
     """One connection: sends messages, and yields received ones."""
 
-    def __init__(self, connection: Union[socket.socket, TlsSocket]) -> None:
+    def __init__(self, connection: Union[socket.socket, TlsSocket], encoding: str) -> None:
         self.socket = connection
-        self._incoming = Incoming()
+        self._incoming = Incoming(encoding)
 
     def next(self) -> Optional[ServerMessage]:
         """Returns the next message, or None at the end of the connection."""
@@ -64,6 +72,13 @@ class _Wire:
             self._incoming.feed(data)
             message = self._incoming.next()
         return message
+
+    def await_welcome(self) -> Welcome:
+        while True:
+            welcome = welcome_in(self.next())
+            if welcome is not None:
+                self._incoming.limit = protocol.MOST_BYTES
+                return welcome
 
 
 def connect(
@@ -138,7 +153,7 @@ class Client:
         self._tls = tls
         self._sending = threading.Lock()  # a thread that needs both locks acquires this one first
         self._changed = threading.Condition()
-        self._wire, welcome = self._open(greeting)
+        self._wire, welcome = self._open(greeting, timeout)
         self._talk = Conversation(greeting, welcome)
         self._reader = threading.Thread(
             target=self._read, name=f"reve agent {welcome.agent}", daemon=True
@@ -155,21 +170,38 @@ class Client:
                 f"{host}:{port}: {error.strerror or error}; does a server run there?",
             ) from error
 
-    def _open(self, greeting: Message) -> Tuple[_Wire, Welcome]:
+    def _open(self, greeting: Message, patience: float) -> Tuple[_Wire, Welcome]:
+        """Connects and waits for the welcome, at most for `patience` [s]."""
         plain = self._dial()
         connection: Union[socket.socket, TlsSocket] = plain
+        late = threading.Event()
+
+        def give_up() -> None:
+            late.set()
+            try:
+                plain.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                pass  # the connection has already ended
+
+        timer = threading.Timer(max(0.0, patience), give_up)
+        timer.daemon = True
+        timer.start()
         try:
             plain.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             if self._tls:
                 connection = secure(plain, self._address[0], self._tls)
-            wire = _Wire(connection)
+            wire = _Wire(connection, str(greeting.get("encoding", protocol.JSON)))
             connection.sendall(protocol.encode(greeting))
-            welcome = _await_welcome(wire)
+            welcome = wire.await_welcome()
             connection.settimeout(None)
             return wire, welcome
-        except BaseException:
+        except BaseException as error:
             connection.close()
+            if late.is_set() or isinstance(error, socket.timeout):
+                raise not_welcomed() from error
             raise
+        finally:
+            timer.cancel()
 
     @property
     def welcome(self) -> Welcome:
@@ -300,6 +332,14 @@ class Client:
     # ---- the reader's thread ----
 
     def _read(self) -> None:
+        try:
+            self._read_messages()
+        except ReveError as error:
+            self._finish(error)
+        except Exception as error:  # a message whose fields have wrong types
+            self._finish(unreadable(error))
+
+    def _read_messages(self) -> None:
         end: ReveError = closed_by_server()
         while True:
             try:
@@ -309,17 +349,14 @@ class Client:
                     continue
             except OSError as error:
                 end = broken(error)
-            except ReveError as error:
-                self._finish(error)
-                return
             if not self._resume():
-                self._finish(end)
-                return
+                raise end
 
     def _take(self, message: ServerMessage) -> None:
         with self._changed:
             reply = self._talk.take(message)
-            self._changed.notify_all()
+            if not isinstance(message, Event):  # no call waits for an event
+                self._changed.notify_all()
         if reply is not None:
             with self._sending:
                 self._send(reply)
@@ -337,7 +374,8 @@ class Client:
             if greeting is None:
                 return False
             try:
-                wire, _ = self._open(greeting)
+                patience = min(self._timeout, deadline - clock.monotonic())
+                wire, _ = self._open(greeting, patience)
             except (ReveError, OSError) as error:
                 if isinstance(error, ReveError) and not self._talk.may_retry(error):
                     self._finish(error)
@@ -463,13 +501,3 @@ class Control(Client, Commands[Result, Report]):
 def _edit(edit: Tuple[str, str, Argument], number: int) -> Message:
     item, property, value = edit
     return protocol.command(number, "edit", item=item, property=property, value=value)
-
-
-def _await_welcome(wire: _Wire) -> Welcome:
-    while True:
-        try:
-            welcome = welcome_in(wire.next())
-        except socket.timeout as error:
-            raise not_welcomed() from error
-        if welcome is not None:
-            return welcome

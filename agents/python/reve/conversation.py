@@ -86,9 +86,9 @@ class Conversation:
         self._observed_frame = -1
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
         self._frame_seen = welcome.frame - 1
-        # Frames of received events that are later than `_frame_seen`. Up to the frame
-        # `_frame_seen`, no event is missing.
-        self._seen_after: List[int] = []
+        # Up to the frame `_frame_seen`, no event is missing. Of the frame after it, `_heard_after`
+        # events have arrived.
+        self._heard_after = 0
         self._known_already = 0
 
     # ---- requests ----
@@ -307,7 +307,8 @@ class Conversation:
             return
         self._events.append(event)
         self._has_seen(event.frame - 1)
-        self._seen_after.append(event.frame)
+        if event.frame > self._frame_seen:
+            self._heard_after += 1
 
     def _miss(self, gap: Event) -> None:
         """Keeps the event `gap`, which stands for events that the server did not send, and counts
@@ -325,12 +326,13 @@ class Conversation:
         self.missed_events += int(count) if isinstance(count, (int, float)) else 1
         self._events.append(gap)
         self._has_seen(gap.frame)
-        self._known_already = min(self._known_already, len(self._seen_after))
+        self._known_already = min(self._known_already, self._heard_after)
 
     def _has_seen(self, frame: int) -> None:
         """Records that all events up to that frame have arrived."""
-        self._frame_seen = max(self._frame_seen, frame)
-        self._seen_after = [f for f in self._seen_after if f > self._frame_seen]
+        if frame > self._frame_seen:
+            self._frame_seen = frame
+            self._heard_after = 0
 
     def _is_of_stream(self, message: Union[Perception, Update]) -> bool:
         return self._streaming and message.id == self._subscription
@@ -380,7 +382,7 @@ class Conversation:
         """
         if self.end is not None:
             return self.encode(protocol.bye())
-        self._known_already = len(self._seen_after)
+        self._known_already = self._heard_after
         lines = b"".join(self._unanswered.values())
         if self._subscription is not None:
             lines += self.encode(protocol.perceive(self._subscription, self._every))

@@ -27,6 +27,11 @@ class ProtocolError(ReveError):
         super().__init__("protocol", message)
 
 
+def unreadable(error: Exception) -> ProtocolError:
+    """Returns the exception for a message whose fields have wrong types."""
+    return ProtocolError(f"the server sent a message that cannot be read ({error!r})")
+
+
 # Errors of connections, which the blocking and the asyncio client raise.
 
 

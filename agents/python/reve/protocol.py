@@ -31,11 +31,19 @@ AGENT, CONTROL, OBSERVER = "agent", "control", "observer"
 JSON, MSGPACK = "json", "msgpack"
 NOT_TURNED = (0.0, 0.0, 0.0, 1.0)
 
+MOST_BYTES = 1 << 30
+"""Maximum length of a message [bytes]."""
+MOST_BYTES_BEFORE_WELCOME = 1 << 20
+"""Maximum length of the welcome and of the messages before it [bytes]."""
+
 Value = Union[str, float, bool, List[float]]
 """The value of a symbol or of an event's field."""
 Argument = Union[str, bool, float, Sequence[float]]
 """An argument of an action, in the unit that the action declares."""
 Message = Dict[str, Any]
+
+# What decoding raises if the bytes are no message.
+_NO_MESSAGE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError)
 
 
 @dataclass(frozen=True)
@@ -432,7 +440,7 @@ def decode(line: bytes) -> ServerMessage:
     """Decodes a line from the server; raises ProtocolError if it is not a message."""
     try:
         return _message(json.loads(line.decode("utf-8")))
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except _NO_MESSAGE as error:
         shown = line[:200].decode("utf-8", "backslashreplace").rstrip()
         raise ProtocolError(
             f"the server sent {shown!r}, which is no message ({error!r})"
@@ -444,16 +452,22 @@ def decode_packed(message: bytes) -> ServerMessage:
     message."""
     try:
         return _message(_msgpack().unpackb(message))
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except _NO_MESSAGE as error:
         raise ProtocolError(
             f"the server sent {message[:200].hex()}, which is no message ({error!r})"
         ) from error
 
 
 class Incoming:
-    """Splits the received bytes of one connection into messages, in either encoding. One thread."""
+    """Splits the received bytes of one connection into messages, in either encoding. One thread.
 
-    def __init__(self) -> None:
+    A message may have at most `limit` bytes. The limit is small before the welcome, so that a
+    program that is no server cannot make the client collect bytes without end.
+    """
+
+    def __init__(self, encoding: str) -> None:
+        self.limit = MOST_BYTES_BEFORE_WELCOME
+        self._packed = encoding == MSGPACK
         self._bytes = bytearray()
         self._start = 0  # start of the next message
         self._searched = 0  # position up to which the end of this message was searched
@@ -468,14 +482,26 @@ class Incoming:
 
     def next(self) -> Optional[ServerMessage]:
         """Returns the next message, or None if it is incomplete. Raises ProtocolError if it is
-        invalid."""
-        if self._bytes[self._start : self._start + 1] == b"\0":
-            message = self._take(self._start + 4 + self._length())
+        invalid or too long."""
+        first = self._bytes[self._start : self._start + 1]
+        if self._packed and first and first != b"{":  # a length below 2^30, not a line
+            length = self._length()
+            self._require(length)
+            message = self._take(self._start + 4 + length)
             return None if message is None else decode_packed(message[4:])
         end = self._bytes.find(b"\n", max(self._searched, self._start)) + 1
         self._searched = len(self._bytes)
+        self._require((end or len(self._bytes)) - self._start)
         line = self._take(end) if end > 0 else None
         return None if line is None else decode(line)
+
+    def _require(self, length: int) -> None:
+        if length > self.limit:
+            begin = bytes(self._bytes[self._start : self._start + 40])
+            raise ProtocolError(
+                f"the server sent a message of {length} bytes or more that begins with {begin!r}, "
+                f"expected at most {self.limit} bytes"
+            )
 
     def _length(self) -> int:
         """Returns the length of the next message behind its prefix. If the prefix is incomplete,

@@ -18,7 +18,7 @@ except ImportError:
 
 def received(data):
     """Returns the first message in these received bytes."""
-    incoming = protocol.Incoming()
+    incoming = protocol.Incoming(protocol.MSGPACK if msgpack else protocol.JSON)
     incoming.feed(data)
     return incoming.next()
 
@@ -202,7 +202,7 @@ class ProtocolTest(unittest.TestCase):
         whole = b"".join(map(protocol.encode, messages, encodings))
         for size in range(1, len(whole) + 1):
             with self.subTest(size=size):
-                incoming, taken = protocol.Incoming(), []
+                incoming, taken = protocol.Incoming(encodings[1]), []
                 for begin in range(0, len(whole), size):
                     incoming.feed(whole[begin : begin + size])
                     message = incoming.next()
@@ -211,8 +211,34 @@ class ProtocolTest(unittest.TestCase):
                         message = incoming.next()
                 self.assertEqual(taken, pongs)
 
+    @unittest.skipIf(msgpack is None, "needs the package msgpack")
+    def test_a_packed_message_of_more_than_16_mib_is_read(self):
+        text = "x" * (17 << 20)
+        whole = protocol.encode(
+            {"t": "event", "frame": 1, "type": "said", "fields": {"text": text}}, protocol.MSGPACK
+        )
+        self.assertNotEqual(whole[0], 0, "the length needs its first byte")
+        incoming = protocol.Incoming(protocol.MSGPACK)
+        incoming.limit = protocol.MOST_BYTES
+        incoming.feed(whole)
+        self.assertEqual(incoming.next(), protocol.Event(1, "said", {"text": text}))
+
+    def test_a_message_beyond_the_limit_is_refused_before_it_is_complete(self):
+        for encoding, data in [
+            (protocol.JSON, b"x" * 1001),
+            (protocol.MSGPACK, (1001).to_bytes(4, "big")),
+            (protocol.MSGPACK, b"HTTP/1.1 400 Bad Request"),
+            (protocol.MSGPACK, b"{" + b" " * 1000),
+        ]:
+            with self.subTest(encoding=encoding, data=data[:10]):
+                incoming = protocol.Incoming(encoding)
+                incoming.limit = 1000
+                incoming.feed(data)
+                with self.assertRaisesRegex(ProtocolError, "expected at most 1000 bytes"):
+                    incoming.next()
+
     def test_a_message_that_is_none_leaves_the_next_one_readable(self):
-        incoming = protocol.Incoming()
+        incoming = protocol.Incoming(protocol.JSON)
         incoming.feed(b'nonsense\n{"t":"pong","id":1}\n')
         self.assertRaises(reve.ProtocolError, incoming.next)
         self.assertEqual(incoming.next(), protocol.Pong(1))

@@ -246,6 +246,18 @@ class ExperimentIT {
 
         Outcome again = script("agents.sh", "--jobs", "2");
         assertThat(again.out()).contains("identical to the results in ");
+
+        Path result = folder.resolve("pushed/result.json");
+        String text = Files.readString(result);
+        Files.writeString(result, text.replaceFirst("(\"stateHash\" : \")[0-9a-f]{4}", "$1beef"));
+        Outcome changed = script("agents.sh");
+        assertThat(changed.code()).isEqualTo(1);
+        assertThat(changed.out()).contains("different: run 1 in result.json: stateHash was \"beef");
+        Files.delete(result);
+        Files.createSymbolicLink(result, Path.of("/dev/zero"));
+        Outcome linked = script("agents.sh");
+        assertThat(linked.code()).isEqualTo(2);
+        assertThat(linked.err()).contains("result.json", "found a symbolic link");
     }
 
     @Test

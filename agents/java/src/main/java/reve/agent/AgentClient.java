@@ -433,6 +433,8 @@ public final class AgentClient implements AutoCloseable {
             }
         } catch (AgentException e) {
             finish(e);
+        } catch (RuntimeException e) { // a message whose fields have wrong types
+            finish(AgentException.unreadable(e));
         }
     }
 

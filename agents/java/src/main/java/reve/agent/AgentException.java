@@ -34,6 +34,24 @@ public class AgentException extends RuntimeException {
                 Optional.empty());
     }
 
+    static AgentException tooLong(long bytes, int most) {
+        return new AgentException(
+                "protocol",
+                "the server sent a message of "
+                        + bytes
+                        + " bytes or more, expected at most "
+                        + most
+                        + " bytes",
+                Optional.empty());
+    }
+
+    static AgentException unreadable(RuntimeException e) {
+        return new AgentException(
+                "protocol",
+                "the server sent a message that cannot be read: " + e,
+                Optional.empty());
+    }
+
     static AgentException noAnswer(Duration waited) {
         return new AgentException(
                 "no-answer",

@@ -219,7 +219,7 @@ final class Protocol {
     static ServerMessage read(byte[] packed) {
         try {
             return read(Packed.read(packed));
-        } catch (IOException | RuntimeException e) {
+        } catch (IOException | RuntimeException | StackOverflowError e) {
             throw noMessage("MessagePack of " + packed.length + " bytes: " + e.getMessage());
         }
     }

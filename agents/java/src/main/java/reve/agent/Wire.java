@@ -15,8 +15,10 @@ import java.net.InetSocketAddress;
 import java.net.Socket;
 import java.net.SocketTimeoutException;
 import java.nio.charset.StandardCharsets;
-import java.time.Duration;
 import java.util.Optional;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.TimeUnit;
+import java.util.concurrent.atomic.AtomicBoolean;
 
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLException;
@@ -29,12 +31,21 @@ import javax.net.ssl.SSLSocket;
  */
 final class Wire implements Closeable {
 
+    /** Maximum length of a message [bytes]. */
+    private static final int MOST_BYTES = 1 << 30;
+
+    /** Maximum length of the welcome and of the messages before it [bytes]. */
+    private static final int MOST_BYTES_BEFORE_WELCOME = 1 << 20;
+
     private final Socket socket;
+    private final Encoding encoding;
+    private int mostBytes = MOST_BYTES_BEFORE_WELCOME;
     private final DataInputStream in;
     private final OutputStream out;
 
-    private Wire(Socket socket) throws IOException {
+    private Wire(Socket socket, Encoding encoding) throws IOException {
         this.socket = socket;
+        this.encoding = encoding;
         this.in = new DataInputStream(new BufferedInputStream(socket.getInputStream()));
         this.out = socket.getOutputStream();
     }
@@ -50,6 +61,16 @@ final class Wire implements Closeable {
      */
     static Opened open(InetSocketAddress address, Join join) throws IOException {
         var socket = new Socket();
+        var late = new AtomicBoolean();
+        // A timeout of the socket alone would begin anew with each byte that the server sends.
+        CompletableFuture<Void> alarm =
+                CompletableFuture.runAsync(
+                        () -> {
+                            late.set(true);
+                            closeQuietly(socket);
+                        },
+                        CompletableFuture.delayedExecutor(
+                                join.patience().toMillis(), TimeUnit.MILLISECONDS));
         try {
             int patience = Math.toIntExact(join.patience().toMillis());
             connect(socket, address, patience);
@@ -59,22 +80,45 @@ final class Wire implements Closeable {
                     new Wire(
                             join.tls().isPresent()
                                     ? secure(socket, address.getHostString(), join.tls().get())
-                                    : socket);
+                                    : socket,
+                            join.encoding());
             wire.write(encode(Protocol.hello(join), Encoding.JSON));
-            Welcome welcome = wire.awaitWelcome(join.patience());
+            Welcome welcome = wire.awaitWelcome();
+            wire.mostBytes = MOST_BYTES;
             socket.setSoTimeout(0);
             return new Opened(wire, welcome);
         } catch (SSLException e) {
             socket.close();
+            requireInTime(late, join);
             throw new DisconnectedException(
                     "tls-failed",
                     e.getMessage(),
                     Optional.of(
                             "does the server speak TLS, and is its certificate one that you"
                                     + " trust?"));
+        } catch (SocketTimeoutException e) {
+            socket.close();
+            throw AgentException.noAnswer(join.patience());
         } catch (IOException | RuntimeException e) {
             socket.close();
+            requireInTime(late, join);
             throw e;
+        } finally {
+            alarm.cancel(false);
+        }
+    }
+
+    private static void requireInTime(AtomicBoolean late, Join join) {
+        if (late.get()) {
+            throw AgentException.noAnswer(join.patience());
+        }
+    }
+
+    private static void closeQuietly(Socket socket) {
+        try {
+            socket.close();
+        } catch (IOException e) {
+            // Ignored: close frees the descriptor even if it fails.
         }
     }
 
@@ -119,22 +163,18 @@ final class Wire implements Closeable {
      * Waits for the welcome. Before the welcome, the server may only send pings, refuse the hello
      * or end the connection.
      */
-    private Welcome awaitWelcome(Duration patience) throws IOException {
-        try {
-            while (true) {
-                switch (next()) {
-                    case Welcome welcome -> {
-                        return welcome;
-                    }
-                    case ServerMessage.Ping ping -> write(encode(Protocol.pong(), Encoding.JSON));
-                    case ServerMessage.Bye bye ->
-                            throw new DisconnectedException(bye.code(), bye.message(), bye.hint());
-                    case ServerMessage.Error error -> throw AgentException.refused(error);
-                    case ServerMessage other -> throw AgentException.unexpected(other);
+    private Welcome awaitWelcome() throws IOException {
+        while (true) {
+            switch (next()) {
+                case Welcome welcome -> {
+                    return welcome;
                 }
+                case ServerMessage.Ping ping -> write(encode(Protocol.pong(), Encoding.JSON));
+                case ServerMessage.Bye bye ->
+                        throw new DisconnectedException(bye.code(), bye.message(), bye.hint());
+                case ServerMessage.Error error -> throw AgentException.refused(error);
+                case ServerMessage other -> throw AgentException.unexpected(other);
             }
-        } catch (SocketTimeoutException e) {
-            throw AgentException.noAnswer(patience);
         }
     }
 
@@ -142,17 +182,22 @@ final class Wire implements Closeable {
      * Returns the next message.
      *
      * @throws EOFException if the server has closed the connection
+     * @throws AgentException with code {@code protocol} if it is no message, or too long
      */
     ServerMessage next() throws IOException {
         int first = in.read();
         if (first < 0) {
             throw new EOFException("the server closed it without a reason");
         }
-        if (first != 0) { // a line of JSON begins with a brace, a length prefix with 0
+        if (encoding == Encoding.JSON || first == '{') {
             return Protocol.read(line(first));
         }
-        byte[] packed = new byte[in.readUnsignedByte() << 16 | in.readUnsignedShort()];
-        in.readFully(packed);
+        int length = first << 24 | in.readUnsignedByte() << 16 | in.readUnsignedShort();
+        require(length);
+        byte[] packed = in.readNBytes(length); // grows with the bytes that arrive
+        if (packed.length < length) {
+            throw new EOFException("the server closed it within a message");
+        }
         return Protocol.read(packed);
     }
 
@@ -161,11 +206,18 @@ final class Wire implements Closeable {
         int next = first;
         for (; next >= 0 && next != '\n'; next = in.read()) {
             line.write(next);
+            require(line.size());
         }
         if (next < 0) {
             throw new EOFException("the server closed it within a line");
         }
         return line.toString(StandardCharsets.UTF_8);
+    }
+
+    private void require(int length) {
+        if (length < 0 || length > mostBytes) {
+            throw AgentException.tooLong(Integer.toUnsignedLong(length), mostBytes);
+        }
     }
 
     void write(byte[] messages) throws IOException {

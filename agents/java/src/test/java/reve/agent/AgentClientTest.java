@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
+import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
+
+import tools.jackson.databind.ObjectMapper;
 
 import java.io.IOException;
+import java.io.OutputStream;
 import java.net.ConnectException;
 import java.net.InetAddress;
 import java.net.ServerSocket;
+import java.net.Socket;
+import java.nio.charset.StandardCharsets;
 import java.time.Duration;
+import java.util.List;
 
-/** A client that finds no server at its address. */
+/** Addresses at which there is no server of worlds, or a faulty one. */
 class AgentClientTest {
 
     private static final int BACKLOG = 1;
@@ -28,6 +36,106 @@ class AgentClientTest {
                     .withMessageContaining("silent for 0.05 s")
                     .extracting(AgentException::code)
                     .isEqualTo("no-answer");
+        }
+    }
+
+    private static final String WELCOME =
+            """
+            {"t":"welcome","protocol":1,"role":"agent","agent":"ada","body":"duck","world":"pond",\
+            "frame":0,"rate":60,"encoding":"msgpack","limits":{"lineBytes":1,\
+            "messagesPerSecond":1,"actsInFlight":1,"idleSeconds":1,"graceSeconds":1}}""";
+
+    /** What a faulty server does after it has read the hello. */
+    private interface Talk {
+        void with(OutputStream client) throws Exception;
+    }
+
+    /** Starts a server for one client. */
+    private static ServerSocket serve(Talk talk) throws IOException {
+        var server = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress());
+        Thread.ofVirtual()
+                .start(
+                        () -> {
+                            try (Socket client = server.accept()) {
+                                client.getInputStream().read(new byte[65_536]);
+                                talk.with(client.getOutputStream());
+                            } catch (Exception e) {
+                                // The client has left, or the test ends.
+                            }
+                        });
+        return server;
+    }
+
+    private static void assertRefused(ServerSocket server, Join join, String code, String message) {
+        assertThatExceptionOfType(AgentException.class)
+                .isThrownBy(
+                        () -> {
+                            try (AgentClient ada =
+                                    AgentClient.connect("127.0.0.1", server.getLocalPort(), join)) {
+                                ada.perceive();
+                            }
+                        })
+                .withMessageContaining(message)
+                .extracting(AgentException::code)
+                .isEqualTo(code);
+    }
+
+    @Test
+    @Timeout(60)
+    void thePatienceLimitsJoiningWhateverTheServerSends() throws IOException {
+        for (String drip : List.of("{\"t\":\"ping\"}\n", " ")) {
+            Talk talk =
+                    client -> {
+                        while (true) {
+                            client.write(drip.getBytes(StandardCharsets.UTF_8));
+                            Thread.sleep(20);
+                        }
+                    };
+            try (ServerSocket server = serve(talk)) {
+                Join ada = Join.as("ada").withPatience(Duration.ofMillis(300));
+                assertRefused(server, ada, "no-answer", "silent for 0.3 s");
+            }
+        }
+    }
+
+    @Test
+    @Timeout(60)
+    void bytesWithoutEndBeforeTheWelcomeAreRefused() throws IOException {
+        Talk talk =
+                client -> {
+                    while (true) {
+                        client.write(new byte[65_536]);
+                    }
+                };
+        try (ServerSocket server = serve(talk)) {
+            assertRefused(server, Join.as("ada"), "protocol", "expected at most 1048576 bytes");
+        }
+    }
+
+    @Test
+    @Timeout(60)
+    void aMessageOfMoreThan16MebibytesIsReadInMessagePack() throws Exception {
+        var event = new ObjectMapper().createObjectNode();
+        event.put("t", "event").put("frame", 1).put("type", "said");
+        event.putObject("fields").put("text", "x".repeat(17 << 20));
+        byte[] packed = Packed.write(event);
+        assertThat(packed[0]).as("the length needs its first byte").isNotZero();
+        Talk talk =
+                client -> {
+                    client.write((WELCOME + "\n").getBytes(StandardCharsets.UTF_8));
+                    client.write(packed);
+                    Thread.sleep(Duration.ofMinutes(1));
+                };
+        try (ServerSocket server = serve(talk)) {
+            Join join = Join.as("ada").withEncoding(Encoding.MESSAGEPACK);
+            try (AgentClient ada = AgentClient.connect("127.0.0.1", server.getLocalPort(), join)) {
+                List<WorldEvent> heard = List.of();
+                while (heard.isEmpty()) {
+                    Thread.sleep(20);
+                    heard = ada.events();
+                }
+                assertThat(heard).singleElement().extracting(WorldEvent::type).isEqualTo("said");
+            }
         }
     }
 

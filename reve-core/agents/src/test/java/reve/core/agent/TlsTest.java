@@ -122,6 +122,26 @@ class TlsTest {
         room.stepUntil("it is gone", () -> room.server.stats().open() == 0);
     }
 
+    /** Each change of keys costs the event loop as much as many messages. */
+    @Test
+    void aClientThatChangesItsKeysOverAndOverIsDisconnected() throws Exception {
+        try (TestClient ada = join(room)) {
+            SSLSocket socket = (SSLSocket) ada.socket;
+            for (int i = 0; i < 20; i++) {
+                socket.startHandshake(); // in TLS 1.3: changes the keys
+            }
+            ada.say("{'t':'ping','id':1}").expect("pong");
+            assertThatThrownBy(
+                            () -> {
+                                for (int i = 0; i < 10_000; i++) {
+                                    socket.startHandshake();
+                                }
+                            })
+                    .isInstanceOf(IOException.class);
+            room.stepUntil("it is gone", () -> room.server.stats().open() == 0);
+        }
+    }
+
     /**
      * Handshakes of many clients are computed by a few platform threads. A thread for each of them
      * stopped the world for seconds.

@@ -4,6 +4,7 @@ package reve.worlds.experiment;
 import reve.core.disk.PartFile;
 import reve.core.disk.Reason;
 import reve.core.file.Experiment;
+import reve.pe.posix.RegularFile;
 import reve.worlds.Product;
 
 import tools.jackson.core.JacksonException;
@@ -13,6 +14,7 @@ import tools.jackson.databind.json.JsonMapper;
 import java.io.BufferedWriter;
 import java.io.IOException;
 import java.io.OutputStream;
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
@@ -52,7 +54,15 @@ public final class ResultFolder {
     public static final String AGENTS = "agents";
 
     private static final int FORMAT = 1;
-    private static final long MAX_BYTES = 2L << 30;
+    private static final int MAX_BYTES = 1 << 30;
+
+    /** Fields of a run that are the same in each repetition, whatever version has written them. */
+    private static final List<String> COMPARED =
+            List.of("run", "seed", "frames", "state", "values", "stateHash");
+
+    /** Maximum number of characters of a field in a message. */
+    private static final int SHOWN = 100;
+
     private static final JsonMapper MAPPER = JsonMapper.shared();
 
     private final Path folder;
@@ -112,11 +122,7 @@ public final class ResultFolder {
     private String text(String name) throws IOException {
         Path file = folder.resolve(name);
         try {
-            if (Files.size(file) > MAX_BYTES) {
-                throw new IOException(
-                        file + " has " + Files.size(file) + " bytes, expected results");
-            }
-            return Files.readString(file);
+            return new String(RegularFile.read(file, MAX_BYTES), StandardCharsets.UTF_8);
         } catch (IOException unreadable) {
             throw Reason.naming(file, unreadable);
         }
@@ -134,9 +140,40 @@ public final class ResultFolder {
     public Comparison compare(Experiment experiment, List<RunResult> results) throws IOException {
         List<List<String>> runs = table(RUNS);
         List<List<String>> series = table(SERIES);
+        JsonNode meta = meta();
         return new Comparison(
-                Difference.first(runs, series, new ResultTable(experiment, results), results),
-                since(meta(), experiment, results));
+                Difference.first(runs, series, new ResultTable(experiment, results), results)
+                        .or(() -> inRuns(meta.path("runs"), experiment, results)),
+                since(meta, experiment, results));
+    }
+
+    /** Compares the runs in {@value #RESULT} with new ones. */
+    private static Optional<Difference> inRuns(
+            JsonNode before, Experiment experiment, List<RunResult> results) {
+        for (int i = 0; i < results.size(); i++) {
+            // Written and read, so that numbers have the same form as those in the file.
+            JsonNode now =
+                    MAPPER.readTree(
+                            MAPPER.writeValueAsString(runFields(experiment, results.get(i))));
+            for (String field : COMPARED) {
+                JsonNode was = before.path(i).path(field);
+                if (!was.equals(now.path(field))) {
+                    return Optional.of(
+                            new Difference(
+                                    "run " + (i + 1) + " in " + RESULT,
+                                    Optional.empty(),
+                                    field,
+                                    shown(was),
+                                    shown(now.path(field))));
+                }
+            }
+        }
+        return Optional.empty();
+    }
+
+    private static String shown(JsonNode value) {
+        String text = value.isMissingNode() ? "" : value.toString();
+        return text.length() <= SHOWN ? text : text.substring(0, SHOWN) + "…";
     }
 
     private List<List<String>> table(String name) throws IOException {

@@ -1,449 +1,282 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.audit;
 
-import org.jspecify.annotations.Nullable;
-
-import reve.core.agent.auth.TokenFile;
 import reve.core.agent.protocol.Encoding;
-import reve.core.agent.protocol.Json;
-import reve.core.agent.protocol.MessagePackReader;
-import reve.core.disk.OwnedFile;
-import reve.core.disk.Reason;
-import reve.core.text.Visible;
-
-import tools.jackson.databind.node.ObjectNode;
 
 import java.io.Closeable;
 import java.io.IOException;
 import java.nio.ByteBuffer;
-import java.nio.channels.FileChannel;
-import java.nio.charset.StandardCharsets;
-import java.nio.file.AccessDeniedException;
-import java.nio.file.Files;
-import java.nio.file.Path;
-import java.security.MessageDigest;
-import java.security.NoSuchAlgorithmException;
+import java.time.Duration;
 import java.time.Instant;
 import java.time.InstantSource;
-import java.util.Base64;
-import java.util.HexFormat;
-import java.util.List;
 import java.util.Optional;
-import java.util.function.LongSupplier;
-import java.util.regex.Matcher;
-import java.util.regex.Pattern;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.ExecutionException;
+import java.util.concurrent.LinkedBlockingQueue;
+import java.util.concurrent.TimeUnit;
+import java.util.concurrent.TimeoutException;
+import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * A record of every message to clients with its time: one JSON object per message, appended to a
- * file when the message is written to the connection. Secrets are omitted, and pixels of pictures
- * are replaced by a hash (SHA-256). A file that reaches the maximum size is rotated. While the file
- * cannot be written, the log only counts messages and tries to write once per second. The first
- * record after such a gap contains the number of missing records. For any thread.
+ * A record of every message to clients with its time. A thread of its own writes the file, so that
+ * a disk that does not answer delays no client. Messages wait for this thread in a queue of at most
+ * {@link #MOST_WAITING_BYTES}. A message has no record if the queue is full, or if the disk has not
+ * answered for {@link #PATIENCE_MILLIS}; the record then contains the number of such messages.
+ *
+ * <p>If the plan requires the record, the caller of {@link #told} waits for the disk, at most for
+ * {@link #PATIENCE_MILLIS}, and must not send the message without a record.
+ *
+ * <p>For any thread, unless a method says otherwise. Only {@link #told} and {@link #close} wait.
  */
 public final class AuditLog implements Closeable {
 
-    private static final List<String> PIXELS = List.of("colour", "depth", "items");
-    private static final Pattern SECRET =
-            Pattern.compile("(?<=\"session\":\\{\"token\":\")[0-9a-f]+");
-    private static final Pattern HEAD =
-            Pattern.compile("\\{\"at\":\"[^\"]{1,40}\",\"(world|unrecorded)\":");
-    private static final int HEAD_BYTES = 80;
-    private static final int READ_BYTES = 1 << 16;
-    private static final long RETRY_NANOS = 1_000_000_000;
+    /** Time after which a disk that does not answer counts as a failure [ms]. */
+    static final long PATIENCE_MILLIS = 1000;
+
+    /** Maximum size of the messages that wait for the disk [bytes]. */
+    static final long MOST_WAITING_BYTES = 32L << 20;
+
+    /** Minimum interval in which the file is examined for problems [ns]. */
+    private static final long LOOK_NANOS = TimeUnit.MILLISECONDS.toNanos(100);
+
+    /** Time that {@link #close} waits for the disk [ms]. */
+    private static final long CLOSE_MILLIS = 5000;
+
+    /** The task after which the thread ends. */
+    private static final Task END = new Task(() -> {}, 0);
+
+    /** What the thread does if no task waits: it examines the file. */
+    private static final Task NONE = new Task(() -> {}, 0);
 
     private final AuditPlan plan;
-    private final Path file;
+    private final AuditFile file;
     private final InstantSource clock;
-    private final LongSupplier nanos;
-    private OwnedFile out;
-    private long size;
+    private final Thread thread;
+    private final LinkedBlockingQueue<Task> tasks = new LinkedBlockingQueue<>();
+    private final AtomicLong waitingBytes = new AtomicLong();
 
-    /** Size at which the file is rotated [bytes]. */
-    private long fullSize;
+    /** Number of messages that the file has not recorded, as known to the writing thread. */
+    private volatile long unrecorded;
 
-    /** True if the file ends with an incomplete record. */
-    private boolean torn;
+    /** When the writing thread began its current task [ns]; 0 if it has none. */
+    private volatile long busySince;
 
-    /** Number of messages without a record since the last successful write. */
-    private long missing;
+    private volatile Optional<String> problem = Optional.empty();
+    private volatile String solved;
+    private volatile boolean serving = true;
 
-    private Instant missingSince = Instant.EPOCH;
-    private long triedNanos;
-    private @Nullable String failure;
-    private @Nullable String rotationFailure;
-    private String lastGap = "";
-    private long unrecorded;
+    /** Whether the last result of an examination was taken, so that the next one may follow. */
+    private volatile boolean asked = true;
+
+    private volatile boolean closed;
+
+    private final Object skipping = new Object();
+
+    /** Number of messages that did not wait for the disk and are not in the record yet. */
+    private long skipped; // guarded by skipping
+
+    private Instant skippedSince = Instant.EPOCH; // guarded by skipping
+
+    /** Whether a message was skipped since the last report of problems. */
+    private boolean hasSkipped; // guarded by skipping
+
+    /** Work of the writing thread, and how many bytes wait for it. */
+    private record Task(Runnable work, long bytes) {}
 
     /**
      * @throws IOException if the file cannot be appended to, or is no audit record
      */
     public AuditLog(AuditPlan plan) throws IOException {
-        this(plan, InstantSource.system(), System::nanoTime);
-    }
-
-    /**
-     * @param nanos a clock like {@link System#nanoTime}
-     */
-    public AuditLog(AuditPlan plan, InstantSource clock, LongSupplier nanos) throws IOException {
         this.plan = plan;
-        this.file = plan.file();
-        this.clock = clock;
-        this.nanos = nanos;
-        try {
-            OwnedFile.requireOlder(file, plan.keep(), AuditLog::requireRecord);
-            out = open();
-        } catch (IOException e) {
-            throw new IOException(
-                    "the audit record " + file + " could not be opened: " + Reason.of(e), e);
-        }
+        this.clock = InstantSource.system();
+        this.file = new AuditFile(plan, clock, System::nanoTime);
+        this.solved = file.solved();
+        this.thread = Thread.ofPlatform().daemon().name("audit record").start(this::write);
     }
 
     /**
-     * Opens and locks the file. First checks, without a lock, that the file is an audit record. An
-     * incomplete last record is allowed, because a crash may have left it.
-     */
-    private OwnedFile open() throws IOException {
-        boolean regular = !Files.exists(file) || Files.isRegularFile(file);
-        boolean cut = regular && Files.exists(file) && !endsWithLine();
-        OwnedFile opened = OwnedFile.open(file, TokenFile.PRIVATE);
-        size = opened.channel().size();
-        fullSize = regular ? plan.maxBytes() : Long.MAX_VALUE;
-        torn = cut;
-        return opened;
-    }
-
-    /**
-     * Returns whether the file ends with a complete record. Throws an exception, without changing
-     * the file, if the file is not an audit record.
-     */
-    private boolean endsWithLine() throws IOException {
-        try (FileChannel in = FileChannel.open(file)) {
-            long next = requireRecord(in, "it");
-            return next == in.size();
-        }
-    }
-
-    /**
-     * Throws an exception if an older file is no audit record. Rotation would rename or replace
-     * this file.
-     */
-    private static void requireRecord(Path older) throws IOException {
-        try (FileChannel in = FileChannel.open(older)) {
-            requireRecord(in, older.toString());
-        } catch (AccessDeniedException e) {
-            throw new IOException(older + " cannot be read: permission denied", e);
-        }
-    }
-
-    /**
-     * Returns the position of the last line. This line may be incomplete. Throws an exception if
-     * the file is no audit record.
-     */
-    private static long requireRecord(FileChannel in, String name) throws IOException {
-        // The first line is checked first, because the search for the start of the last line may
-        // read the whole file.
-        long next = isRecord(in, 0) ? lineBefore(in, in.size()) : -1;
-        if (next < 0 || next > 0 && !isRecord(in, lineBefore(in, next - 1))) {
-            throw new IOException(
-                    name
-                            + " is there already and holds something else than an audit "
-                            + "record; name another file, or move it away");
-        }
-        return next;
-    }
-
-    /** Returns the position at which the line with the byte before {@code place} begins. */
-    private static long lineBefore(FileChannel in, long place) throws IOException {
-        ByteBuffer buffer = ByteBuffer.allocate(READ_BYTES);
-        for (long end = place; end > 0; end -= buffer.capacity()) {
-            long from = Math.max(0, end - buffer.capacity());
-            int count = in.read(buffer.clear().limit((int) (end - from)), from);
-            for (int i = count - 1; i >= 0; i--) {
-                if (buffer.get(i) == '\n') {
-                    return from + i + 1;
-                }
-            }
-        }
-        return 0;
-    }
-
-    /**
-     * Returns whether the line at a position begins like a record. An incomplete record is
-     * accepted.
-     */
-    private static boolean isRecord(FileChannel in, long start) throws IOException {
-        ByteBuffer buffer = ByteBuffer.allocate(HEAD_BYTES);
-        in.read(buffer, start);
-        String line =
-                new String(buffer.array(), 0, buffer.position(), StandardCharsets.UTF_8)
-                        .lines()
-                        .findFirst()
-                        .orElse("");
-        Matcher head = HEAD.matcher(line);
-        return buffer.position() == 0 || !line.isEmpty() && (head.lookingAt() || head.hitEnd());
-    }
-
-    /**
-     * Records a message that is about to be written to a connection.
+     * Records a message that is about to be written to a connection. The line may be reused after
+     * this call.
      *
      * @return false if recording failed and the message must therefore not be sent
      */
-    public synchronized boolean told(
-            String world, String client, Encoding encoding, ByteBuffer line) {
-        if (!isWritable()) {
-            return leaveOut();
+    public boolean told(String world, String client, Encoding encoding, ByteBuffer line) {
+        int length = line.remaining();
+        if (!isServing()
+                || isLate()
+                || waitingBytes.get() + length > MOST_WAITING_BYTES
+                || closed) {
+            return skip();
         }
-        String json =
-                encoding == Encoding.JSON
-                        ? withoutPixels(
-                                StandardCharsets.UTF_8
-                                        .decode(line.slice(0, line.remaining() - 1))
-                                        .toString())
-                        : MessagePackReader.read(
-                                        line.slice(
-                                                Encoding.LENGTH_BYTES,
-                                                line.remaining() - Encoding.LENGTH_BYTES),
-                                        AuditLog::hash)
-                                .toString();
-        return write(
-                        "{\"at\":\""
-                                + clock.instant()
-                                + "\",\"world\":\""
-                                + world
-                                + "\",\"client\":\""
-                                + client
-                                + "\",\"message\":"
-                                + withoutSecret(json)
-                                + "}")
-                || leaveOut();
+        Instant at = clock.instant();
+        ByteBuffer copy = ByteBuffer.allocate(length).put(line.slice()).flip();
+        var recorded = new CompletableFuture<Boolean>();
+        waitingBytes.addAndGet(length);
+        tasks.add(
+                new Task(
+                        () -> recorded.complete(file.told(at, world, client, encoding, copy)),
+                        length));
+        return !plan.required() || await(recorded);
     }
 
-    private boolean leaveOut() {
+    private boolean await(CompletableFuture<Boolean> recorded) {
+        try {
+            if (recorded.get(PATIENCE_MILLIS, TimeUnit.MILLISECONDS)) {
+                return true;
+            }
+        } catch (ExecutionException | TimeoutException e) {
+            // Not recorded in time: the same as not recorded.
+        } catch (InterruptedException ending) {
+            Thread.currentThread().interrupt();
+        }
+        serving = false;
+        return false;
+    }
+
+    private boolean skip() {
         if (plan.required()) {
+            serving = false;
             return false;
         }
-        missing++;
-        unrecorded++;
+        synchronized (skipping) {
+            if (skipped++ == 0) {
+                skippedSince = clock.instant();
+                tasks.add(new Task(this::recordSkipped, 0)); // behind the messages that wait
+            }
+            hasSkipped = true;
+        }
         return true;
+    }
+
+    /**
+     * Returns whether the disk has not answered for a longer time than {@link #PATIENCE_MILLIS}.
+     */
+    private boolean isLate() {
+        long since = busySince;
+        return since != 0
+                && System.nanoTime() - since > TimeUnit.MILLISECONDS.toNanos(PATIENCE_MILLIS);
     }
 
     /**
      * Returns whether messages may be sent. They may be sent if the record can be written or is not
      * required.
      */
-    public synchronized boolean isServing() {
-        return !plan.required() || isWritable();
+    public boolean isServing() {
+        return !plan.required() || serving && !isLate();
     }
 
     /**
      * Returns why the record cannot be written or rotated, or what another program did to the file;
      * empty if there is no problem. If the file was moved, removed or cut, a new record begins at
-     * its path.
+     * its path. Each problem is returned at least once. The answer is that of an examination after
+     * the last call.
      */
-    public synchronized Optional<String> problem() {
-        String trouble = failure == null ? out.trouble(size) : "";
-        if (!trouble.isEmpty()) {
-            beginAnew();
-            if (failure == null) {
-                return Optional.of(
-                        "the audit record "
-                                + file
-                                + " "
-                                + trouble
-                                + "; a new one"
-                                + " begins there, which lacks what was recorded before");
-            }
+    public Optional<String> problem() {
+        if (isLate() || takeSkipped()) {
+            return Optional.of(
+                    "what clients are sent cannot be recorded in "
+                            + plan.file()
+                            + ": the disk is too slow (a message waits at most "
+                            + PATIENCE_MILLIS
+                            + " ms for it)"
+                            + plan.consequence());
         }
-        return isWritable()
-                ? Optional.ofNullable(rotationFailure)
-                : Optional.of(
-                        "what clients are sent cannot be recorded in "
-                                + file
-                                + ": "
-                                + failure
-                                + (plan.required()
-                                        ? "; clients are disconnected until it can"
-                                        : "; they are served without a record"));
+        Optional<String> found = problem;
+        asked = true;
+        return found;
+    }
+
+    private boolean takeSkipped() {
+        synchronized (skipping) {
+            boolean taken = hasSkipped;
+            hasSkipped = false;
+            return taken;
+        }
     }
 
     /** Returns the message for the operator that a problem has ended. */
-    public synchronized String solved() {
-        return "what clients are sent is recorded in " + file + " again" + lastGap;
+    public String solved() {
+        return solved;
     }
 
     /** Returns the number of messages sent so far without a record. */
-    public synchronized long unrecorded() {
-        return unrecorded;
-    }
-
-    private void beginAnew() {
-        lastGap = "";
-        closeQuietly(out);
-        try {
-            out = open();
-            rotationFailure = null;
-        } catch (IOException e) {
-            failed(e);
+    public long unrecorded() {
+        synchronized (skipping) {
+            return unrecorded + skipped;
         }
     }
 
     /**
-     * Returns whether the file can be written. After a failure, tries once per second to open the
-     * path again. The path may lead to another file by then.
+     * Writes what waits for the disk, and closes the file. Gives up after five seconds if the disk
+     * does not answer; {@link #unrecorded} then counts the messages that wait.
      */
-    private boolean isWritable() {
-        if (failure == null) {
-            return true;
-        }
-        if (nanos.getAsLong() - triedNanos < RETRY_NANOS) {
-            return false;
-        }
-        triedNanos = nanos.getAsLong();
-        closeQuietly(out); // closing releases the lock
-        try {
-            out = open();
-        } catch (IOException e) {
-            failure = Reason.of(e);
-            return false;
-        }
-        failure = null;
-        if (write(
-                "{\"at\":\""
-                        + clock.instant()
-                        + "\",\"unrecorded\":"
-                        + missing
-                        + ",\"since\":\""
-                        + missingSince
-                        + "\"}")) {
-            lastGap =
-                    plan.required()
-                            ? ""
-                            : "; "
-                                    + missing
-                                    + " messages since "
-                                    + missingSince
-                                    + " have no record";
-            missing = 0;
-            return true;
-        }
-        return false;
-    }
-
-    private boolean write(String record) {
-        ByteBuffer bytes =
-                ByteBuffer.wrap(
-                        ((torn ? "\n" : "") + Visible.json(record) + "\n")
-                                .getBytes(StandardCharsets.UTF_8));
-        if (size > 0 && size + bytes.remaining() > fullSize) {
-            rotate();
-        }
-        try {
-            while (bytes.hasRemaining()) {
-                size += out.channel().write(bytes);
-            }
-            torn = false;
-            return true;
-        } catch (IOException e) {
-            failed(e);
-            takeBack(size - bytes.position());
-            return false;
-        }
-    }
-
-    private void failed(IOException e) {
-        if (missing == 0) {
-            missingSince = clock.instant();
-        }
-        failure = Reason.of(e);
-        triedNanos = nanos.getAsLong();
-    }
-
-    private void takeBack(long end) {
-        try {
-            out.channel().truncate(end);
-            size = end;
-        } catch (IOException e) {
-            torn = true;
-        }
-    }
-
-    /**
-     * Renames each older file to the next number, and removes the oldest. If that fails, for
-     * example because an older file has other content or is in use, the current file stays in use
-     * and grows beyond its maximum size.
-     */
-    private void rotate() {
-        if (!out.isInPlace()) { // the file was moved or removed: problem() begins a new one
-            return;
-        }
-        try {
-            OwnedFile.rotate(file, plan.keep(), AuditLog::requireRecord);
-        } catch (IOException e) {
-            rotationFailed(e);
-            return;
-        }
-        OwnedFile full = out;
-        try {
-            out = open();
-            rotationFailure = null;
-        } catch (IOException e) { // continues in the full file, whatever its name is now
-            out = full;
-            rotationFailed(e);
-            return;
-        }
-        closeQuietly(full);
-    }
-
-    private static void closeQuietly(OwnedFile closing) {
-        try {
-            closing.close();
-        } catch (IOException e) {
-            // This class buffers no data, so a failed close loses nothing.
-        }
-    }
-
-    private void rotationFailed(IOException e) {
-        fullSize = size + plan.maxBytes();
-        rotationFailure =
-                "the audit record "
-                        + file
-                        + " cannot be rotated: "
-                        + Reason.of(e)
-                        + "; it grows beyond "
-                        + plan.maxBytes()
-                        + " bytes";
-    }
-
-    private static String withoutPixels(String json) {
-        if (!json.startsWith("{\"t\":\"image\"")) {
-            return json;
-        }
-        var image = (ObjectNode) Json.MAPPER.readTree(json);
-        for (String layer : PIXELS) {
-            if (image.has(layer)) {
-                image.put(layer, hash(Base64.getDecoder().decode(image.get(layer).stringValue())));
-            }
-        }
-        return image.toString();
-    }
-
-    private static String hash(byte[] bytes) {
-        try {
-            byte[] digest = MessageDigest.getInstance("SHA-256").digest(bytes);
-            return "sha256:" + HexFormat.of().formatHex(digest);
-        } catch (NoSuchAlgorithmException impossible) {
-            throw new AssertionError("every JDK has SHA-256", impossible);
-        }
-    }
-
-    private static String withoutSecret(String json) {
-        return json.startsWith("{\"t\":\"welcome\"")
-                ? SECRET.matcher(json).replaceFirst("…")
-                : json;
-    }
-
     @Override
     public void close() throws IOException {
-        out.close();
+        closed = true;
+        tasks.add(END);
+        try {
+            if (!thread.join(Duration.ofMillis(CLOSE_MILLIS))) {
+                synchronized (skipping) {
+                    skipped += tasks.size(); // of these, END is none, but one more is being written
+                }
+            }
+        } catch (InterruptedException ending) {
+            Thread.currentThread().interrupt();
+        }
+    }
+
+    // ---- the writing thread ----
+
+    private void write() {
+        long looked = 0;
+        Task task = NONE;
+        while (task != END) {
+            task = next();
+            busySince = Math.max(1, System.nanoTime());
+            task.work().run();
+            waitingBytes.addAndGet(-task.bytes());
+            if ((asked || !serving) && System.nanoTime() - looked > LOOK_NANOS) {
+                looked = System.nanoTime();
+                asked = false;
+                look();
+            }
+            unrecorded = file.unrecorded();
+            busySince = 0;
+        }
+        try {
+            file.close();
+        } catch (IOException e) {
+            // The file buffers no data, so a failed close loses nothing.
+        }
+    }
+
+    private Task next() {
+        try {
+            Task next = tasks.poll(LOOK_NANOS, TimeUnit.NANOSECONDS);
+            return next == null ? NONE : next;
+        } catch (InterruptedException e) {
+            throw new AssertionError("no one interrupts this thread", e);
+        }
+    }
+
+    private void recordSkipped() {
+        long messages;
+        Instant since;
+        synchronized (skipping) {
+            messages = skipped;
+            since = skippedSince;
+            skipped = 0;
+            unrecorded += messages; // file.unrecorded() counts them from now on
+        }
+        file.skipped(messages, since);
+        solved = file.solved();
+    }
+
+    private void look() {
+        problem = file.problem();
+        if (problem.isEmpty()) {
+            solved = file.solved();
+        }
+        serving = file.isServing();
     }
 }

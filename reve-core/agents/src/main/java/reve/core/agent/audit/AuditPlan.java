@@ -31,6 +31,13 @@ public record AuditPlan(Path file, long maxBytes, int keep, boolean required) {
         }
     }
 
+    /** Returns what happens while messages cannot be recorded: the end of a report about it. */
+    String consequence() {
+        return required
+                ? "; clients are disconnected until it can"
+                : "; they are served without a record";
+    }
+
     /**
      * Returns a plan with the default limits. With this plan the server continues if the record
      * cannot be written.

@@ -11,6 +11,7 @@ import java.io.IOException;
 import java.io.InputStream;
 import java.nio.channels.FileChannel;
 import java.nio.channels.FileLock;
+import java.nio.file.AccessDeniedException;
 import java.nio.file.FileSystemException;
 import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
@@ -170,9 +171,15 @@ public final class TokenFile {
             }
         } catch (IOException e) {
             read = null;
-            problem = Optional.of("the tokens stay as they were: " + e.getMessage());
+            problem = Optional.of("the tokens stay as they were: " + reason(e));
         }
         return tokens;
+    }
+
+    private String reason(IOException e) {
+        return e instanceof AccessDeniedException
+                ? path + " cannot be read: " + Reason.of(e)
+                : e.getMessage();
     }
 
     private static FileVersion version(Path path) throws IOException {
@@ -238,6 +245,23 @@ public final class TokenFile {
     }
 
     /**
+     * Gives a file the owner of another one, so that a server of that account can still read it,
+     * and its group if possible. Only root can change an owner.
+     *
+     * @return whether the owners are the same now
+     */
+    private static boolean keepOwner(Path from, Path to) throws IOException {
+        for (String attribute : List.of("unix:gid", "unix:uid")) {
+            try {
+                Files.setAttribute(to, attribute, Files.getAttribute(from, attribute));
+            } catch (FileSystemException e) {
+                // Permission denied: the comparison below says whether this matters.
+            }
+        }
+        return Files.getAttribute(from, "unix:uid").equals(Files.getAttribute(to, "unix:uid"));
+    }
+
+    /**
      * Changes the file. A lock serializes changes by several programs. Replaces the file
      * atomically, so that readers never see half a change.
      */
@@ -269,6 +293,14 @@ public final class TokenFile {
             try {
                 Files.createFile(next, PRIVATE);
                 Files.write(next, bytes, StandardOpenOption.SYNC);
+                if (Files.exists(file)) {
+                    keepOwner(file, lock);
+                    if (!keepOwner(file, next)) {
+                        throw new IOException(
+                                "it belongs to another account, whose server could not read the"
+                                        + " changed file; run this command as that account");
+                    }
+                }
                 Files.move(next, file, StandardCopyOption.ATOMIC_MOVE);
             } catch (IOException e) {
                 throw Reason.naming(file, e);

@@ -193,8 +193,10 @@ public final class EventLoop {
      */
     private void turn(long mostNanos, long awakeNanos) {
         try {
-            for (Runnable task = tasks.poll(); task != null; task = tasks.poll()) {
+            // Tasks that these tasks add are for the next turn, so they cannot keep the loop here.
+            for (int count = tasks.size(); count > 0 && tasks.poll() instanceof Runnable task; ) {
                 task.run();
+                count--;
             }
             work.run();
             long now = System.nanoTime();

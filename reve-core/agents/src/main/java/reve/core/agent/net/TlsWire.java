@@ -39,6 +39,13 @@ final class TlsWire implements Wire {
      */
     private static final int RECORD_BYTES = 18 * 1024;
 
+    /**
+     * Maximum number of records without data after the handshake. Such a record may change the keys
+     * ({@code KeyUpdate}), which costs far more computation than data. Clients change keys after
+     * millions of records.
+     */
+    private static final int MOST_RECORDS_WITHOUT_DATA = 64;
+
     private final SocketChannel channel;
     private final Plain plain;
     private final SSLEngine engine;
@@ -62,6 +69,10 @@ final class TlsWire implements Wire {
 
     private boolean begun;
     private boolean shaken;
+
+    /** Number of records without data that the client has sent after the handshake. */
+    private int recordsWithoutData;
+
     private boolean computing;
     private boolean bypassed;
 
@@ -163,6 +174,7 @@ final class TlsWire implements Wire {
                 case NEED_WRAP -> more = wrap(NOTHING);
                 default -> {
                     SSLEngineResult result = engine.unwrap(in, out);
+                    requireData(result);
                     shaken |= result.getHandshakeStatus() == HandshakeStatus.FINISHED;
                     open = result.getStatus() != SSLEngineResult.Status.CLOSED;
                     more = result.getStatus() == SSLEngineResult.Status.OK;
@@ -172,6 +184,18 @@ final class TlsWire implements Wire {
         incoming = copy(in);
         received = copy(out.flip());
         return open;
+    }
+
+    private void requireData(SSLEngineResult result) throws SSLException {
+        if (shaken
+                && result.bytesConsumed() > 0
+                && result.bytesProduced() == 0
+                && ++recordsWithoutData > MOST_RECORDS_WITHOUT_DATA) {
+            throw new SSLException(
+                    "more than "
+                            + MOST_RECORDS_WITHOUT_DATA
+                            + " records without data, such as changes of keys");
+        }
     }
 
     /**

@@ -3,6 +3,7 @@ package reve.core.agent.auth;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
+import static org.junit.jupiter.api.Assumptions.assumeTrue;
 
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
@@ -15,6 +16,7 @@ import reve.core.agent.protocol.Role;
 
 import java.io.IOException;
 import java.net.InetAddress;
+import java.nio.file.FileSystemException;
 import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
@@ -67,6 +69,23 @@ class TokensTest {
                 .isInstanceOf(NoSuchFileException.class)
                 .hasMessageContaining(file + " is a link to a file that is not there");
         assertThat(file).isSymbolicLink();
+    }
+
+    /** Otherwise the server of that account would not see a token that root revokes. */
+    @Test
+    void aChangeByRootKeepsTheOwnerOfTheFile() throws IOException {
+        add("ada");
+        int nobody = 65534;
+        try {
+            Files.setAttribute(file, "unix:uid", nobody);
+        } catch (FileSystemException e) {
+            assumeTrue(false, "only root can give a file to another account");
+        }
+        TokenFile.revoke(file, "ada");
+        assertThat(TokenFile.open(file).tokens()).isEmpty();
+        assertThat(Files.getAttribute(file, "unix:uid")).isEqualTo(nobody);
+        Path lock = folder.resolve(".tokens.json.lock");
+        assertThat(Files.getAttribute(lock, "unix:uid")).isEqualTo(nobody);
     }
 
     @Test

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Clients of programs that are no servers of worlds, or faulty ones."""
+
+import asyncio
+import json
+import socket
+import threading
+import time
+import unittest
+
+import reve
+import reve.aio
+
+WELCOME = {
+    "t": "welcome",
+    "id": None,
+    "protocol": 1,
+    "role": "agent",
+    "agent": "ada",
+    "body": "duck",
+    "world": "pond",
+    "frame": 0,
+    "rate": 60,
+    "limits": {
+        "lineBytes": 1,
+        "messagesPerSecond": 1,
+        "actsInFlight": 1,
+        "idleSeconds": 1,
+        "graceSeconds": 60,
+    },
+}
+SESSION = {"session": {"token": "0" * 32, "graceSeconds": 60}}
+DEEP = b"[" * 100_000 + b"\n"
+PATIENCE = 60  # seconds after which a test fails; the clients' own limits are below 6 s
+
+
+def line(message):
+    return json.dumps(message).encode() + b"\n"
+
+
+class FakeServer:
+    """Accepts connections and runs `talk` with each on a thread of its own."""
+
+    def __init__(self, talk):
+        self._listening = socket.create_server(("127.0.0.1", 0))
+        self.port = self._listening.getsockname()[1]
+        self._talk = talk
+        self._ends = threading.Event()
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def _accept(self):
+        while True:
+            try:
+                connection, _ = self._listening.accept()
+            except OSError:
+                return
+            threading.Thread(target=self._serve, args=(connection,), daemon=True).start()
+
+    def _serve(self, connection):
+        try:
+            with connection:
+                connection.recv(65536)  # the hello
+                self._talk(connection, self._ends)
+        except OSError:
+            pass  # the client has left
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._ends.set()
+        self._listening.close()
+
+
+def drip(data):
+    """Returns a talk that sends these bytes ten times a second."""
+
+    def talk(connection, ends):
+        while not ends.wait(0.1):
+            connection.sendall(data)
+
+    return talk
+
+
+def flood(data):
+    def talk(connection, ends):
+        while not ends.is_set():
+            connection.sendall(data)
+
+    return talk
+
+
+def welcome_and(*messages, **more):
+    """Returns a talk that welcomes the client and then sends these bytes."""
+
+    def talk(connection, ends):
+        connection.sendall(line({**WELCOME, **more}) + b"".join(messages))
+        ends.wait()
+
+    return talk
+
+
+class HostileServerTest(unittest.TestCase):
+    def setUp(self):
+        self.began = time.monotonic()
+
+    def tearDown(self):
+        self.assertLess(time.monotonic() - self.began, PATIENCE)
+
+    def joins(self, server):
+        """Yields how a blocking client and one for asyncio join."""
+        yield lambda **more: reve.connect(port=server.port, name="ada", timeout=0.5, **more)
+
+        def join(**more):
+            async def run():
+                await reve.aio.connect(port=server.port, name="ada", timeout=0.5, **more)
+
+            asyncio.run(run())
+
+        yield join
+
+    def test_the_timeout_limits_joining_whatever_the_server_sends(self):
+        for talk in (drip(line({"t": "ping"})), drip(b" "), lambda _, ends: ends.wait()):
+            with FakeServer(talk) as server:
+                for join in self.joins(server):
+                    with self.assertRaises(reve.ReveError) as refused:
+                        join()
+                    self.assertEqual(refused.exception.code, "no-answer")
+
+    def test_bytes_without_end_before_the_welcome_are_refused(self):
+        with FakeServer(flood(b"x" * 65536)) as server:
+            for join in self.joins(server):
+                with self.assertRaises(reve.ProtocolError) as refused:
+                    join()
+                self.assertIn("expected at most", str(refused.exception))
+
+    def test_what_is_no_welcome_is_a_protocol_error(self):
+        for data in (DEEP, line({**WELCOME, "limits": 7}), line({**WELCOME, "session": [1]})):
+            with FakeServer(welcome_and()) as server:
+                server._talk = lambda connection, ends, data=data: connection.sendall(data)
+                for join in self.joins(server):
+                    self.assertRaises(reve.ProtocolError, join)
+
+    def test_a_message_that_cannot_be_read_ends_the_session_with_its_reason(self):
+        item = {"name": "a", "location": [1], "symbols": {}, "actions": {}}
+        for data in (
+            DEEP,
+            line({"t": "perception", "frame": 1, "time": 0, "items": [item]}),
+            line({"t": "event", "frame": "soon", "type": "said", "fields": {}}),
+            line({"t": "event", "frame": None, "type": "said", "fields": {}}),
+            line({"t": "event", "frame": 1, "type": "missed", "fields": []}),
+            line({"t": "perception", "id": [], "frame": 1, "time": 0, "items": []}),
+        ):
+            with self.subTest(data=data[:60]), FakeServer(welcome_and(data)) as server:
+                with reve.connect(port=server.port, name="ada", timeout=5) as ada:
+                    with self.assertRaises(reve.ProtocolError):
+                        ada.ping()
+
+    def test_a_session_whose_grace_is_no_number_ends_with_its_reason(self):
+        def talk(connection, _):
+            connection.sendall(
+                line({**WELCOME, "session": {"token": "0" * 32, "graceSeconds": "long"}})
+            )
+
+        with FakeServer(talk) as server:
+            with reve.connect(port=server.port, name="ada", grace=60, timeout=5) as ada:
+                with self.assertRaises(reve.ReveError) as ended:
+                    ada.ping()
+                self.assertNotEqual(ended.exception.code, "no-answer")
+
+    def test_leaving_does_not_wait_for_a_server_that_never_resumes(self):
+        first = threading.Event()
+
+        def talk(connection, ends):
+            if not first.is_set():
+                first.set()
+                connection.sendall(line({**WELCOME, **SESSION}))  # and closes the connection
+            else:
+                drip(line({"t": "ping"}))(connection, ends)
+
+        with FakeServer(talk) as server:
+            ada = reve.connect(port=server.port, name="ada", grace=60, timeout=0.5)
+            time.sleep(0.3)
+            ada.close()
+
+    def test_many_events_of_one_frame_take_little_time(self):
+        events = 60_000
+        event = line({"t": "event", "frame": 5, "type": "said", "fields": {}})
+
+        def talk(connection, _):
+            connection.sendall(line(WELCOME) + event * events)
+            connection.recv(65536)  # the ping
+            connection.sendall(line({"t": "pong", "id": 1}))
+
+        with FakeServer(talk) as server:
+            with reve.connect(port=server.port, name="ada", timeout=PATIENCE) as ada:
+                ada.ping()
+                self.assertEqual(len(ada.events()), 1024)
+
+
+if __name__ == "__main__":
+    unittest.main()
