@@ -130,8 +130,10 @@ public sealed interface WorldEdit {
                 }
             }
             for (ItemId id : kept) {
-                if (copy.find(id).isEmpty()) {
-                    requireNotKept(world.item(id), kept);
+                // An agent may have removed its own body.
+                Optional<Item> item = world.find(id);
+                if (item.isPresent() && copy.find(id).isEmpty()) {
+                    requireNotKept(item.get(), kept);
                 }
             }
         }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.image;
 
+import reve.core.text.Visible;
 import reve.core.unit.Unit;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
@@ -87,16 +88,30 @@ public final class PrototypeCodec {
     private static SymbolDescriptor symbol(JsonNode tree) {
         return new SymbolDescriptor(
                 Trees.text(tree, "name"),
-                SymbolType.valueOf(Trees.text(tree, "type")),
+                type(SymbolType.class, tree),
                 Unit.parse(Trees.text(tree, "unit")),
                 Trees.text(tree, "doc"));
+    }
+
+    private static <T extends Enum<T>> T type(Class<T> types, JsonNode tree) {
+        String name = Trees.text(tree, "type");
+        try {
+            return Enum.valueOf(types, name);
+        } catch (IllegalArgumentException e) {
+            throw new CorruptException(
+                    "the field type is \""
+                            + Visible.shortened(name)
+                            + "\", expected one of "
+                            + List.of(types.getEnumConstants()),
+                    e);
+        }
     }
 
     private static PropertyDescriptor property(JsonNode tree) {
         return new PropertyDescriptor(
                 Trees.text(tree, "name"),
                 Trees.text(tree, "kind"),
-                ScalarType.valueOf(Trees.text(tree, "type")),
+                type(ScalarType.class, tree),
                 (int) Trees.integer(tree, "components"),
                 Unit.parse(Trees.text(tree, "unit")),
                 Optional.ofNullable(tree.get("refersTo"))

@@ -93,6 +93,28 @@ class WorldEditTest {
         return state;
     }
 
+    /** An agent may remove its own body, which the world then still keeps for the agent. */
+    @Test
+    void aBodyThatIsGoneHindersNoEdit() throws Exception {
+        ItemId gone = world.find("c").orElseThrow().id();
+        ItemId body = world.find("a").orElseThrow().id();
+        world.remove(gone);
+        List<WorldEdit> edits =
+                List.of(new WorldEdit.Remove("sign", false), new WorldEdit.Remove("s", false));
+        WorldEdit.make(world, edits, List.of(gone, body), () -> {});
+        assertThat(world.find("sign")).isEmpty();
+        assertThatThrownBy(
+                        () ->
+                                WorldEdit.make(
+                                        world,
+                                        List.of(
+                                                new WorldEdit.Remove("b", false),
+                                                new WorldEdit.Remove("a", false)),
+                                        List.of(gone, body),
+                                        () -> {}))
+                .hasMessageContaining("a is the body of an agent");
+    }
+
     @Test
     void itemsAreAddedWithUnitsPrefabsAndRepetitions() throws Exception {
         make(

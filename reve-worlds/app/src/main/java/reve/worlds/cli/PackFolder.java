@@ -4,6 +4,7 @@ package reve.worlds.cli;
 import org.jspecify.annotations.Nullable;
 
 import reve.core.file.WorldPack;
+import reve.core.text.Visible;
 
 import java.io.IOException;
 import java.nio.channels.FileChannel;
@@ -134,7 +135,8 @@ final class PackFolder {
                         }
                     });
         } catch (IOException unremovable) {
-            System.err.println("reve: " + folder + " could not be removed: " + unremovable);
+            System.err.println(
+                    Visible.line("reve: " + folder + " could not be removed: " + unremovable));
         }
     }
 }

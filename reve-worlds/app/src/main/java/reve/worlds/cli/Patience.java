@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
+import reve.core.text.Visible;
+
 import java.io.PrintStream;
 import java.time.Duration;
 
@@ -21,7 +23,7 @@ final class Patience implements AutoCloseable {
                                 () -> {
                                     try {
                                         Thread.sleep(UNTIL_TOLD);
-                                        out.println(what + " ...");
+                                        out.println(Visible.line(what) + " ...");
                                     } catch (InterruptedException done) {
                                         // The interrupt means that the work ended before the notice
                                         // was due.

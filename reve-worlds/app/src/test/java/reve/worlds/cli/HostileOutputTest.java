@@ -22,7 +22,9 @@ import reve.pe.Status;
 
 import tools.jackson.databind.json.JsonMapper;
 
+import java.io.ByteArrayOutputStream;
 import java.io.IOException;
+import java.io.PrintStream;
 import java.io.PrintWriter;
 import java.io.StringWriter;
 import java.io.Writer;
@@ -136,6 +138,20 @@ class HostileOutputTest {
             }
         }
         return lines(out.toString());
+    }
+
+    /** The name of a world file is foreign text, too. */
+    @Test
+    void theNoticeOfLongWorkIsOneLine() throws Exception {
+        var bytes = new ByteArrayOutputStream();
+        try (var out = new PrintStream(bytes, true, StandardCharsets.UTF_8);
+                var _ = new Patience(out, "reading a\n2026 WARN  agents: forged\u001b[31m.yaml")) {
+            while (bytes.size() == 0) {
+                Thread.sleep(20);
+            }
+        }
+        assertThat(bytes.toString(StandardCharsets.UTF_8))
+                .isEqualTo("reading a\\u{a}2026 WARN  agents: forged\\u{1b}[31m.yaml ...\n");
     }
 
     @Test

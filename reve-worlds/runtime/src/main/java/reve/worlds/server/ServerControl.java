@@ -378,8 +378,14 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
     }
 
-    /** Removes an agent's body from a world, and returns the names of the items removed with it. */
+    /**
+     * Removes an agent's body from a world, and returns the names of the items removed with it. The
+     * agent may have removed its body already.
+     */
     private static List<String> removed(World world, ItemId body) {
+        if (world.find(body).isEmpty()) {
+            return List.of();
+        }
         String name = world.item(body).name();
         return Departure.of(world, body).removed().stream()
                 .map(item -> "the item " + item + ", which refers to " + name)
