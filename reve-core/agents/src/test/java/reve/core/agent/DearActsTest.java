@@ -42,6 +42,10 @@ class DearActsTest {
                             .collect(Collectors.joining(",", "[", "]"))
                     + ".all(b, a + b + a * b >= 0))";
 
+    /** Texts of 30,000 characters. */
+    private static final List<String> PAGES =
+            IntStream.range(0, 30).mapToObj(i -> "x".repeat(1000)).toList();
+
     private AgentRoom room;
 
     @BeforeEach
@@ -68,7 +72,15 @@ class DearActsTest {
                                         List.of(),
                                         List.of(
                                                 new Effect.SetSymbol(
-                                                        "greeted", new Operand.Symbol(true)))));
+                                                        "greeted", new Operand.Symbol(true)))))
+                        .action(
+                                new DeclaredAction(
+                                        "write",
+                                        "Writes texts that every client receives.",
+                                        List.of(),
+                                        List.of(
+                                                new Effect.SetSymbol(
+                                                        "pages", new Operand.Symbol(PAGES)))));
         room = new AgentRoom(AgentRoom.CONFIG, AgentRoom.making(), 4096, List.of(oracle.build()));
     }
 
@@ -98,6 +110,20 @@ class DearActsTest {
         try (TestClient ada = room.join("ada")) {
             for (int id = 1; id <= IN_FLIGHT; id++) {
                 act(ada, id, "ask");
+            }
+            ada.sync();
+            for (int i = 0; i < IN_FLIGHT; i++) {
+                room.step();
+            }
+            assertThat(frames(ada, IN_FLIGHT).values()).allMatch(count -> count <= 3);
+        }
+    }
+
+    @Test
+    void actsThatWriteLongTextsAreSpreadOverFrames() throws IOException {
+        try (TestClient ada = room.join("ada")) {
+            for (int id = 1; id <= IN_FLIGHT; id++) {
+                act(ada, id, "write");
             }
             ada.sync();
             for (int i = 0; i < IN_FLIGHT; i++) {

@@ -34,6 +34,12 @@ import java.util.Set;
  * change the same item. Removals are applied last.
  */
 final class Changes {
+    /**
+     * Number of characters of a symbol that cost an agent one evaluation step, because every client
+     * that perceives the item receives them.
+     */
+    private static final int CHARACTERS_PER_STEP = 2;
+
     private static final String PHYSICS = "physics.";
     private static final String SEMANTIC = "semantic.";
 
@@ -321,7 +327,16 @@ final class Changes {
                                         item,
                                         symbol,
                                         inItsUnit(symbol, to, value)));
+        call.world().activity().spend(characters(checked[0]) / CHARACTERS_PER_STEP);
         return checked[0];
+    }
+
+    private static long characters(Object value) {
+        return switch (value) {
+            case String text -> text.length();
+            case List<?> list -> list.stream().mapToLong(Changes::characters).sum();
+            default -> 0;
+        };
     }
 
     /**

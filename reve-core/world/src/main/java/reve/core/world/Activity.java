@@ -42,7 +42,7 @@ public final class Activity {
     }
 
     /** Adds evaluation steps that belong to no activity. For the world's thread only. */
-    void spend(long count) {
+    public void spend(long count) {
         steps += count;
     }
 
