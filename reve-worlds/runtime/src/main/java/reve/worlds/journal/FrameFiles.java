@@ -32,6 +32,9 @@ final class FrameFiles {
     private volatile @Nullable Manifest manifest;
     private volatile RunLog.@Nullable Writer current;
 
+    /** The file before the current one, which may not be flushed to the disk yet. */
+    private volatile RunLog.@Nullable Writer previous;
+
     /**
      * Opens the files; writes nothing before {@link #next}.
      *
@@ -81,6 +84,7 @@ final class FrameFiles {
         number++;
         id = nextId;
         Finished finished = new Finished(current);
+        previous = current;
         current = next;
         return finished;
     }
@@ -121,11 +125,22 @@ final class FrameFiles {
     }
 
     /**
-     * Flushes the current file to the disk, so that its data survives a power failure. Any thread
-     * except the one that closes files.
+     * Flushes the frames to the disk, so that they survive a power failure. Flushes the end of the
+     * previous file first, because later frames are of no use without earlier ones. Any thread
+     * except the one that closes the current file.
      */
     void force() throws IOException {
+        RunLog.Writer before = previous;
         RunLog.Writer file = current;
+        if (before != null && before.isOpen()) {
+            try {
+                before.force();
+            } catch (IOException e) {
+                if (before.isOpen()) { // otherwise it was flushed and closed meanwhile
+                    throw e;
+                }
+            }
+        }
         if (file != null) {
             file.force();
         }

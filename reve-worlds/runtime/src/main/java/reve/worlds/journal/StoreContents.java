@@ -58,7 +58,8 @@ public final class StoreContents {
      *
      * @param why the reason why the frames end there, or why the image was not read from the
      *     expected place
-     * @param isTail whether all damage may be an incomplete record at the end of the newest file
+     * @param isTail whether all damage may be data at the end that the disk did not have yet when
+     *     power failed
      */
     private record Start(
             StoreDatabase.ImageRow row,
@@ -498,10 +499,22 @@ public final class StoreContents {
                 }
             }
             each.damage().ifPresent(why::add);
-            isTail &= !gap && (each.damage().isEmpty() || each.number() == lastFile());
+            isTail &= !gap && (each.damage().isEmpty() || isNewest(each));
         }
-        isTail &= !addMissing(next, lastFile() + 1, "", why);
+        boolean missing = addMissing(next, lastFile() + 1, "", why);
+        isTail &= !missing || next == lastFile();
         return new Start(row, StoreDatabase.image(file, row), after, frame, why, isTail);
+    }
+
+    /**
+     * Returns whether no later file contains a frame. If power fails just after a file was begun,
+     * the disk may lack this file, its content, and the end of the file before it.
+     */
+    private boolean isNewest(FrameFile file) {
+        FrameFile newest = read.get(lastFile());
+        return file.number() == lastFile()
+                || file.number() == lastFile() - 1
+                        && (newest == null || newest.records().isEmpty());
     }
 
     /**

@@ -30,6 +30,7 @@ import java.util.Arrays;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import java.util.Random;
 import java.util.UUID;
 import java.util.stream.Stream;
@@ -397,6 +398,51 @@ class SqliteStoreTest {
         byte[] whole = Files.readAllBytes(last);
         Files.write(last, Arrays.copyOf(whole, whole.length - 3));
         refused("my.db-frames-5");
+        startTheMachineAgain();
+        assertThat(read()).endsWith("frame 23");
+        assertThat(problems)
+                .singleElement()
+                .asString()
+                .contains("my.db-frames-5 ends at frame 23 of 24", "started again");
+    }
+
+    /** The directory entry of the new file, its content, or the end of the file before it. */
+    @Test
+    void afterAPowerFailureAFileThatWasJustBegunMayBeMissing() throws IOException {
+        fill();
+        try (SqliteStore store = open(file)) {
+            store.place(); // begins a file for the next image
+        }
+        Path begun = folder.resolve("my.db-frames-6");
+        Path last = folder.resolve("my.db-frames-5");
+        byte[] whole = Files.readAllBytes(last);
+        byte[] empty = Files.readAllBytes(begun);
+        byte[] manifest = Files.readAllBytes(Manifest.path(file));
+        byte[] torn = Arrays.copyOf(whole, whole.length - 3);
+        for (Optional<byte[]> next : List.of(Optional.<byte[]>empty(), Optional.of(empty))) {
+            for (byte[] content : List.of(whole, torn)) {
+                Files.write(Manifest.path(file), manifest);
+                Files.write(last, content);
+                Files.deleteIfExists(begun);
+                if (next.isPresent()) {
+                    Files.write(begun, next.get());
+                }
+                if (content == torn) {
+                    refused("my.db-frames-6" + (next.isEmpty() ? " is missing" : " ends at"));
+                }
+                startTheMachineAgain();
+                assertThat(read()).endsWith(content == torn ? "frame 23" : "frame 24");
+            }
+        }
+        Files.write(last, torn);
+        Files.delete(begun);
+        try (SqliteStore store = open(file)) {
+            keep(store, 30);
+        }
+        assertThat(read()).endsWith("image 30");
+    }
+
+    private void startTheMachineAgain() throws IOException {
         Manifest.Claim now = Manifest.read(file).orElseThrow();
         new Manifest(
                         file,
@@ -410,11 +456,6 @@ class SqliteStoreTest {
                                 now.imageFrame(),
                                 now.imageSum()))
                 .close();
-        assertThat(read()).endsWith("frame 23");
-        assertThat(problems)
-                .singleElement()
-                .asString()
-                .contains("my.db-frames-5 ends at frame 23 of 24", "started again");
     }
 
     /** As version 2 wrote them: without identity, manifest and links. */
