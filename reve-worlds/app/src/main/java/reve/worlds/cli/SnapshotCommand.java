@@ -41,8 +41,6 @@ import java.util.concurrent.Callable;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
-import javax.imageio.ImageIO;
-
 /** The command {@code snapshot}: runs a world up to a time and takes a picture of it. */
 @Command(
         name = "snapshot",
@@ -236,7 +234,7 @@ public final class SnapshotCommand implements Callable<Integer> {
         if (labels && layers != null) {
             BufferedImage picture = LayerFiles.colour(layers);
             new Overlay(picture.getHeight()).labels(picture, layers, state::name);
-            ImageIO.write(picture, "png", file.toFile());
+            LayerFiles.writePng(picture, file);
         } else {
             renderer.render(state.scene(), file);
         }
@@ -293,7 +291,7 @@ public final class SnapshotCommand implements Callable<Integer> {
             times.add(state.time());
         }
         paper.dispose();
-        ImageIO.write(all, "png", file.toFile());
+        LayerFiles.writePng(all, file);
         told.put("times", times);
         told.put("columns", columns);
         told.put("rows", rows);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.experiment;
 
-import reve.core.disk.PartFile;
 import reve.core.disk.Reason;
+import reve.core.disk.WholeFile;
 import reve.core.file.Experiment;
 import reve.pe.posix.RegularFile;
 import reve.worlds.Product;
@@ -11,13 +11,11 @@ import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
-import java.io.BufferedWriter;
 import java.io.IOException;
 import java.io.OutputStream;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
-import java.nio.file.StandardCopyOption;
 import java.security.DigestInputStream;
 import java.security.MessageDigest;
 import java.security.NoSuchAlgorithmException;
@@ -233,25 +231,24 @@ public final class ResultFolder {
         write(RUNS, table.runs());
         write(SERIES, table.series());
         List<String> plots = Plots.write(folder, experiment, results);
-        Path part = PartFile.create(folder.resolve(RESULT));
-        Files.writeString(
-                part,
+        String text =
                 MAPPER.writerWithDefaultPrettyPrinter()
                                 .writeValueAsString(fields(experiment, results))
-                        + "\n");
-        Files.move(part, folder.resolve(RESULT), StandardCopyOption.ATOMIC_MOVE);
+                        + "\n";
+        WholeFile.write(
+                folder.resolve(RESULT), out -> out.write(text.getBytes(StandardCharsets.UTF_8)));
         return plots;
     }
 
     private void write(String name, List<List<String>> rows) throws IOException {
-        Path part = PartFile.create(folder.resolve(name));
-        try (BufferedWriter out = Files.newBufferedWriter(part)) {
-            for (List<String> row : rows) {
-                out.write(ResultTable.line(row));
-                out.write('\n');
-            }
-        }
-        Files.move(part, folder.resolve(name), StandardCopyOption.ATOMIC_MOVE);
+        WholeFile.write(
+                folder.resolve(name),
+                out -> {
+                    for (List<String> row : rows) {
+                        String line = ResultTable.line(row) + "\n";
+                        out.write(line.getBytes(StandardCharsets.UTF_8));
+                    }
+                });
     }
 
     /** Returns the fields of the result file. */

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.picture;
 
+import reve.core.disk.WholeFile;
 import reve.worlds.render.PixelLayers;
 
 import java.awt.Color;
 import java.awt.image.BufferedImage;
 import java.awt.image.DataBufferUShort;
 import java.io.IOException;
-import java.io.OutputStream;
 import java.nio.ByteBuffer;
 import java.nio.charset.StandardCharsets;
-import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.LinkedHashMap;
 import java.util.Locale;
@@ -83,7 +82,7 @@ public final class LayerFiles {
             long steps = metres > 0 ? Math.max(1, Math.round(metres / step)) : 0;
             grey[i] = (short) Math.min(GREATEST_GREY, steps);
         }
-        ImageIO.write(image, "png", file.toFile());
+        writePng(image, file);
         return step;
     }
 
@@ -110,7 +109,7 @@ public final class LayerFiles {
         if (isNumpy(file)) {
             writeNumpy(layers, item, "<u4", file);
         } else {
-            ImageIO.write(image, "png", file.toFile());
+            writePng(image, file);
         }
         Map<Long, String> colours = new LinkedHashMap<>();
         ids.forEach(id -> colours.put(id, String.format(Locale.ROOT, "#%06x", rgb(id))));
@@ -140,13 +139,24 @@ public final class LayerFiles {
         int length = NUMPY_HEAD_BYTES + description.length() + 1;
         int rest = Math.floorMod(-length, NUMPY_ALIGNMENT);
         byte[] head = (description + " ".repeat(rest) + "\n").getBytes(StandardCharsets.US_ASCII);
-        try (OutputStream out = Files.newOutputStream(file)) {
-            out.write(new byte[] {(byte) 0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0});
-            out.write(new byte[] {(byte) head.length, (byte) (head.length >> 8)});
-            out.write(head);
-            byte[] bytes = new byte[content.remaining()];
-            content.get(content.position(), bytes);
-            out.write(bytes);
-        }
+        byte[] bytes = new byte[content.remaining()];
+        content.get(content.position(), bytes);
+        WholeFile.write(
+                file,
+                out -> {
+                    out.write(new byte[] {(byte) 0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0});
+                    out.write(new byte[] {(byte) head.length, (byte) (head.length >> 8)});
+                    out.write(head);
+                    out.write(bytes);
+                });
+    }
+
+    /**
+     * Writes a picture as a PNG file. If this fails, an older file at the place stays as it is.
+     *
+     * @throws IOException naming the file and the reason
+     */
+    public static void writePng(BufferedImage picture, Path file) throws IOException {
+        WholeFile.write(file, out -> ImageIO.write(picture, "png", out));
     }
 }

@@ -7,8 +7,6 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.Locale;
 
-import javax.imageio.ImageIO;
-
 /** A video as a folder of PNG files: {@code 000000.png} and so on. */
 public final class PictureFolder implements FrameSink {
     private final Path folder;
@@ -28,7 +26,7 @@ public final class PictureFolder implements FrameSink {
 
     @Override
     public void add(BufferedImage picture) throws IOException {
-        ImageIO.write(picture, "png", folder.resolve(name(count)).toFile());
+        LayerFiles.writePng(picture, folder.resolve(name(count)));
         count++;
     }
 

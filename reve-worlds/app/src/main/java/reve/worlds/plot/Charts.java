@@ -6,12 +6,12 @@ import org.knowm.xchart.XYChartBuilder;
 import org.knowm.xchart.style.Styler;
 import org.knowm.xchart.style.theme.MatlabTheme;
 
+import reve.worlds.picture.LayerFiles;
+
 import java.awt.Graphics2D;
 import java.awt.image.BufferedImage;
 import java.io.IOException;
 import java.nio.file.Path;
-
-import javax.imageio.ImageIO;
 
 /** Charts of one style, as PNG files. They need fonts but no display. */
 public final class Charts {
@@ -48,6 +48,6 @@ public final class Charts {
         } finally {
             graphics.dispose();
         }
-        ImageIO.write(image, "png", file.toFile());
+        LayerFiles.writePng(image, file);
     }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.export;
 
+import reve.core.disk.WholeFile;
 import reve.core.world.ColumnView;
 import reve.core.world.ItemId;
 import reve.core.world.PropertyDescriptor;

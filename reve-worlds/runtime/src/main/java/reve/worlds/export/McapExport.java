@@ -3,6 +3,7 @@ package reve.worlds.export;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.disk.WholeFile;
 import reve.core.frame.Timing;
 import reve.core.world.ColumnView;
 import reve.core.world.TableSnapshot;
