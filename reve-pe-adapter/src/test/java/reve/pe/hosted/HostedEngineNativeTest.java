@@ -390,10 +390,130 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
+    /**
+     * The ready host has the libraries already, so it only unloads those that have gone, and gets
+     * the columns and the state.
+     */
+    @Test
+    void aHostThatIsReadyWithTheLibrariesReplacesALostOne() {
+        List<Request> requests = new ArrayList<>();
+        Hosts hosts = recording(requests);
+        hosts.keepReady(1);
+        try (EngineFixture orbit =
+                        new EngineFixture(new Hosted(hosts))
+                                .springOrbit()
+                                .load(SpringOrbit.LAWS)
+                                .load("counts_years");
+                EngineFixture undisturbed =
+                        new EngineFixture(home())
+                                .springOrbit()
+                                .load(SpringOrbit.LAWS)
+                                .load("counts_years")) {
+            int crashing = orbit.engine.loadPhysicsLaw("hostile_segfault", Map.of());
+            int pushing = undisturbed.engine.loadPhysicsLaw("wind", Map.of());
+            for (int frame = 0; frame < 12; frame++) { // 48 steps
+                orbit.engine.advance(SpringOrbit.DT, 4);
+                undisturbed.engine.advance(SpringOrbit.DT, 4);
+            }
+            Map<String, byte[]> before = bytes(orbit);
+            assertThatExceptionOfType(PhysicsException.class)
+                    .isThrownBy(() -> orbit.engine.advance(SpringOrbit.DT, 4))
+                    .withMessageContaining("SIGSEGV");
+            before.forEach(
+                    (name, bytes) -> orbit.arrays.get(name).copyFrom(MemorySegment.ofArray(bytes)));
+            orbit.engine.unloadPhysicsLaw(crashing);
+            undisturbed.engine.unloadPhysicsLaw(pushing);
+            requests.clear();
+            orbit.engine.advance(SpringOrbit.DT, 4);
+            assertThat(requests)
+                    .containsExactly(
+                            Request.UNLOAD,
+                            Request.BIND_ALL,
+                            Request.STATE_MEMORY,
+                            Request.LOAD_STATE,
+                            Request.ADVANCE);
+            undisturbed.engine.advance(SpringOrbit.DT, 4);
+            assertThat(orbit.engine.stateHash()).isEqualTo(undisturbed.engine.stateHash());
+            assertThat(orbit.engine.saveState()).isEqualTo(undisturbed.engine.saveState());
+            assertThat(orbit.engine.laws())
+                    .extracting(PhysicsLaw::library)
+                    .doesNotContain("hostile")
+                    .endsWith("counts_years");
+        }
+    }
+
+    /** A thread that a library started in the ready host could write to the world's columns. */
+    @Test
+    void aReadyHostInWhichAnUnloadedLibraryLeftAThreadIsNotUsed() {
+        List<Request> requests = new ArrayList<>();
+        Hosts hosts = recording(requests);
+        hosts.keepReady(1);
+        try (EngineFixture orbit =
+                new EngineFixture(new Hosted(hosts)).springOrbit().load("counts_years")) {
+            int leaving = orbit.engine.loadPhysicsLaw("hostile_quiet_thread_in_create", Map.of());
+            List<ProcessHandle> inUse = hostsWith("counts_years");
+            for (int frame = 0; frame < 11; frame++) {
+                orbit.engine.advance(SpringOrbit.DT, 1);
+            }
+            assertThat(hostsWith("counts_years")).hasSize(inUse.size() + 1);
+            kill(inUse);
+            orbit.engine.unloadPhysicsLaw(leaving);
+            requests.clear();
+            orbit.engine.advance(SpringOrbit.DT, 1);
+            assertThat(requests)
+                    .startsWith(Request.UNLOAD, Request.CREATE)
+                    .endsWith(Request.ADVANCE);
+            assertThat(orbit.engine.stepCount()).isEqualTo(12);
+        }
+    }
+
+    @Test
+    void onlyAsManyEnginesAsPermittedKeepAHostReady() {
+        for (int permitted = 0; permitted <= 1; permitted++) {
+            List<Request> requests = new ArrayList<>();
+            Hosts hosts = recording(requests);
+            hosts.keepReady(permitted);
+            try (EngineFixture orbit =
+                    new EngineFixture(new Hosted(hosts)).springOrbit().load("counts_years")) {
+                requests.clear();
+                for (int frame = 0; frame < 30; frame++) {
+                    orbit.engine.advance(SpringOrbit.DT, 1);
+                }
+                assertThat(requests.stream().filter(Request.CREATE::equals)).hasSize(permitted);
+            }
+        }
+    }
+
+    /** Starts processes on the calling thread, and lists the requests to them. */
+    private static Hosts recording(List<Request> requests) {
+        Path program = NativeFiles.program("vesper-host");
+        return new Hosts(
+                () ->
+                        new HostProcess(program, 0) {
+                            @Override
+                            Mailbox begin(Request number) {
+                                requests.add(number);
+                                return super.begin(number);
+                            }
+                        },
+                Runnable::run);
+    }
+
+    private static Map<String, byte[]> bytes(EngineFixture orbit) {
+        Map<String, byte[]> bytes = new HashMap<>();
+        orbit.arrays.forEach(
+                (name, array) ->
+                        bytes.put(name, array.toArray(java.lang.foreign.ValueLayout.JAVA_BYTE)));
+        return bytes;
+    }
+
     private static final String NO_THREAD = "unable to create native thread";
 
     private static void killHosts() {
-        List<ProcessHandle> doomed = hostsWith("vesper-host");
+        kill(hostsWith("vesper-host"));
+    }
+
+    private static void kill(List<ProcessHandle> doomed) {
         doomed.forEach(ProcessHandle::destroyForcibly);
         doomed.forEach(host -> host.onExit().join());
     }
