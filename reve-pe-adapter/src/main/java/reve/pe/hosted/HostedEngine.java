@@ -724,9 +724,16 @@ public final class HostedEngine implements PhysicsEngine {
                 }
             } catch (RuntimeException failed) {
                 fresh.close();
-                throw failed;
+                if (starts == STARTS || !isEngineLost(failed)) {
+                    throw failed;
+                }
             }
         }
+    }
+
+    /** Returns whether a new host ended without a known cause while it loaded the libraries. */
+    private static boolean isEngineLost(RuntimeException failed) {
+        return failed instanceof PhysicsException lost && lost.status() == Status.ENGINE_LOST;
     }
 
     /**

@@ -25,6 +25,7 @@ import reve.pe.vesper.VesperConfig;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
@@ -32,6 +33,7 @@ import java.util.Arrays;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Random;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicReference;
 
@@ -303,6 +305,43 @@ class HostedEngineNativeTest extends EngineContract {
                     .extracting(PhysicsLaw::library)
                     .endsWith("counts_years")
                     .doesNotHaveDuplicates();
+        }
+    }
+
+    /** Number of sets of references; the fault model asks for 100,000. */
+    private static final int REFERENCES = Integer.getInteger("reve.test.references", 1_000);
+
+    /** A spring refers to two of the two bodies; of the numbers here, only 0 and 1 are bodies. */
+    @Test
+    void everyReferenceOutOfRangeIsRefusedByPropertyAndRowAndEveryOtherIsAccepted() {
+        int[] numbers = {0, 1, 0, 1, 0, 1, 2, -1, 3, Integer.MAX_VALUE, Integer.MIN_VALUE};
+        Random random = new Random(1909);
+        try (EngineFixture orbit = new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
+            MemorySegment endpoints = orbit.arrays.get("endpoints");
+            int refused = 0;
+            for (int set = 0; set < REFERENCES; set++) {
+                boolean bad = false;
+                for (int end = 0; end < 2; end++) {
+                    int number =
+                            random.nextInt(8) == 0
+                                    ? random.nextInt()
+                                    : numbers[random.nextInt(numbers.length)];
+                    bad |= number < 0 || number > 1;
+                    endpoints.setAtIndex(ValueLayout.JAVA_INT, end, number);
+                }
+                try {
+                    orbit.engine.propertyProvider().touch("endpoints");
+                    orbit.engine.advance(1e-9, 1);
+                    assertThat(bad).as("set " + set + " was accepted").isFalse();
+                } catch (PhysicsException failure) {
+                    refused++;
+                    assertThat(bad).as("set " + set + ": " + failure.getMessage()).isTrue();
+                    assertThat(failure.status()).isEqualTo(Status.INVALID_ARGUMENT);
+                    assertThat(failure.property()).isEqualTo("endpoints");
+                    assertThat(failure.row()).hasValue(0);
+                }
+            }
+            assertThat(refused).isBetween(REFERENCES / 3, REFERENCES);
         }
     }
 
