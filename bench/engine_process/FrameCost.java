@@ -3,7 +3,6 @@ import reve.core.world.ItemDefinition;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 import reve.pe.PhysicsEngine;
-import reve.pe.PhysicsException;
 import reve.pe.Prototype;
 import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.PropertyNames;
@@ -25,13 +24,11 @@ import java.util.Map;
  * Measures the cost of a frame's physics with an engine in this process, and with an engine in a
  * separate process.
  *
- * <p>java FrameCost.java BODIES STEPS FRAMES PACED_FRAMES LOSSES; {@code bench/engine_process/run}
- * calls it.
+ * <p>java FrameCost.java BODIES STEPS FRAMES PACED_FRAMES; {@code bench/engine_process/run} calls
+ * it.
  *
  * <p>Both engines advance equal worlds, in turn. Prints one line. For each engine, it contains the
- * tenth percentile and the median of the time of a frame [us], back to back and then at 60 Hz. Then
- * follow the median and the 99th percentile of the time of a frame before which the engine's
- * process was killed.
+ * tenth percentile and the median of the time of a frame [us], back to back and then at 60 Hz.
  */
 class FrameCost {
     private static final List<String> LAWS = List.of("gravity_field", "drag", "newton_motion");
@@ -55,23 +52,12 @@ class FrameCost {
                 pause();
                 paced[1][frame] = hosted.advance(numbers[1]);
             }
-            long[] lost = new long[numbers[4]];
-            for (int loss = 0; loss < lost.length; loss++) {
-                Thread.sleep(20); // until the spare process has started
-                ProcessHandle.current()
-                        .children()
-                        .filter(child -> child.info().command().orElse("").endsWith("vesper-host"))
-                        .max((one, other) -> threads(one) - threads(other))
-                        .ifPresent(ProcessHandle::destroyForcibly);
-                Thread.sleep(5);
-                lost[loss] = hosted.advance(numbers[1]);
-            }
             if (here.engine.stateHash() == 0 || hosted.engine.stateHash() == 0) {
                 throw new IllegalStateException("no state");
             }
             System.out.printf(
                     Locale.ROOT,
-                    "%d %.1f %.1f %.1f %.1f %.1f %.1f %.1f %.1f %.1f %.1f%n",
+                    "%d %.1f %.1f %.1f %.1f %.1f %.1f %.1f %.1f%n",
                     numbers[0],
                     at(fast[0], 0.1),
                     at(fast[0], 0.5),
@@ -80,23 +66,7 @@ class FrameCost {
                     at(paced[0], 0.1),
                     at(paced[0], 0.5),
                     at(paced[1], 0.1),
-                    at(paced[1], 0.5),
-                    at(lost, 0.5),
-                    at(lost, 0.99));
-        }
-    }
-
-    /**
-     * Returns the number of memory mappings of a host; 0 if it has ended. The host in use has more
-     * mappings than the spare host. Their numbers of threads are similar.
-     */
-    private static int threads(ProcessHandle host) {
-        try {
-            return (int)
-                    java.nio.file.Files.readAllLines(Path.of("/proc/" + host.pid() + "/maps"))
-                            .size();
-        } catch (java.io.IOException ended) {
-            return 0;
+                    at(paced[1], 0.5));
         }
     }
 
@@ -157,11 +127,7 @@ class FrameCost {
 
         long advance(int steps) {
             long start = System.nanoTime();
-            try {
-                engine.advance(DT, steps);
-            } catch (PhysicsException lost) { // repeats the frame, as the adapter does
-                engine.advance(DT, steps);
-            }
+            engine.advance(DT, steps);
             return System.nanoTime() - start;
         }
 

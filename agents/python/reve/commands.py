@@ -140,9 +140,10 @@ class Commands(ABC, Generic[R, Q]):
     ) -> R:
         """Loads a law library that the server knows by its name, or a law as text.
 
-        A text replaces a loaded text of the same name; `library` names it in messages. Parameters
-        are in SI units. With `swap` "shadow", the text first acts in a copy of the world; with
-        "at-once" it acts in the world at once.
+        A text replaces a loaded text of the same name; `library` names it in messages. A library of
+        native code or in Python replaces the loaded one of its name if its file has changed.
+        Parameters are in SI units. With `swap` "shadow", the new version first acts in a copy of
+        the world; with "at-once" it acts in the world at once.
         """
         fields: dict[str, Argument] = {} if library is None else {"library": library}
         if text is not None:

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cfenv>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -32,7 +33,12 @@ enum Fault {
   kRepeat,
   kRollback,
   kMassZero,
-  kOutput
+  kOutput,
+  kCoincident,
+  kRounding,
+  kGrows,
+  kImpulse,
+  kMisspelt
 };
 constexpr Fault kFault = FAULT;
 
@@ -54,9 +60,10 @@ struct Broken {
 
   Read<Real> mass{"mass", "body", units::kilogram};
   Read<Vec3<Real>> position{"position", "body", units::metre};
+  OptionalRead<Real> charge{kFault == kMisspelt ? "charg" : "charge", "body", units::coulomb};
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
 
-  auto Properties() { return std::tie(mass, position, force); }
+  auto Properties() { return std::tie(mass, position, charge, force); }
 
   void Advance(const Step& step) {
     if (kFault == kCrash) std::abort();
@@ -65,6 +72,9 @@ struct Broken {
     if (kFault == kRepeat)
       sum_ = static_cast<Real>(Clock::now().time_since_epoch().count() % (1 << 20));
     if (kFault == kRollback) sum_ += 1;
+    if (kFault == kRounding) std::fesetround(FE_UPWARD);
+    if (kFault == kGrows) grows_ = new int[4];
+    dt_ = static_cast<Real>(step.dt);
     if (kFault == kLeak) open("/dev/null", O_RDONLY);
     if (kFault == kWritesRead && mass.size() > 0) const_cast<Real&>(mass[0]) += 1;
     order = 0;
@@ -82,9 +92,18 @@ struct Broken {
     if (kFault == kNotANumber && !(position[i].x == position[i].x)) return {};
     if (kFault == kRepeat || kFault == kRollback) return {sum_, 0, 0};
     if (kFault == kMassZero) return {1 / mass[i], 0, 0};
+    if (kFault == kImpulse) return -position[i] * (mass[i] * dt_);
+    if (kFault == kCoincident) return Attraction(i);
     if (kFault == kRotation_ || kFault == kMomentum) return {mass[i], 0, 0};
     if (kFault == kAngularMomentum) return {-position[i].y, position[i].x, 0};
     return -position[i] * mass[i];
+  }
+
+  /** Attraction by the next body, which is infinite at its place. */
+  Vec3<Real> Attraction(uint64_t i) const {
+    const Vec3<Real> between = position[(i + 1) % position.size()] - position[i];
+    const Real square = Dot(between, between);
+    return position.size() == 1 ? Vec3<Real>{} : between * (mass[i] / (square * Length(between)));
   }
 
   double PotentialEnergy() const {
@@ -97,7 +116,8 @@ struct Broken {
 
  private:
   volatile Real sink_ = 0;
-  Real sum_ = 0;
+  Real sum_ = 0, dt_ = 0;
+  int* volatile grows_ = nullptr;
 };
 
 }  // namespace

@@ -51,8 +51,14 @@ class HostProcess implements AutoCloseable {
         System.Logger.Level.ERROR
     };
 
-    /** Interval at which a waiting client checks whether the host still lives and works [ns]. */
+    /** Interval at which a waiting client checks whether the host still works [ns]. */
     private static final long LOOK_NANOS = 1_000_000;
+
+    /**
+     * Interval at which a waiting client checks whether the host still lives [ns]. It is shorter,
+     * because this check is cheap, and a crash is to cost less than a frame.
+     */
+    private static final long ALIVE_NANOS = LOOK_NANOS / 4;
 
     /** Processor time between two checks below which the host counts as waiting [ns]. */
     private static final long IDLE_NANOS = LOOK_NANOS / 20;
@@ -104,6 +110,15 @@ class HostProcess implements AutoCloseable {
 
     /** Environment variable that names the virtual environment of laws in Python. */
     private static final String PYTHON = "VESPER_PYTHON";
+
+    /**
+     * Environment variable with settings of the C library, and the setting with which it requests
+     * large pages. A host that replaces another one gets all its memory anew. With small pages,
+     * this takes most of the time of the repeated frame.
+     */
+    private static final String TUNABLES = "GLIBC_TUNABLES";
+
+    private static final String LARGE_PAGES = "glibc.malloc.hugetlb=1";
 
     private static final List<String> KEPT_PREFIXES =
             List.of("LD_", "OCL_", "POCL_", "XDG_", "ASAN_", "UBSAN_", "TSAN_", "LSAN_");
@@ -185,6 +200,7 @@ class HostProcess implements AutoCloseable {
                         name ->
                                 !KEPT_VARIABLES.contains(name)
                                         && KEPT_PREFIXES.stream().noneMatch(name::startsWith));
+        builder.environment().put(TUNABLES, LARGE_PAGES);
         python.ifPresent(
                 folder -> builder.environment().put(PYTHON, folder.toAbsolutePath().toString()));
         builder.redirectInput(ProcessBuilder.Redirect.from(Path.of("/dev/null").toFile()));
@@ -230,7 +246,7 @@ class HostProcess implements AutoCloseable {
         if (quick) {
             spin(number, start + AWAKE_NANOS);
         }
-        reply.await(number - 1, LOOK_NANOS);
+        awaitReply(number);
         spentNanos = Math.min(System.nanoTime() - start, LOOK_NANOS);
         waitedNanos = 0;
         if (reply.get() != number) {
@@ -244,6 +260,14 @@ class HostProcess implements AutoCloseable {
         }
         endedNanos = System.nanoTime();
         return mailbox.reply();
+    }
+
+    /** Waits for the reply for {@link #LOOK_NANOS}; ends early if the host has ended. */
+    private void awaitReply(int number) {
+        long until = System.nanoTime() + LOOK_NANOS;
+        do {
+            reply.await(number - 1, ALIVE_NANOS);
+        } while (reply.get() != number && process.isAlive() && System.nanoTime() - until < 0);
     }
 
     /** Busy-waits for the reply, because waking this thread takes longer than most frames. */
@@ -300,7 +324,7 @@ class HostProcess implements AutoCloseable {
                     throw lost(
                             "no answer within " + limitNanos / 1_000_000 + " ms", limitNanos, log);
                 }
-                reply.await(number - 1, LOOK_NANOS);
+                awaitReply(number);
             }
             cpu = Math.max(cpu, group.cpuNanos());
             return spent();

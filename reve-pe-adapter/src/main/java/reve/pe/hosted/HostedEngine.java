@@ -81,6 +81,7 @@ public final class HostedEngine implements PhysicsEngine {
     private int nextId = 1;
     private boolean ledger;
 
+    private final ReadyHosts ready;
     private final Losses losses;
     private final LibraryOpener opener;
     private long longestNanos;
@@ -128,6 +129,7 @@ public final class HostedEngine implements PhysicsEngine {
         this.config = config;
         this.prototype = prototype;
         this.provider = new HostedProvider(this, prototype, parts);
+        this.ready = new ReadyHosts(hosts, config, prototype);
         this.losses = new Losses(provider, libraries);
         try {
             host();
@@ -441,6 +443,7 @@ public final class HostedEngine implements PhysicsEngine {
             }
             building = Math.max(0, building - 1);
             losses.forget();
+            ready.count(libraries);
         } catch (HostLost lost) {
             throw lost(lost);
         }
@@ -614,6 +617,7 @@ public final class HostedEngine implements PhysicsEngine {
         if (!closed) {
             closed = true;
             lose();
+            ready.close();
             libraries.forEach(library -> library.library.free());
             libraries.clear();
             if (changes != null) {
@@ -696,6 +700,12 @@ public final class HostedEngine implements PhysicsEngine {
             return host;
         }
         lose();
+        ReadyHost prepared = losses.isAlone() ? null : ready.take(libraries);
+        if (prepared != null && isSetUp(prepared)) {
+            host = prepared.host();
+            expectBuilding();
+            return host;
+        }
         for (int starts = 1; ; starts++) {
             HostProcess fresh = hosts.take();
             try {
@@ -714,9 +724,39 @@ public final class HostedEngine implements PhysicsEngine {
                 }
             } catch (RuntimeException failed) {
                 fresh.close();
-                throw failed;
+                if (starts == STARTS || !isEngineLost(failed)) {
+                    throw failed;
+                }
             }
         }
+    }
+
+    /** Returns whether a new host ended without a known cause while it loaded the libraries. */
+    private static boolean isEngineLost(RuntimeException failed) {
+        return failed instanceof PhysicsException lost && lost.status() == Status.ENGINE_LOST;
+    }
+
+    /**
+     * Gives the columns and the state to a host that has loaded the libraries in advance. Returns
+     * false if this fails for any reason. The host is closed then, and a host without libraries
+     * finds the reason.
+     */
+    private boolean isSetUp(ReadyHost prepared) {
+        try {
+            Calls calls = calls(prepared.host());
+            if (prepared.handOver(calls, libraries)) {
+                provider.bindAll(calls);
+                finishSetUp(calls);
+                return true;
+            }
+        } catch (HostLost | RuntimeException failed) {
+            config.log().log(
+                    System.Logger.Level.WARNING,
+                    "a process that was ready to replace the engine's process failed: "
+                            + failed.getMessage());
+        }
+        prepared.close();
+        return false;
     }
 
     private void setUp(HostProcess fresh) throws HostLost {
@@ -731,6 +771,10 @@ public final class HostedEngine implements PhysicsEngine {
                 throw losses.blameForLoad(lost, library);
             }
         }
+        finishSetUp(calls);
+    }
+
+    private void finishSetUp(Calls calls) throws HostLost {
         state.lend(calls);
         state.restore(calls);
         for (RowMoves moved : moves) {

@@ -51,6 +51,11 @@ final class HostedLibrary implements PreparedLibrary {
         return this;
     }
 
+    /** Returns a library of the same bytes in other memory, which the caller closes. */
+    HostedLibrary copy() {
+        return new HostedLibrary(source, bytes, form);
+    }
+
     String source() {
         return source;
     }

@@ -7,11 +7,13 @@ import org.slf4j.LoggerFactory;
 
 import java.nio.file.Path;
 import java.util.Optional;
+import java.util.concurrent.Callable;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.ExecutionException;
 import java.util.concurrent.Executor;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.TimeoutException;
+import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.Supplier;
 
 /**
@@ -26,6 +28,7 @@ public final class Hosts implements AutoCloseable {
 
     private final Supplier<HostProcess> starter;
     private final Executor later;
+    private final AtomicInteger mayKeepReady = new AtomicInteger();
     private @Nullable CompletableFuture<HostProcess> warm;
     private boolean closed;
 
@@ -97,17 +100,43 @@ public final class Hosts implements AutoCloseable {
         }
     }
 
+    /**
+     * Lets engines keep a second process each, which has loaded the laws of the engine already. It
+     * replaces a lost process faster than the process that all engines share. By default, engines
+     * keep no such process.
+     *
+     * @param engines maximum number of engines that keep one at the same time
+     */
+    public void keepReady(int engines) {
+        mayKeepReady.set(engines);
+    }
+
+    /** Returns whether one more engine may keep a process, which it then does. */
+    boolean mayKeepReady() {
+        return mayKeepReady.getAndUpdate(left -> Math.max(0, left - 1)) > 0;
+    }
+
+    /** Lets another engine keep a process. */
+    void keepsReadyNoMore() {
+        mayKeepReady.incrementAndGet();
+    }
+
     /** Starts a process that is not kept for later. */
     HostProcess start() {
         return starter.get();
     }
 
     private CompletableFuture<HostProcess> startLater() {
-        CompletableFuture<HostProcess> next = new CompletableFuture<>();
+        return later(this::start);
+    }
+
+    /** Runs a start on another thread. */
+    <T> CompletableFuture<T> later(Callable<T> start) {
+        CompletableFuture<T> next = new CompletableFuture<>();
         later.execute(
                 () -> {
                     try {
-                        next.complete(start());
+                        next.complete(start.call());
                     } catch (Throwable refused) { // if not caught here, the world would wait for
                         // ever
                         next.completeExceptionally(refused);

@@ -70,12 +70,16 @@ final class KeptState {
         return true;
     }
 
-    /** Loads the kept state, if there is one, into a new host. */
+    /**
+     * Loads the kept state into a new host; if there is none, keeps the state of the host. The
+     * state of the host is not requested otherwise, because the next advance sends it.
+     */
     void restore(Calls host) throws HostLost {
         if (size > 0) {
-            load(Arrays.copyOf(copy, size), left, host);
+            load(bytes(), left, host);
+        } else {
+            keep(host);
         }
-        keep(host);
     }
 
     /** Makes a host load a state without the state of the libraries {@code without}. */

@@ -43,9 +43,20 @@ final class Loaded {
     /** Loads the library into a host. */
     void load(Calls host) throws HostLost {
         Mailbox reply = host.call(to -> put(to.begin(Request.LOAD)));
-        threads = reply.getInt();
-        hostId = reply.getInt();
-        read(reply);
+        int before = reply.getInt();
+        loadedAs(host, before, reply.getInt(), Wire.laws(reply, id));
+    }
+
+    /**
+     * Sets the id and the laws that the library has in a host, and the host's interval.
+     *
+     * @param threadsBefore number of threads of the host before it loaded the library
+     */
+    void loadedAs(Calls host, int threadsBefore, int idInHost, List<PhysicsLaw> lawsInHost)
+            throws HostLost {
+        threads = threadsBefore;
+        hostId = idInHost;
+        set(lawsInHost);
         if (interval != 1) {
             host.call(to -> to.begin(Request.SET_INTERVAL).putInt(hostId).putInt(interval));
         }
@@ -66,13 +77,22 @@ final class Loaded {
     }
 
     private void put(Mailbox to) {
-        Mailbox request = library.put(to).putInt(parameters.size());
+        put(to, library);
+    }
+
+    /** Appends the library, whose bytes {@code file} has, and the parameters to a request. */
+    void put(Mailbox to, HostedLibrary file) {
+        Mailbox request = file.put(to).putInt(parameters.size());
         parameters.forEach((name, value) -> request.putText(name).putDouble(value));
     }
 
     /** Reads the laws as the current host describes them. */
     void read(Mailbox from) {
-        laws = Wire.laws(from, id);
+        set(Wire.laws(from, id));
+    }
+
+    private void set(List<PhysicsLaw> now) {
+        laws = now;
         counts = new long[2 * laws.size()];
         for (int law = 0; law < laws.size(); law++) {
             counts[2 * law] = laws.get(law).calls();

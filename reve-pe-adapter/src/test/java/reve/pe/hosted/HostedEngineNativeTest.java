@@ -25,6 +25,7 @@ import reve.pe.vesper.VesperConfig;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
@@ -32,6 +33,7 @@ import java.util.Arrays;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Random;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicReference;
 
@@ -306,6 +308,43 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
+    /** Number of sets of references; the fault model asks for 100,000. */
+    private static final int REFERENCES = Integer.getInteger("reve.test.references", 1_000);
+
+    /** A spring refers to two of the two bodies; of the numbers here, only 0 and 1 are bodies. */
+    @Test
+    void everyReferenceOutOfRangeIsRefusedByPropertyAndRowAndEveryOtherIsAccepted() {
+        int[] numbers = {0, 1, 0, 1, 0, 1, 2, -1, 3, Integer.MAX_VALUE, Integer.MIN_VALUE};
+        Random random = new Random(1909);
+        try (EngineFixture orbit = new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
+            MemorySegment endpoints = orbit.arrays.get("endpoints");
+            int refused = 0;
+            for (int set = 0; set < REFERENCES; set++) {
+                boolean bad = false;
+                for (int end = 0; end < 2; end++) {
+                    int number =
+                            random.nextInt(8) == 0
+                                    ? random.nextInt()
+                                    : numbers[random.nextInt(numbers.length)];
+                    bad |= number < 0 || number > 1;
+                    endpoints.setAtIndex(ValueLayout.JAVA_INT, end, number);
+                }
+                try {
+                    orbit.engine.propertyProvider().touch("endpoints");
+                    orbit.engine.advance(1e-9, 1);
+                    assertThat(bad).as("set " + set + " was accepted").isFalse();
+                } catch (PhysicsException failure) {
+                    refused++;
+                    assertThat(bad).as("set " + set + ": " + failure.getMessage()).isTrue();
+                    assertThat(failure.status()).isEqualTo(Status.INVALID_ARGUMENT);
+                    assertThat(failure.property()).isEqualTo("endpoints");
+                    assertThat(failure.row()).hasValue(0);
+                }
+            }
+            assertThat(refused).isBetween(REFERENCES / 3, REFERENCES);
+        }
+    }
+
     /** A virtual thread would occupy a carrier, as HostProcess explains. */
     @Test
     void theOutputOfLawsIsReadByAPlatformThread() {
@@ -390,10 +429,130 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
+    /**
+     * The ready host has the libraries already, so it only unloads those that have gone, and gets
+     * the columns and the state.
+     */
+    @Test
+    void aHostThatIsReadyWithTheLibrariesReplacesALostOne() {
+        List<Request> requests = new ArrayList<>();
+        Hosts hosts = recording(requests);
+        hosts.keepReady(1);
+        try (EngineFixture orbit =
+                        new EngineFixture(new Hosted(hosts))
+                                .springOrbit()
+                                .load(SpringOrbit.LAWS)
+                                .load("counts_years");
+                EngineFixture undisturbed =
+                        new EngineFixture(home())
+                                .springOrbit()
+                                .load(SpringOrbit.LAWS)
+                                .load("counts_years")) {
+            int crashing = orbit.engine.loadPhysicsLaw("hostile_segfault", Map.of());
+            int pushing = undisturbed.engine.loadPhysicsLaw("wind", Map.of());
+            for (int frame = 0; frame < 12; frame++) { // 48 steps
+                orbit.engine.advance(SpringOrbit.DT, 4);
+                undisturbed.engine.advance(SpringOrbit.DT, 4);
+            }
+            Map<String, byte[]> before = bytes(orbit);
+            assertThatExceptionOfType(PhysicsException.class)
+                    .isThrownBy(() -> orbit.engine.advance(SpringOrbit.DT, 4))
+                    .withMessageContaining("SIGSEGV");
+            before.forEach(
+                    (name, bytes) -> orbit.arrays.get(name).copyFrom(MemorySegment.ofArray(bytes)));
+            orbit.engine.unloadPhysicsLaw(crashing);
+            undisturbed.engine.unloadPhysicsLaw(pushing);
+            requests.clear();
+            orbit.engine.advance(SpringOrbit.DT, 4);
+            assertThat(requests)
+                    .containsExactly(
+                            Request.UNLOAD,
+                            Request.BIND_ALL,
+                            Request.STATE_MEMORY,
+                            Request.LOAD_STATE,
+                            Request.ADVANCE);
+            undisturbed.engine.advance(SpringOrbit.DT, 4);
+            assertThat(orbit.engine.stateHash()).isEqualTo(undisturbed.engine.stateHash());
+            assertThat(orbit.engine.saveState()).isEqualTo(undisturbed.engine.saveState());
+            assertThat(orbit.engine.laws())
+                    .extracting(PhysicsLaw::library)
+                    .doesNotContain("hostile")
+                    .endsWith("counts_years");
+        }
+    }
+
+    /** A thread that a library started in the ready host could write to the world's columns. */
+    @Test
+    void aReadyHostInWhichAnUnloadedLibraryLeftAThreadIsNotUsed() {
+        List<Request> requests = new ArrayList<>();
+        Hosts hosts = recording(requests);
+        hosts.keepReady(1);
+        try (EngineFixture orbit =
+                new EngineFixture(new Hosted(hosts)).springOrbit().load("counts_years")) {
+            int leaving = orbit.engine.loadPhysicsLaw("hostile_quiet_thread_in_create", Map.of());
+            List<ProcessHandle> inUse = hostsWith("counts_years");
+            for (int frame = 0; frame < 11; frame++) {
+                orbit.engine.advance(SpringOrbit.DT, 1);
+            }
+            assertThat(hostsWith("counts_years")).hasSize(inUse.size() + 1);
+            kill(inUse);
+            orbit.engine.unloadPhysicsLaw(leaving);
+            requests.clear();
+            orbit.engine.advance(SpringOrbit.DT, 1);
+            assertThat(requests)
+                    .startsWith(Request.UNLOAD, Request.CREATE)
+                    .endsWith(Request.ADVANCE);
+            assertThat(orbit.engine.stepCount()).isEqualTo(12);
+        }
+    }
+
+    @Test
+    void onlyAsManyEnginesAsPermittedKeepAHostReady() {
+        for (int permitted = 0; permitted <= 1; permitted++) {
+            List<Request> requests = new ArrayList<>();
+            Hosts hosts = recording(requests);
+            hosts.keepReady(permitted);
+            try (EngineFixture orbit =
+                    new EngineFixture(new Hosted(hosts)).springOrbit().load("counts_years")) {
+                requests.clear();
+                for (int frame = 0; frame < 30; frame++) {
+                    orbit.engine.advance(SpringOrbit.DT, 1);
+                }
+                assertThat(requests.stream().filter(Request.CREATE::equals)).hasSize(permitted);
+            }
+        }
+    }
+
+    /** Starts processes on the calling thread, and lists the requests to them. */
+    private static Hosts recording(List<Request> requests) {
+        Path program = NativeFiles.program("vesper-host");
+        return new Hosts(
+                () ->
+                        new HostProcess(program, 0) {
+                            @Override
+                            Mailbox begin(Request number) {
+                                requests.add(number);
+                                return super.begin(number);
+                            }
+                        },
+                Runnable::run);
+    }
+
+    private static Map<String, byte[]> bytes(EngineFixture orbit) {
+        Map<String, byte[]> bytes = new HashMap<>();
+        orbit.arrays.forEach(
+                (name, array) ->
+                        bytes.put(name, array.toArray(java.lang.foreign.ValueLayout.JAVA_BYTE)));
+        return bytes;
+    }
+
     private static final String NO_THREAD = "unable to create native thread";
 
     private static void killHosts() {
-        List<ProcessHandle> doomed = hostsWith("vesper-host");
+        kill(hostsWith("vesper-host"));
+    }
+
+    private static void kill(List<ProcessHandle> doomed) {
         doomed.forEach(ProcessHandle::destroyForcibly);
         doomed.forEach(host -> host.onExit().join());
     }

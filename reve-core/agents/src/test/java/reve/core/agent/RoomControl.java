@@ -29,8 +29,9 @@ public record RoomControl(World world, FrameLoop loop, Image beginning) implemen
     }
 
     @Override
-    public Change loadLaw(String library, Map<String, Double> parameters) throws ActionRefused {
-        return WorldControl.none().loadLaw(library, parameters);
+    public Change loadLaw(String library, Map<String, Double> parameters, Optional<LawSwap> swap)
+            throws ActionRefused {
+        return WorldControl.none().loadLaw(library, parameters, swap);
     }
 
     @Override

@@ -141,15 +141,16 @@ final class LawOptions {
      *     world-writable one, or if the machine lacks a layer of the sandbox
      */
     LawPath path(CommandSpec spec) {
-        return path(spec, PATIENT);
+        return path(spec, PATIENT, 0);
     }
 
     /**
      * Returns the law path (folders with laws) for a command.
      *
      * @param usual usual deadline of a frame, which applies without {@code --law-deadline}
+     * @param ready number of worlds that may keep a second process of the engine with their laws
      */
-    LawPath path(CommandSpec spec, Duration usual) {
+    LawPath path(CommandSpec spec, Duration usual, int ready) {
         require(spec, "--laws", folder);
         require(spec, "--untrusted", untrusted);
         return new LawPath(
@@ -157,7 +158,7 @@ final class LawOptions {
                 folder,
                 Optional.empty(),
                 trust,
-                enginePlace(spec, usual),
+                enginePlace(spec, usual, ready),
                 false,
                 Set.of(),
                 sandboxed(spec));
@@ -229,7 +230,7 @@ final class LawOptions {
         }
     }
 
-    private EnginePlace enginePlace(CommandSpec spec, Duration usual) {
+    private EnginePlace enginePlace(CommandSpec spec, Duration usual, int ready) {
         requirePython(spec);
         if (place == Place.IN_PROCESS) {
             return EnginePlace.IN_PROCESS;
@@ -247,6 +248,7 @@ final class LawOptions {
         }
         long bytes = memory.map(mib -> mib * MIB).orElseGet(LawOptions::halfOfMemory);
         Hosts hosts = new Hosts(Product.nativeFolder().resolve("vesper-host"), bytes, python);
+        hosts.keepReady(ready);
         hosts.refill(); // the first process starts while the world file is read
         STARTED.add(hosts);
         return EnginePlace.hosted(hosts, Duration.ofMillis(millis));

@@ -59,6 +59,10 @@ public final class ServeCommand implements Callable<Integer> {
     private static final double MIN_WATCHDOG = 0.1;
     private static final double MAX_WATCHDOG = 86_400;
     private static final Duration LAW_DEADLINE = Duration.ofMillis(50);
+
+    /** Number of worlds that keep a second process of the engine, which has loaded their laws. */
+    private static final int READY_WORLDS = 4;
+
     private static final Duration LAST_WORDS = Duration.ofSeconds(1);
 
     @Spec private CommandSpec spec = CommandSpec.create();
@@ -270,7 +274,9 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException {
-        LawPath lawPath = engine.of(laws.path(spec, LAW_DEADLINE)).without(Set.copyOf(withoutLaws));
+        LawPath lawPath =
+                engine.of(laws.path(spec, LAW_DEADLINE, READY_WORLDS))
+                        .without(Set.copyOf(withoutLaws));
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);

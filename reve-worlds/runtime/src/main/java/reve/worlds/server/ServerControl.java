@@ -98,7 +98,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
     }
 
     @Override
-    public Change loadLaw(String library, Map<String, Double> parameters) throws ActionRefused {
+    public Change loadLaw(String library, Map<String, Double> parameters, Optional<LawSwap> swap)
+            throws ActionRefused {
         if (!LIBRARY.matcher(library).matches()) {
             throw new ActionRefused(
                     "law-refused",
@@ -106,10 +107,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
         try {
             return new Load(
-                    simulation.prepare(library),
-                    parameters,
-                    simulation.fileOf(library),
-                    Optional.empty());
+                    simulation.prepare(library), parameters, simulation.fileOf(library), swap);
         } catch (PhysicsException failed) {
             LOG.warn(
                     "the law library {} was asked for and refused: {}",
@@ -393,8 +391,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
     }
 
     /**
-     * Loads a library. It replaces a loaded text of the same name if both are texts. If the engine
-     * refuses the new text, the old text stays loaded. For the world's thread, outside PHYSICS.
+     * Loads a library, or replaces a loaded library. A text replaces the loaded text of the same
+     * name. A library of native code or in Python replaces the loaded one of the same name if its
+     * bytes differ. If the engine refuses the new library, the old one stays loaded. For the
+     * world's thread, outside PHYSICS.
      *
      * @return id of the library
      */
@@ -404,7 +404,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
             PreparedLibrary prepared,
             Map<String, Double> parameters,
             Path file) {
-        OptionalInt old = textToReplace(laws, prepared);
+        OptionalInt old = toReplace(laws, prepared);
         if (old.isEmpty()) {
             return laws.load(frame, prepared, parameters, file);
         }
@@ -412,15 +412,15 @@ final class ServerControl implements WorldControl, AutoCloseable {
         return old.getAsInt();
     }
 
-    /** Returns the id of the loaded text that has the name of a prepared text. */
-    private static OptionalInt textToReplace(Laws laws, PreparedLibrary prepared) {
-        return PreparedLibrary.isText(prepared.bytes())
-                ? laws.byId().entrySet().stream()
-                        .filter(loaded -> loaded.getValue().name().equals(prepared.name()))
-                        .filter(loaded -> loaded.getValue().isText())
-                        .mapToInt(Map.Entry::getKey)
-                        .findFirst()
-                : OptionalInt.empty();
+    /** Returns the id of the loaded library that a prepared library replaces. */
+    private static OptionalInt toReplace(Laws laws, PreparedLibrary prepared) {
+        boolean text = PreparedLibrary.isText(prepared.bytes());
+        return laws.byId().entrySet().stream()
+                .filter(loaded -> loaded.getValue().name().equals(prepared.name()))
+                .filter(loaded -> loaded.getValue().isText() == text)
+                .filter(loaded -> text || !loaded.getValue().sha256().equals(prepared.sha256()))
+                .mapToInt(Map.Entry::getKey)
+                .findFirst();
     }
 
     private static ActionRefused refusal(PhysicsException refused) {
@@ -448,8 +448,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
         @Override
         public void make(World world, long frame) throws ActionRefused {
             Laws laws = simulation.physics().laws();
-            OptionalInt old = textToReplace(laws, prepared);
-            if (old.isPresent() && shadows.areDue(true, swap)) {
+            OptionalInt old = toReplace(laws, prepared);
+            if (old.isPresent() && shadows.areDue(PreparedLibrary.isText(prepared.bytes()), swap)) {
                 shadows.begin(
                         frame,
                         List.of(

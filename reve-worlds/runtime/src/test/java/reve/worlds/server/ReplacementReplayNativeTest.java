@@ -3,6 +3,7 @@ package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+import static org.assertj.core.api.Assertions.within;
 
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
@@ -13,13 +14,17 @@ import reve.core.frame.Pacing;
 import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
 import reve.pe.adapter.LawLibrary;
+import reve.worlds.Product;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.Recording;
 import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.RunLog;
 
+import java.io.IOException;
 import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -91,6 +96,88 @@ class ReplacementReplayNativeTest {
                 assertThat(libraries(again)).isEqualTo(texts);
             }
         }
+    }
+
+    /** The file of the library changes while the world runs, and then the client names it again. */
+    @Test
+    void aFileOfNativeCodeReplacesTheLoadedLibraryOfItsNameAlsoInAReplay() throws Exception {
+        Path laws = Files.createDirectory(folder.resolve("laws"));
+        Path log = folder.resolve("run.log");
+        put(laws, "wind"); // 1 N
+        WorldDescription description =
+                WorldFile.parse(
+                        "versions.yaml",
+                        WORLD.replaceAll("(?s)- text:.*?- newton", "- wind\n- newton")
+                                .getBytes(StandardCharsets.UTF_8));
+        LawPath path =
+                new LawPath(
+                        Product.nativeFolder().resolve("laws"),
+                        Optional.of(laws),
+                        Optional.empty(),
+                        true);
+        long hash;
+        try (Simulation simulation = new Simulation(description, Pacing.FAST, path);
+                Journal _ =
+                        simulation.journal(
+                                folder,
+                                Map.of(),
+                                new Journal.Plan(0, true),
+                                new Recording(RecordingPlan.of(log)),
+                                problem -> {
+                                    throw new AssertionError(problem);
+                                })) {
+            simulation.loop().run(FRAMES);
+            assertThat(speed(simulation)).isCloseTo(3 + FRAMES / 60.0, within(1e-12));
+            assertThatExceptionOfType(PhysicsException.class)
+                    .as("the same bytes are loaded already")
+                    .isThrownBy(() -> load(simulation, "wind"));
+            put(laws, "strong_wind"); // 2 N, in a library of the same name
+            load(simulation, "wind");
+            assertThat(libraries(simulation)).hasSize(3);
+            simulation.loop().run(FRAMES);
+            assertThat(speed(simulation)).isCloseTo(3 + 3 * FRAMES / 60.0, within(1e-12));
+            hash = simulation.physics().stateHash();
+        }
+        put(laws, "wind"); // the recording contains both versions
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, path);
+                RunLog.Reader records = RunLog.open(log)) {
+            while (records.hasNext() && replay.take(records.next())) {
+                // until the end
+            }
+            assertThat(replay.divergence()).isEmpty();
+            try (Simulation again = replay.release()) {
+                assertThat(again.physics().stateHash()).isEqualTo(hash);
+            }
+        }
+    }
+
+    private static void put(Path laws, String library) throws IOException {
+        Path made =
+                Product.nativeFolder()
+                        .resolve("adapter-test-laws")
+                        .resolve("libvesper_law_" + library + ".so");
+        Path next = laws.resolve("next");
+        Files.copy(made, next);
+        Files.move(
+                next,
+                laws.resolve("libvesper_law_wind.so"),
+                StandardCopyOption.REPLACE_EXISTING,
+                StandardCopyOption.ATOMIC_MOVE);
+    }
+
+    private static void load(Simulation simulation, String library) {
+        try (PreparedLibrary prepared = simulation.prepare(library)) {
+            ServerControl.loadOrReplace(
+                    simulation.physics().laws(),
+                    simulation.loop().frame(),
+                    prepared,
+                    Map.of(),
+                    simulation.fileOf(library));
+        }
+    }
+
+    private static double speed(Simulation simulation) {
+        return simulation.world().find("ball").orElseThrow().physics().vector("velocity")[0];
     }
 
     private static void replace(Simulation simulation, String statement) {

@@ -149,7 +149,10 @@ public final class ControlDesk {
                                                             load.parameters(),
                                                             load.swap())
                                             : port.control()
-                                                    .loadLaw(load.library(), load.parameters()));
+                                                    .loadLaw(
+                                                            load.library(),
+                                                            load.parameters(),
+                                                            load.swap()));
             case ClientMessage.UnloadLaw unload ->
                     change(
                             requester,

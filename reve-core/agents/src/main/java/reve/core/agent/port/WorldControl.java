@@ -45,13 +45,16 @@ public interface WorldControl {
     }
 
     /**
-     * Prepares loading a library of laws.
+     * Prepares loading a library of laws. It replaces a loaded library of the same name if the
+     * bytes of its file are others now.
      *
      * @param library name without a folder; the program searches its law folders
      * @param parameters the parameters of the library's laws, by {@code parameter} or {@code
      *     law.parameter}, in SI units
+     * @param swap how the library replaces a loaded one; if empty, the program chooses the way
      */
-    Change loadLaw(String library, Map<String, Double> parameters) throws ActionRefused;
+    Change loadLaw(String library, Map<String, Double> parameters, Optional<LawSwap> swap)
+            throws ActionRefused;
 
     /**
      * Prepares loading a law as text. It replaces a loaded text of the same name.
@@ -184,7 +187,9 @@ public interface WorldControl {
         INSTANCE;
 
         @Override
-        public Change loadLaw(String library, Map<String, Double> parameters) throws ActionRefused {
+        public Change loadLaw(
+                String library, Map<String, Double> parameters, Optional<LawSwap> swap)
+                throws ActionRefused {
             throw unsupported("laws");
         }
 
