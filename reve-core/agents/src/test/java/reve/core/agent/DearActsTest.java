@@ -42,9 +42,9 @@ class DearActsTest {
                             .collect(Collectors.joining(",", "[", "]"))
                     + ".all(b, a + b + a * b >= 0))";
 
-    /** Texts of 30,000 characters. */
+    /** Texts of 8,000 characters together. */
     private static final List<String> PAGES =
-            IntStream.range(0, 30).mapToObj(i -> "x".repeat(1000)).toList();
+            IntStream.range(0, 8).mapToObj(i -> "x".repeat(1000)).toList();
 
     private AgentRoom room;
 

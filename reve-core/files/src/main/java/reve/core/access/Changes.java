@@ -35,10 +35,10 @@ import java.util.Set;
  */
 final class Changes {
     /**
-     * Number of characters of a symbol that cost an agent one evaluation step, because every client
-     * that perceives the item receives them.
+     * Evaluation steps that an agent spends for each character of a symbol, because every client
+     * that perceives the item receives the symbol.
      */
-    private static final int CHARACTERS_PER_STEP = 2;
+    private static final int STEPS_PER_CHARACTER = 2;
 
     private static final String PHYSICS = "physics.";
     private static final String SEMANTIC = "semantic.";
@@ -327,7 +327,7 @@ final class Changes {
                                         item,
                                         symbol,
                                         inItsUnit(symbol, to, value)));
-        call.world().activity().spend(characters(checked[0]) / CHARACTERS_PER_STEP);
+        call.world().activity().spend(STEPS_PER_CHARACTER * characters(checked[0]));
         return checked[0];
     }
 
