@@ -15,10 +15,12 @@ import tools.jackson.databind.JsonNode;
 
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.concurrent.TimeUnit;
+import java.util.concurrent.atomic.AtomicLong;
 import java.util.stream.Stream;
 
 /** Servers whose laws harm the process that they run in (reve-pe-adapter/src/test/native). */
@@ -51,6 +53,24 @@ class EngineProcessIT {
                 .toList();
     }
 
+    /** Number of agents that perceive the world. */
+    private static final int AGENTS = 100;
+
+    /** An agent that perceives each frame on a thread of its own, until the connection ends. */
+    private static Thread perceiving(AgentClient agent, AtomicLong frame) {
+        return Thread.ofVirtual()
+                .start(
+                        () -> {
+                            try {
+                                while (true) {
+                                    frame.set(agent.perceive().frame());
+                                }
+                            } catch (RuntimeException closed) {
+                                // the test compares the last frame with that of the server
+                            }
+                        });
+    }
+
     /**
      * The laws do harm from the 50th step of the world on. Here each does so in its first frame, so
      * the world is one that never had it.
@@ -69,8 +89,15 @@ class EngineProcessIT {
         kinds.put("_exit_in_destroy", "LIBRARY_LOAD_FAILED");
         JsonNode end;
         try (Server server = world.serve()) {
-            try (AgentClient agent =
-                    AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
+            List<AgentClient> others = new ArrayList<>();
+            List<AtomicLong> frames = new ArrayList<>();
+            int port = Integer.parseInt(server.port());
+            for (int i = 0; i < AGENTS; i++) {
+                others.add(AgentClient.connect("127.0.0.1", port, "agent" + i));
+                frames.add(new AtomicLong());
+                perceiving(others.get(i), frames.get(i));
+            }
+            try (AgentClient agent = AgentClient.connect("127.0.0.1", port, "ada")) {
                 while (agent.perceive().frame() <= StoneWorld.HARMLESS_STEPS) {}
                 for (Map.Entry<String, String> kind : kinds.entrySet()) {
                     Path file = drop(kind.getKey());
@@ -88,9 +115,21 @@ class EngineProcessIT {
                             .isEqualTo(kind.getValue());
                     Files.delete(file);
                 }
-                assertThat(agent.perceive()).isNotNull();
+                long now = agent.perceive().frame();
+                for (AtomicLong frame : frames) {
+                    while (frame.get() < now) { // all agents are still connected
+                        Thread.sleep(5);
+                    }
+                }
             }
-            server.events().await("left", event -> true); // its body is an item of the world
+            for (AgentClient other : others) {
+                other.close();
+            }
+            for (int i = 0; i < AGENTS; i++) { // the bodies are items of the world
+                String name = "\"agent" + i + "\"";
+                server.events().await("left", event -> event.toString().contains(name));
+            }
+            server.events().await("left", event -> event.toString().contains("\"ada\""));
             server.process().toHandle().destroy();
             end = server.events().await("end", event -> true);
         }

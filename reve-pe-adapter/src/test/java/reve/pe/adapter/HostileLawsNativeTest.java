@@ -177,6 +177,48 @@ class HostileLawsNativeTest {
         }
     }
 
+    /** The number of hangs, of three kinds; the fault model asks for 100. */
+    private static final int HANGS = Integer.getInteger("reve.test.hangs", 6);
+
+    /** Each law first acts in three frames, because the limit of its first frames is longer. */
+    @Test
+    void everyHangOfManyLeavesTheWorldThatNeverHadTheLaw() {
+        try (HostedFixture hosted = new HostedFixture();
+                AdapterFixture expected = HostedFixture.inProcess()) {
+            hosted.world.load("newton_motion");
+            expected.load("newton_motion");
+            String[] kinds = {"loop", "sleep", "deadlock"};
+            for (int hang = 0; hang < HANGS; hang++) {
+                for (AdapterFixture world : List.of(hosted.world, expected)) {
+                    world.engine.setStepCount(36, 1.0 / 240);
+                }
+                hosted.world.load("hostile_" + kinds[hang % kinds.length]).run(3);
+                expected.load("wind").run(3);
+                assertThat(hosted.world.events("fault")).hasSize(hang);
+                unload(expected, "wind");
+                hosted.world.run(1); // its steps are 48 to 51
+                expected.run(1);
+                assertThat(hosted.world.events("fault")).hasSize(hang + 1);
+                assertThat(hosted.world.events("fault").getLast().fields())
+                        .containsEntry("status", "LAW_TIMED_OUT")
+                        .hasEntrySatisfying(
+                                "message",
+                                message ->
+                                        assertThat(String.valueOf(message))
+                                                .contains("no answer within"));
+                assertThat(hosted.world.adapter.stateHash())
+                        .isEqualTo(expected.adapter.stateHash());
+                hosted.world
+                        .adapter
+                        .laws()
+                        .quarantined()
+                        .forEach(out -> hosted.world.adapter.laws().release(out.sha256()));
+            }
+            assertThat(differing(hosted.world, expected)).isEmpty();
+            assertThat(hosted.world.adapter.profile().redoneFrames()).isEqualTo(HANGS);
+        }
+    }
+
     /**
      * Two laws that run at once: the frame is repeated on one thread, to find out which crashed.
      */

@@ -16,6 +16,8 @@ import reve.pe.PhysicsLaw;
 import java.io.IOException;
 import java.net.StandardProtocolFamily;
 import java.net.UnixDomainSocketAddress;
+import java.nio.ByteBuffer;
+import java.nio.channels.FileChannel;
 import java.nio.channels.ServerSocketChannel;
 import java.nio.file.Files;
 import java.nio.file.Path;
@@ -23,6 +25,7 @@ import java.nio.file.StandardOpenOption;
 import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
+import java.util.Random;
 import java.util.TreeMap;
 
 /**
@@ -195,6 +198,50 @@ class LawFolderFaultsNativeTest {
         Files.write(folder.resolve("wind.so"), whole);
         lookAndRun(2);
         assertThat(loaded()).containsExactly("newton_motion", "wind");
+    }
+
+    /** Number of times at which the file changes. */
+    private static final int OVERWRITES = 1_000;
+
+    /** The file keeps its inode, so a process that had mapped it would end by SIGBUS. */
+    @Test
+    void aFileThatIsTruncatedAndOverwrittenWhileItsLawActsChangesNoFrame() throws Exception {
+        byte[] whole = wind();
+        byte[] other = Files.readAllBytes(NativeFiles.testLaw("strong_wind"));
+        Path file = folder.resolve("wind.so");
+        Files.write(file, whole);
+        while (!loaded().contains("wind")) {
+            laws.look();
+            world.run(1);
+            if (loaded().contains("wind")) {
+                alone.load("wind");
+            }
+            alone.run(1);
+        }
+        Random random = new Random(1902);
+        try (FileChannel open = FileChannel.open(file, StandardOpenOption.WRITE)) {
+            for (int change = 0; change < OVERWRITES; change++) {
+                if (change % 3 == 2) {
+                    open.write(ByteBuffer.wrap(whole), 0);
+                } else {
+                    int left = random.nextInt(whole.length * 3 / 4);
+                    open.truncate(left);
+                    open.write(ByteBuffer.wrap(other, 0, random.nextInt(left + 1)), 0);
+                }
+                lookAndRun(1);
+                assertThat(world.adapter.stateHash())
+                        .as("after change " + change)
+                        .isEqualTo(alone.adapter.stateHash());
+            }
+            open.truncate(0);
+            open.write(ByteBuffer.wrap(other), 0);
+        }
+        lookAndRun(4);
+        assertThat(world.adapter.stateHash())
+                .as("the complete new version acts")
+                .isNotEqualTo(alone.adapter.stateHash());
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        assertThat(world.events("fault")).isEmpty();
     }
 
     @Test
