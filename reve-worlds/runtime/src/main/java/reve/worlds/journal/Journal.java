@@ -193,7 +193,8 @@ public final class Journal implements AutoCloseable {
                 .ifPresent(
                         failure ->
                                 problems.accept(
-                                        "the journal has ended before its last image: " + failure));
+                                        "the journal has ended before its last image: "
+                                                + reason(failure)));
         boolean lacks = !writer.isLastImageKept() || writer.reached() < lastFrame;
         if (plan.imageFrames > 0 && published && lacks) {
             shortfall = Optional.of(new Shortfall(writer.reached(), lastFrame));
@@ -238,9 +239,15 @@ public final class Journal implements AutoCloseable {
                                             "the journal has ended after frame "
                                                     + lastFrame
                                                     + " was handed over: "
-                                                    + failure,
+                                                    + reason(failure),
                                             failure));
                         });
+    }
+
+    private static String reason(Throwable failure) {
+        return failure instanceof JournalSink.LostException
+                ? failure.getMessage()
+                : failure.toString();
     }
 
     /**
