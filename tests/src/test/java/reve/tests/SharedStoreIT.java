@@ -198,6 +198,13 @@ class SharedStoreIT {
                                 "wrote in epoch 1 and can store nothing after frame ",
                                 "it stops the world");
                 assertThat(first.exitCode()).isEqualTo(1);
+                List<JsonNode> events = first.events().untilEnd();
+                assertThat(events)
+                        .filteredOn(text -> text.toString().contains(" was taken by "))
+                        .as("the loss is reported once")
+                        .hasSize(1);
+                assertThat(events.getLast().at("/unkept/0").asString())
+                        .contains("its last image could not be written; it continues from frame ");
                 assertThat(postgres.query(database, old)).isEqualTo(before);
                 act(ready, random); // the second server was not disturbed
                 second.process().toHandle().destroy();

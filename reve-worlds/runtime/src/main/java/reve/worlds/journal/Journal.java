@@ -190,11 +190,11 @@ public final class Journal implements AutoCloseable {
         writer.end();
         rooms.forEach(SimulationImage::close);
         writer.failure()
+                .filter(failure -> !(failure instanceof JournalSink.LostException))
                 .ifPresent(
                         failure ->
                                 problems.accept(
-                                        "the journal has ended before its last image: "
-                                                + reason(failure)));
+                                        "the journal has ended before its last image: " + failure));
         boolean lacks = !writer.isLastImageKept() || writer.reached() < lastFrame;
         if (plan.imageFrames > 0 && published && lacks) {
             shortfall = Optional.of(new Shortfall(writer.reached(), lastFrame));
@@ -239,15 +239,9 @@ public final class Journal implements AutoCloseable {
                                             "the journal has ended after frame "
                                                     + lastFrame
                                                     + " was handed over: "
-                                                    + reason(failure),
+                                                    + failure,
                                             failure));
                         });
-    }
-
-    private static String reason(Throwable failure) {
-        return failure instanceof JournalSink.LostException
-                ? failure.getMessage()
-                : failure.toString();
     }
 
     /**

@@ -50,6 +50,10 @@ final class HostedWorld implements AutoCloseable {
     private @Nullable Journal storeJournal;
     private @Nullable Journal recordingJournal;
     private Optional<String> unkept = Optional.empty();
+
+    /** True after another server has taken the store, which was reported. */
+    private volatile boolean isLost;
+
     private Optional<Path> olderRecording = Optional.empty();
 
     /** Number of events of the frame in progress that were reported before PHYSICS. */
@@ -188,6 +192,7 @@ final class HostedWorld implements AutoCloseable {
 
     /** Stops the world, because another server has its store. For any thread. */
     private void stopLost(String message) {
+        isLost = true;
         tellProblem("store", message);
         stop();
     }
@@ -267,6 +272,11 @@ final class HostedWorld implements AutoCloseable {
         } catch (IOException e) {
             tellProblem("store", e.getMessage());
         }
+    }
+
+    /** Returns whether another server has taken the world's store. For any thread. */
+    boolean isLost() {
+        return isLost;
     }
 
     /** Computes the planned frames, or fewer if {@link #stop} is called, and returns the report. */
