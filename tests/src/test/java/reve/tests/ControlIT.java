@@ -22,6 +22,7 @@ import reve.core.frame.Pacing;
 import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.RunLog;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreAddress;
 import reve.worlds.server.Persistence;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.Replay;
@@ -534,7 +535,7 @@ class ControlIT {
                         new Persistence(
                                 WORLD,
                                 recording.map(RecordingPlan::of),
-                                store,
+                                store.map(StoreAddress.InFile::new),
                                 Optional.of(folder),
                                 10,
                                 SqliteStore.Durability.NORMAL),

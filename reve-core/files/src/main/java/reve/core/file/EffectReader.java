@@ -53,6 +53,7 @@ final class EffectReader {
                     "missed",
                     "waiting",
                     "ready",
+                    "standby",
                     "snapshot",
                     "snapshot-failed",
                     "saved",

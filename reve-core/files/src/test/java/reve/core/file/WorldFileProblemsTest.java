@@ -290,6 +290,7 @@ class WorldFileProblemsTest {
                 "missed",
                 "waiting",
                 "ready",
+                "standby",
                 "snapshot",
                 "snapshot-failed",
                 "saved",
@@ -315,7 +316,8 @@ class WorldFileProblemsTest {
                                 + event
                                 + " is the server's own; choose a name other than joined, left, "
                                 + "acted, law-loaded, law-unloaded, law-shadow, fault, over-budget, "
-                                + "missed, waiting, ready, snapshot, snapshot-failed, saved, rewound, "
+                                + "missed, waiting, ready, standby, snapshot, snapshot-failed, saved, "
+                                + "rewound, "
                                 + "stalled, recovered, late, away, back, end, detached and "
                                 + "removed");
     }

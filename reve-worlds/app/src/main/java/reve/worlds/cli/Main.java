@@ -14,6 +14,7 @@ import reve.core.file.Problem;
 import reve.core.file.WorldFileException;
 import reve.pe.PhysicsException;
 import reve.worlds.Product;
+import reve.worlds.journal.PostgresUrl;
 
 import java.io.FileDescriptor;
 import java.io.FileOutputStream;
@@ -25,6 +26,7 @@ import java.nio.file.InvalidPathException;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Optional;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
@@ -139,6 +141,7 @@ public final class Main {
         usage.footer(
                 Stream.concat(launcher.stream(), Stream.of(usage.footer())).toArray(String[]::new));
         line.registerConverter(Path.class, Main::path);
+        line.registerConverter(StoreArgument.class, Main::store);
         line.registerConverter(Integer.class, Main::integer);
         line.registerConverter(int.class, Main::integer);
         line.setParameterExceptionHandler(Main::explainUsage);
@@ -189,6 +192,17 @@ public final class Main {
             throw new TypeConversionException(
                     "the character set of the system cannot write this name (LC_ALL or LANG);"
                             + " expected UTF-8, for example LC_ALL=C.UTF-8");
+        }
+    }
+
+    /** Converts an option's text to the name of a store. */
+    private static StoreArgument store(String given) {
+        try {
+            Optional<PostgresUrl> url = PostgresUrl.find(given);
+            return new StoreArgument(
+                    given, url, url.isPresent() ? Optional.empty() : Optional.of(path(given)));
+        } catch (IllegalArgumentException e) {
+            throw new TypeConversionException(e.getMessage());
         }
     }
 

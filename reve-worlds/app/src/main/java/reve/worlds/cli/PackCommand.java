@@ -8,24 +8,17 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
 
-import reve.core.file.LawReference;
-import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.file.WorldPack;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.WorldFolder;
-import reve.worlds.server.LawPath;
 
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
-import java.util.ArrayList;
-import java.util.List;
 import java.util.Optional;
 import java.util.SortedMap;
-import java.util.TreeMap;
 import java.util.concurrent.Callable;
-import java.util.stream.Stream;
 
 /** The command {@code pack}: writes a world and all files that it needs into one file, a pack. */
 @Command(
@@ -35,8 +28,6 @@ import java.util.stream.Stream;
                         + " be run on another machine.")
 public final class PackCommand implements Callable<Integer> {
     private static final String EXPECTED = "expected.json";
-    private static final String LAWS = "laws";
-    private static final List<String> LAW_FILES = List.of(".so", ".law", ".py");
 
     @Spec private CommandSpec spec = CommandSpec.create();
 
@@ -72,24 +63,9 @@ public final class PackCommand implements Callable<Integer> {
                     spec.commandLine(),
                     world.shown() + " is a pack already; copy it, or name the world to pack");
         }
-        SortedMap<String, Path> files = new TreeMap<>();
-        WorldFolder own = new WorldFolder(world.folder());
-        List<String> named = new ArrayList<>();
-        WorldDescription description = world.read(named::add);
-        for (String name : named) {
-            files.put(name, own.find(name));
-        }
-        if (files.containsKey(WorldFile.NAME) && !world.file().endsWith(WorldFile.NAME)) {
-            throw new ParameterException(
-                    spec.commandLine(),
-                    world.shown()
-                            + " names the file "
-                            + WorldFile.NAME
-                            + ", which is the name of the world file in a pack; rename that file");
-        }
-        files.put(WorldFile.NAME, world.file().toRealPath());
-        addLaws(description, own, files);
-        addExpected(own, files);
+        PackedFiles packed = PackedFiles.of(spec, world, folder);
+        SortedMap<String, Path> files = packed.files();
+        addExpected(new WorldFolder(world.folder()), files);
         Path pack = target();
         for (Path file : files.values()) {
             if (Files.exists(pack) && Files.isSameFile(file, pack)) {
@@ -103,7 +79,7 @@ public final class PackCommand implements Callable<Integer> {
                 .printf(
                         "%s: %s, %d files, %d bytes%s%n",
                         pack,
-                        description.name(),
+                        packed.world().name(),
                         files.size(),
                         Files.size(pack),
                         files.keySet().stream()
@@ -127,50 +103,6 @@ public final class PackCommand implements Callable<Integer> {
         Path given = out.orElse(Path.of(base + WorldPack.ENDING));
         WritableFile.require(spec, "--out", given, WritableFile.PACK, "a pack");
         return given;
-    }
-
-    /**
-     * Adds the laws in the world's own folder, and those laws from {@code --laws} that the world
-     * names.
-     */
-    private void addLaws(WorldDescription description, WorldFolder own, SortedMap<String, Path> to)
-            throws IOException, AssetException {
-        for (String name : ownLaws()) {
-            to.put(name, own.find(name));
-        }
-        LawPath path = LawOptions.named(spec, folder).forWorld(world.folder());
-        for (LawReference law : description.laws()) {
-            if (law.text().isPresent()) {
-                continue;
-            }
-            LawPath.Found found = path.find(law.name());
-            if (found.origin() == LawPath.Origin.FOLDER) {
-                to.keySet()
-                        .removeAll(
-                                LawPath.filesOf(law.name()).stream()
-                                        .map(PackCommand::inLaws)
-                                        .toList());
-                to.put(inLaws(found.file().getFileName().toString()), found.file());
-            }
-        }
-    }
-
-    private static String inLaws(String file) {
-        return LAWS + "/" + file;
-    }
-
-    private List<String> ownLaws() throws IOException {
-        Path laws = world.folder().resolve(LAWS);
-        if (!Files.isDirectory(laws)) {
-            return List.of();
-        }
-        try (Stream<Path> all = Files.list(laws)) {
-            return all.map(file -> file.getFileName().toString())
-                    .filter(name -> LAW_FILES.stream().anyMatch(name::endsWith))
-                    .sorted()
-                    .map(PackCommand::inLaws)
-                    .toList();
-        }
     }
 
     private void addExpected(WorldFolder own, SortedMap<String, Path> to)

@@ -28,7 +28,7 @@ enum Printed {
     };
 
     private static final Set<String> ALWAYS =
-            Set.of("ready", "fault", "snapshot-failed", "stalled", "recovered");
+            Set.of("ready", "standby", "fault", "snapshot-failed", "stalled", "recovered");
     private static final Set<String> NOW_AND_THEN =
             Set.of(
                     "joined",

@@ -15,9 +15,15 @@ import picocli.CommandLine.Spec;
 import reve.core.agent.AgentServerConfig;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFileException;
+import reve.core.file.WorldPack;
 import reve.core.frame.Pacing;
+import reve.core.mesh.AssetException;
+import reve.worlds.journal.JournalSink;
+import reve.worlds.journal.PostgresStore;
+import reve.worlds.journal.PostgresUrl;
 import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreAddress;
 import reve.worlds.server.LawPath;
 import reve.worlds.server.Persistence;
 import reve.worlds.server.Pictures;
@@ -31,7 +37,9 @@ import reve.worlds.web.WebServer;
 import java.io.IOException;
 import java.net.InetSocketAddress;
 import java.nio.file.Files;
+import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
@@ -71,8 +79,8 @@ public final class ServeCommand implements Callable<Integer> {
             paramLabel = "WORLD",
             arity = "1..*",
             description =
-                    "World files, or folders that hold a world.yaml. "
-                            + "Each world runs by itself.")
+                    "World files, or folders that hold a world.yaml. Each world runs by itself. With a"
+                            + " --store URL, also names of worlds that the database has.")
     private List<Path> paths = new ArrayList<>();
 
     @Mixin private ListenOptions listen = new ListenOptions();
@@ -115,9 +123,14 @@ public final class ServeCommand implements Callable<Integer> {
             names = "--store",
             paramLabel = "FILE",
             description =
-                    "Keep the world in this store file, and resume from it. "
-                            + "With several worlds, FILE is a folder with a WORLD.db for each.")
-    private Optional<Path> store = Optional.empty();
+                    "Keep the world in this store file, and resume from it. With several worlds, the"
+                            + " file is a folder with a WORLD.db for each."
+                            + " postgresql://USER@HOST:PORT/DATABASE: keep the worlds in a database"
+                            + " that several servers share.")
+    private Optional<StoreArgument> store = Optional.empty();
+
+    /** Packs of worlds for a shared store, which are removed when the store has them. */
+    private final List<Path> packs = new ArrayList<>();
 
     @Option(
             names = "--store-every",
@@ -136,6 +149,13 @@ public final class ServeCommand implements Callable<Integer> {
                     "What the store survives. normal (default): the end of the process. full:"
                             + " also a power failure; the world then waits for slow disks.")
     private Optional<SqliteStore.Durability> durability = Optional.empty();
+
+    @Option(
+            names = "--standby",
+            description =
+                    "Wait until the server that has the world ends or is lost, then continue the"
+                            + " world. Takes one world and a --store URL.")
+    private boolean standby;
 
     @Mixin private RecordOptions record = new RecordOptions();
 
@@ -231,7 +251,8 @@ public final class ServeCommand implements Callable<Integer> {
         requireWatchdog();
         requireStoreEvery();
         requireOwnFiles();
-        List<WorldPlan> plans = plans();
+        requireStandby();
+        List<WorldPlan> plans = standby ? List.of() : plans();
         try (EventPrinter events =
                 new EventPrinter(
                         (LinePrinter) spec.commandLine().getOut(),
@@ -239,13 +260,7 @@ public final class ServeCommand implements Callable<Integer> {
                         json,
                         printed.printed())) {
             WorldServer server =
-                    new WorldServer(
-                            plans,
-                            fast ? Pacing.FAST : Pacing.REAL_TIME,
-                            agents,
-                            laws.folder(),
-                            watchdog(events),
-                            events);
+                    standby ? successor(agents, events) : server(plans, agents, events);
             interrupt.stopWith(server::stop);
             Warnings.print(spec, server.warnings());
             ServerReport report;
@@ -257,6 +272,70 @@ public final class ServeCommand implements Callable<Integer> {
             report = report.lacking(server.unkept(), server.gaps());
             events.end(report);
             return report;
+        }
+    }
+
+    private void requireStandby() {
+        if (standby && (database().isEmpty() || paths.size() > 1)) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--standby takes one world and --store postgresql://USER@HOST:PORT/DATABASE;"
+                            + " found "
+                            + (paths.size() > 1
+                                    ? paths.size() + " worlds: start one server for each"
+                                    : store.map(named -> "--store " + named.given())
+                                            .orElse("no --store")));
+        }
+    }
+
+    /** Waits until no server has the world, and takes it. */
+    private WorldServer successor(AgentServerConfig agents, EventPrinter events)
+            throws IOException, WorldFileException, AssetException {
+        Path path = paths.getFirst();
+        String name = Files.exists(path) ? new WorldArgument(path).read().name() : path.toString();
+        while (true) {
+            PostgresStore.awaitFree(
+                    database().orElseThrow(),
+                    name,
+                    owner -> events.happened("standby", standbyFields(owner)),
+                    problem ->
+                            events.happened(
+                                    "fault",
+                                    new LinkedHashMap<>(
+                                            Map.of("source", "store", "message", problem))));
+            try {
+                return server(plans(), agents, events);
+            } catch (JournalSink.InUseException faster) {
+                // Another server in standby has taken the world. This one waits for that one.
+            }
+        }
+    }
+
+    private static Map<String, Object> standbyFields(PostgresStore.World owner) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("world", owner.name());
+        fields.put("owner", owner.owner());
+        fields.put("epoch", owner.epoch());
+        fields.put("frame", owner.frame());
+        fields.put("pid", ProcessHandle.current().pid());
+        return fields;
+    }
+
+    private WorldServer server(List<WorldPlan> plans, AgentServerConfig agents, EventPrinter events)
+            throws IOException {
+        try {
+            return new WorldServer(
+                    plans,
+                    fast ? Pacing.FAST : Pacing.REAL_TIME,
+                    agents,
+                    laws.folder(),
+                    watchdog(events),
+                    events);
+        } finally {
+            for (Path pack : packs) {
+                Files.deleteIfExists(pack);
+            }
+            packs.clear();
         }
     }
 
@@ -273,17 +352,19 @@ public final class ServeCommand implements Callable<Integer> {
         return WebServer.start(address.get(), agents.security(), server.agents(), worlds);
     }
 
-    private List<WorldPlan> plans() throws IOException, WorldFileException {
+    private List<WorldPlan> plans() throws IOException, WorldFileException, AssetException {
         LawPath lawPath =
                 engine.of(laws.path(spec, LAW_DEADLINE, READY_WORLDS))
                         .without(Set.copyOf(withoutLaws));
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
-            WorldArgument world = new WorldArgument(path);
-            world.requireLasting(spec, "--store", store.isPresent());
+            WorldArgument world = world(path);
+            world.requireLasting(spec, "--store", storeFile().isPresent());
             world.requireLasting(spec, "--record", record.file().isPresent());
             WorldDescription description = engine.of(spec, world.read());
-            if (plans.put(description.name(), plan(description, world.folder(), lawPath)) != null) {
+            WorldPlan plan =
+                    plan(description, world.folder(), address(description.name(), world), lawPath);
+            if (plans.put(description.name(), plan) != null) {
                 throw new ParameterException(
                         spec.commandLine(),
                         "two worlds are called "
@@ -293,6 +374,58 @@ public final class ServeCommand implements Callable<Integer> {
         }
         makeFolders();
         return List.copyOf(plans.values());
+    }
+
+    private Optional<PostgresUrl> database() {
+        return store.flatMap(StoreArgument::url);
+    }
+
+    private Optional<Path> storeFile() {
+        return store.flatMap(StoreArgument::file);
+    }
+
+    /** Returns the world of a path, or the world of this name in the shared store. */
+    private WorldArgument world(Path path) throws IOException {
+        if (database().isEmpty() || Files.exists(path)) {
+            return new WorldArgument(path);
+        }
+        Optional<byte[]> pack = PostgresStore.pack(database().get(), path.toString());
+        if (pack.isEmpty()) {
+            List<String> names = store.orElseThrow().worlds();
+            throw new NoSuchFileException(
+                    "there is no world file "
+                            + path
+                            + ", and "
+                            + database().get()
+                            + (names.isEmpty()
+                                    ? " has no world"
+                                    : " has no world of this name, it has "
+                                            + String.join(", ", names))
+                            + "; name a world file, or a world of the database");
+        }
+        return WorldArgument.unpacked(path.toString(), pack.get());
+    }
+
+    /**
+     * Returns the place where a world is stored. A shared store also receives the world's files.
+     */
+    private Optional<StoreAddress> address(String name, WorldArgument world)
+            throws IOException, WorldFileException, AssetException {
+        if (database().isEmpty()) {
+            return fileOf(storeFile(), name + ".db").map(StoreAddress.InFile::new);
+        }
+        Optional<Path> pack = Optional.empty();
+        if (Files.exists(world.shown())) {
+            Path file = Files.createTempFile("reve-", WorldPack.ENDING);
+            packs.add(file);
+            if (world.isPack()) {
+                Files.copy(world.shown(), file, StandardCopyOption.REPLACE_EXISTING);
+            } else {
+                WorldPack.write(file, PackedFiles.of(spec, world, laws.folder()).files());
+            }
+            pack = Optional.of(file);
+        }
+        return Optional.of(new StoreAddress.InDatabase(database().get(), name, pack));
     }
 
     /** Refuses two options that would write to the same file, before any file is opened. */
@@ -306,7 +439,7 @@ public final class ServeCommand implements Callable<Integer> {
         for (Path path : paths) {
             taken.put(real(new WorldArgument(path).shown()), "the world " + path);
         }
-        requireOwn(taken, "--store", store);
+        requireOwn(taken, "--store", storeFile());
         requireOwn(taken, "--record", record.file());
         requireOwn(taken, "--audit", audit.file());
     }
@@ -372,7 +505,7 @@ public final class ServeCommand implements Callable<Integer> {
         makeFolder("--saves", saves);
         if (paths.size() > 1) {
             makeFolder("--record", record.file());
-            makeFolder("--store", store);
+            makeFolder("--store", storeFile());
         }
     }
 
@@ -382,7 +515,11 @@ public final class ServeCommand implements Callable<Integer> {
         }
     }
 
-    private WorldPlan plan(WorldDescription description, Path folder, LawPath lawPath) {
+    private WorldPlan plan(
+            WorldDescription description,
+            Path folder,
+            Optional<StoreAddress> address,
+            LawPath lawPath) {
         Optional<Path> ownSaves =
                 saves.map(all -> paths.size() > 1 ? all.resolve(description.name()) : all);
         makeFolder("--saves", saves);
@@ -397,7 +534,7 @@ public final class ServeCommand implements Callable<Integer> {
                 new Persistence(
                         folder,
                         recording(description.name()),
-                        fileOf(store, description.name() + ".db"),
+                        address,
                         ownSaves,
                         storeEvery.orElse((double) STORE_EVERY),
                         durability.orElse(SqliteStore.Durability.NORMAL)),

@@ -13,9 +13,13 @@ import reve.core.text.Visible;
 import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.Quarantined;
 import reve.worlds.Product;
+import reve.worlds.journal.PostgresStore;
+import reve.worlds.journal.PostgresUrl;
+import reve.worlds.journal.StoreAddress;
 import reve.worlds.server.StoreCheck;
 import reve.worlds.server.StoreLaws;
 
+import java.io.IOException;
 import java.io.PrintWriter;
 import java.nio.file.Path;
 import java.util.LinkedHashMap;
@@ -37,18 +41,46 @@ public final class StoreCommand implements Runnable {
 
     /** The options that both subcommands have. */
     static final class StoreOptions {
-        @Parameters(paramLabel = "FILE", description = "Store file, as in serve --store.")
-        private Path file = Path.of("");
+        @Parameters(
+                paramLabel = "STORE",
+                description = "Store file or URL of a database, as in serve --store.")
+        private StoreArgument store;
+
+        @Option(
+                names = "--world",
+                paramLabel = "NAME",
+                description =
+                        "World of the database (default: the only one). Only with the URL of a"
+                                + " database.")
+        private Optional<String> world = Optional.empty();
 
         @Mixin private LawOptions laws = new LawOptions();
 
         @Option(names = "--json", description = "Print the result as one JSON document.")
         private boolean json;
+
+        private StoreAddress address(CommandSpec spec) throws IOException {
+            return store.address(spec, world);
+        }
+
+        /** Returns the file of a store that can be repaired. */
+        private Path file(CommandSpec spec) throws IOException {
+            StoreAddress address = address(spec);
+            if (address instanceof StoreAddress.InFile named) {
+                return named.file();
+            }
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "store repair takes a store file, found the database of "
+                            + address
+                            + "; restore a database from a backup (pg_dump, pg_basebackup)");
+        }
     }
 
     @Override
     public void run() {
-        throw new ParameterException(spec.commandLine(), "expected one of check, laws, repair");
+        throw new ParameterException(
+                spec.commandLine(), "expected one of check, laws, worlds, repair");
     }
 
     @Command(
@@ -57,7 +89,8 @@ public final class StoreCommand implements Runnable {
                     "Reports whether a store is complete, and from which frame a world would"
                             + " resume. Changes nothing.")
     int check(@Mixin StoreOptions options) throws Exception {
-        StoreCheck found = StoreCheck.of(options.file, options.laws.path(spec));
+        StoreAddress address = options.address(spec);
+        StoreCheck found = StoreCheck.of(address, folder(address), options.laws.path(spec));
         if (options.json) {
             Json.print(spec, found.fields());
         } else {
@@ -67,13 +100,86 @@ public final class StoreCommand implements Runnable {
     }
 
     @Command(
+            name = "worlds",
+            description =
+                    "Lists the worlds of a database that several servers share, their owners, and"
+                            + " where agents reach them. Changes nothing.")
+    int worlds(
+            @Parameters(paramLabel = "URL", description = "postgresql://USER@HOST:PORT/DATABASE")
+                    StoreArgument store,
+            @Option(names = "--json", description = "Print the result as one JSON document.")
+                    boolean json)
+            throws Exception {
+        PostgresUrl url =
+                store.url()
+                        .orElseThrow(
+                                () ->
+                                        new ParameterException(
+                                                spec.commandLine(),
+                                                "store worlds takes postgresql://USER@HOST:PORT/"
+                                                        + "DATABASE; found the file "
+                                                        + store.given()
+                                                        + ", which has one world"));
+        List<PostgresStore.World> found = PostgresStore.worlds(url);
+        if (json) {
+            Map<String, Object> fields = new LinkedHashMap<>();
+            fields.put("store", url.toString());
+            fields.put("worlds", found.stream().map(StoreCommand::fields).toList());
+            Json.print(spec, fields);
+            return ExitCode.OK;
+        }
+        PrintWriter out = spec.commandLine().getOut();
+        for (PostgresStore.World each : found) {
+            out.println(
+                    Visible.line(each.name())
+                            + ": frame "
+                            + each.frame()
+                            + ", epoch "
+                            + each.epoch()
+                            + (each.isOwned()
+                                    ? ", run by " + Visible.line(each.owner())
+                                    : ", run by no server")
+                            + (each.agents().isEmpty()
+                                    ? ""
+                                    : ", agents at " + Visible.line(each.agents())));
+        }
+        if (found.isEmpty()) {
+            out.println(url + ": no world");
+        }
+        out.flush();
+        return ExitCode.OK;
+    }
+
+    private static Map<String, Object> fields(PostgresStore.World world) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("world", world.name());
+        fields.put("frame", world.frame());
+        fields.put("epoch", world.epoch());
+        fields.put("owner", world.owner());
+        fields.put("running", world.isOwned());
+        fields.put("agents", world.agents());
+        return fields;
+    }
+
+    /** Unpacks the files of a world in a database; empty for other stores. */
+    private static Optional<Path> folder(StoreAddress address) throws IOException {
+        if (address instanceof StoreAddress.InDatabase shared) {
+            Optional<byte[]> pack = PostgresStore.pack(shared.url(), shared.world());
+            if (pack.isPresent()) {
+                return Optional.of(WorldArgument.unpacked(shared.world(), pack.get()).folder());
+            }
+        }
+        return Optional.empty();
+    }
+
+    @Command(
             name = "repair",
             description =
                     "Replaces a damaged store by a complete one with the recoverable "
                             + "frames, and keeps the damaged files in FILE.damaged-1.")
     int repair(@Mixin StoreOptions options) throws Exception {
         Map.Entry<StoreCheck, Optional<Path>> done =
-                StoreCheck.repair(options.file, options.laws.path(spec));
+                StoreCheck.repair(options.file(spec), options.laws.path(spec));
         StoreCheck was = done.getKey();
         if (options.json) {
             Map<String, Object> fields = new LinkedHashMap<>(was.fields());
@@ -102,16 +208,16 @@ public final class StoreCommand implements Runnable {
                     "Lists the laws of a store by name and content, and those in quarantine. Opens"
                             + " no law, and changes nothing.")
     int laws(@Mixin StoreOptions options) throws Exception {
-        StoreLaws found = StoreLaws.of(options.file, options.laws.path(spec));
+        StoreLaws found = StoreLaws.of(options.address(spec), options.laws.path(spec));
         if (options.json) {
             Json.print(spec, found.fields());
         } else {
-            print(found);
+            print(found, options.store.given());
         }
         return found.isWhole() ? ExitCode.OK : ExitCode.FAILURE;
     }
 
-    private void print(StoreLaws found) {
+    private void print(StoreLaws found, String store) {
         PrintWriter out = spec.commandLine().getOut();
         found.problems().forEach(problem -> out.println(Visible.line(problem)));
         out.println(
@@ -155,7 +261,7 @@ public final class StoreCommand implements Runnable {
                     "to continue without a law: "
                             + Product.command()
                             + " serve WORLD --store "
-                            + found.store()
+                            + store
                             + " --without-law NAME");
         }
         out.flush();

@@ -50,6 +50,24 @@ final class WorldArgument {
     }
 
     /**
+     * Returns a world whose pack is not in a file.
+     *
+     * @param name the world, for messages
+     * @param pack the bytes of the pack
+     */
+    static WorldArgument unpacked(String name, byte[] pack) throws IOException {
+        WorldArgument world = new WorldArgument(Path.of(name));
+        Path file = Files.createTempFile("reve-", WorldPack.ENDING);
+        try {
+            Files.write(file, pack);
+            world.unpacked = Optional.of(PackFolder.open(file));
+        } finally {
+            Files.delete(file);
+        }
+        return world;
+    }
+
+    /**
      * Returns the end of a message about a missing world. It lists the names of worlds in the same
      * folder.
      */
@@ -85,7 +103,7 @@ final class WorldArgument {
 
     /** Returns whether the argument names a pack. */
     boolean isPack() {
-        return WorldPack.isPack(path);
+        return unpacked.isPresent() || WorldPack.isPack(path);
     }
 
     /** Returns the file that the user named: a world file or a pack. */

@@ -190,6 +190,7 @@ public final class Journal implements AutoCloseable {
         writer.end();
         rooms.forEach(SimulationImage::close);
         writer.failure()
+                .filter(failure -> !(failure instanceof JournalSink.LostException))
                 .ifPresent(
                         failure ->
                                 problems.accept(

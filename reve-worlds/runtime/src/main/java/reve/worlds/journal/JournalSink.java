@@ -4,6 +4,7 @@ package reve.worlds.journal;
 import java.io.IOException;
 import java.util.List;
 import java.util.Optional;
+import java.util.function.Consumer;
 
 /** The storage of a journal. For one thread, unless a method says otherwise. */
 public interface JournalSink extends AutoCloseable {
@@ -60,8 +61,51 @@ public interface JournalSink extends AutoCloseable {
         throw new UnsupportedOperationException("no file is missing");
     }
 
+    /**
+     * Records where agents connect to the world, for clients that search it in a shared store.
+     * Called at most once, before the first frame.
+     *
+     * @param agents host and port of the server
+     * @throws IOException if the store cannot be written; the world may run nevertheless
+     */
+    default void announce(String agents) throws IOException {
+        // Only shared stores are searched.
+    }
+
+    /**
+     * Registers the listener that receives a message when another server has taken the sink's
+     * store. Called at most once, on any thread. Sinks that only one process can open never call
+     * it.
+     */
+    default void whenLost(Consumer<String> listener) {
+        // This sink cannot be lost.
+    }
+
     @Override
     void close() throws IOException;
+
+    /** Thrown if a server that works has the store. */
+    final class InUseException extends IOException {
+        private static final long serialVersionUID = 1L;
+
+        /** Creates an exception with a message that names the store and the server. */
+        public InUseException(String message) {
+            super(message);
+        }
+    }
+
+    /**
+     * Thrown if another server has taken the store of this sink. The sink accepts nothing any more,
+     * so the world must stop.
+     */
+    final class LostException extends IOException {
+        private static final long serialVersionUID = 1L;
+
+        /** Creates an exception with a message that names the store and the other server. */
+        public LostException(String message) {
+            super(message);
+        }
+    }
 
     /**
      * Thrown if a file of the sink was lost and a new file was begun. The image must then be

@@ -148,7 +148,7 @@ final class JournalWriter {
         return beginsAnew.get() && beginsAnew.getAndSet(false);
     }
 
-    /** Returns why the writer ended; empty unless it failed. */
+    /** Returns why the writer ended or is about to end; empty unless it failed. */
     Optional<Throwable> failure() {
         return Optional.ofNullable(failure);
     }
@@ -223,7 +223,7 @@ final class JournalWriter {
     }
 
     private void writeAll() {
-        while (true) {
+        while (failure == null) {
             boolean last = ending; // read before the ring is checked: after `ending` is set, no
             // entry follows
             Entry entry = ring.peek();
@@ -324,6 +324,9 @@ final class JournalWriter {
         try {
             step.run();
             return true;
+        } catch (JournalSink.LostException lost) {
+            failure = lost; // the listener of the sink has reported it
+            return false;
         } catch (Throwable e) {
             if (!refused) { // otherwise this was already reported
                 report(reason(e) + consequence.get());

@@ -23,7 +23,7 @@ import java.util.stream.Stream;
  * The content of a store's files, and what is missing. Reading it changes no file. For one thread.
  * No other process may have the store open.
  */
-public final class StoreContents {
+public final class StoreContents implements StoreReading {
     private static final String NOT_VOUCHED = ", so the newest frames may be missing, too";
 
     /** Names of the files that belong to a store. */
@@ -118,7 +118,12 @@ public final class StoreContents {
         return file;
     }
 
-    /** Returns whether the store has never contained an image. */
+    @Override
+    public String name() {
+        return file.toString();
+    }
+
+    @Override
     public boolean isEmpty() {
         return rows.images().isEmpty()
                 && rows.damage().isEmpty()
@@ -126,30 +131,27 @@ public final class StoreContents {
                 && damage.isEmpty();
     }
 
-    /** Returns true if no stored data is lost. */
+    @Override
     public boolean isWhole() {
         return damage.isEmpty();
     }
 
-    /**
-     * Returns the damage, one message for each. Each message names the file. Damage that loses data
-     * comes first.
-     */
+    @Override
     public List<String> problems() {
         return Stream.concat(damage.stream(), harmless.stream()).distinct().toList();
     }
 
-    /** Returns the frame from which a world can resume; -1 for none. */
+    @Override
     public long frame() {
         return start == null ? -1 : start.frame();
     }
 
-    /** Returns the newest frame that the store is known to have contained. */
+    @Override
     public long knownFrame() {
         return known;
     }
 
-    /** Returns the records that restore the world: an image, and the frames that follow it. */
+    @Override
     public List<JournalRecord> records() {
         List<JournalRecord> records = new ArrayList<>();
         rows.libraries()
@@ -170,22 +172,14 @@ public final class StoreContents {
         return all.stream().filter(each -> Files.exists(each, LinkOption.NOFOLLOW_LINKS)).toList();
     }
 
-    /**
-     * Refuses an incomplete store.
-     *
-     * @throws CorruptException saying what is missing, what is left and what to do
-     */
+    @Override
     public void requireWhole() {
         if (!isWhole()) {
             throw refusal(String.join("; ", damage), frame());
         }
     }
 
-    /**
-     * Returns an exception that states why a store is not opened.
-     *
-     * @param frame the frame from which the world could resume; -1 for none
-     */
+    @Override
     public CorruptException refusal(String reason, long frame) {
         String left =
                 frame < 0
@@ -250,10 +244,7 @@ public final class StoreContents {
         return rows.identity().isPresent();
     }
 
-    /**
-     * Returns the SHA-256 of damaged libraries, as the database records it. The bytes of these
-     * libraries have a different SHA-256.
-     */
+    @Override
     public List<String> damagedLibraries() {
         return rows.damagedLibraries();
     }

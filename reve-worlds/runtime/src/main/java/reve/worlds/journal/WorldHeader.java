@@ -29,6 +29,11 @@ public record WorldHeader(String name, WorldPrototype prototype, Timing timing, 
         return new Assets(WorldFolder.named(folder));
     }
 
+    /** Returns this header with another folder, for a world whose files have moved. */
+    public WorldHeader in(Path moved) {
+        return new WorldHeader(name, prototype, timing, moved);
+    }
+
     Map<String, Object> tree() {
         Map<String, Object> tree = new LinkedHashMap<>();
         tree.put("world", name);

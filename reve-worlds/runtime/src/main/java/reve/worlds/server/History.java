@@ -103,7 +103,7 @@ public final class History implements AutoCloseable {
             List<JournalRecord> records = contents.records();
             return new History(
                     file,
-                    new Replay(Optional.empty(), Pacing.FAST, laws, found::find),
+                    new Replay(Optional.empty(), Optional.empty(), Pacing.FAST, laws, found::find),
                     records.iterator(),
                     null,
                     contents.frame());

@@ -15,6 +15,7 @@ import reve.core.world.WorldEvent;
 import reve.pe.adapter.LawFolder;
 import reve.worlds.Product;
 import reve.worlds.journal.Journal;
+import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.Recording;
 import reve.worlds.journal.SqliteStore;
 import reve.worlds.render.Renderer;
@@ -49,6 +50,10 @@ final class HostedWorld implements AutoCloseable {
     private @Nullable Journal storeJournal;
     private @Nullable Journal recordingJournal;
     private Optional<String> unkept = Optional.empty();
+
+    /** True after another server has taken the store, which was reported. */
+    private volatile boolean isLost;
+
     private Optional<Path> olderRecording = Optional.empty();
 
     /** Number of events of the frame in progress that were reported before PHYSICS. */
@@ -102,6 +107,7 @@ final class HostedWorld implements AutoCloseable {
             plan.pictures().subscribeTo(simulation, events);
             simulation.onPublish("server events", this::tellEvents);
             keepJournals(pacing == Pacing.FAST);
+            stored.ifPresent(world -> world.store().whenLost(this::stopLost));
             shadows.start();
             closing.add(
                     simulation.bus().subscribe(FramePhase.ACT, "loaded laws", this::reportLoaded));
@@ -132,6 +138,7 @@ final class HostedWorld implements AutoCloseable {
                                 persistence.store().get(),
                                 persistence.durability(),
                                 plan.description(),
+                                persistence.folder(),
                                 pacing,
                                 plan.laws(),
                                 problem -> tellProblem("store", problem)));
@@ -183,6 +190,13 @@ final class HostedWorld implements AutoCloseable {
         events.happened("fault", WorldServer.fault(source, message));
     }
 
+    /** Stops the world, because another server has its store. For any thread. */
+    private void stopLost(String message) {
+        isLost = true;
+        tellProblem("store", message);
+        stop();
+    }
+
     /** Returns the warnings about the world; none if it was restored from a store. */
     List<Problem> warnings() {
         return simulation.loop().frame() > 0 ? List.of() : simulation.warnings(true);
@@ -218,6 +232,7 @@ final class HostedWorld implements AutoCloseable {
     /** Starts to watch the folders of laws, and reports that the world is ready. */
     void start(InetSocketAddress agents, Optional<String> page) {
         laws.forEach(LawFolder::start);
+        stored.ifPresent(world -> announce(world.store(), agents));
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("world", name());
         fields.put("agents", agents.getHostString() + ":" + agents.getPort());
@@ -233,6 +248,7 @@ final class HostedWorld implements AutoCloseable {
         stored.ifPresent(
                 world -> {
                     fields.put("store", plan.persistence().store().orElseThrow().toString());
+                    world.epoch().ifPresent(epoch -> fields.put("epoch", epoch));
                     fields.put("frame", simulation.loop().frame());
                     fields.put("stateHash", String.format(Locale.ROOT, "%016x", world.stateHash()));
                 });
@@ -246,6 +262,21 @@ final class HostedWorld implements AutoCloseable {
         }
         fields.put("pid", ProcessHandle.current().pid());
         events.happened("ready", fields);
+    }
+
+    private void announce(JournalSink store, InetSocketAddress agents) {
+        try {
+            store.announce(agents.getHostString() + ":" + agents.getPort());
+        } catch (JournalSink.LostException lost) {
+            // The listener of the store stops the world.
+        } catch (IOException e) {
+            tellProblem("store", e.getMessage());
+        }
+    }
+
+    /** Returns whether another server has taken the world's store. For any thread. */
+    boolean isLost() {
+        return isLost;
     }
 
     /** Computes the planned frames, or fewer if {@link #stop} is called, and returns the report. */

@@ -3,6 +3,7 @@ package reve.worlds.server;
 
 import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreAddress;
 
 import java.nio.file.Path;
 import java.util.Optional;
@@ -12,7 +13,7 @@ import java.util.Optional;
  *
  * @param folder the folder of the world file
  * @param recording plan for a recording of the run; empty for none
- * @param store file from which the world resumes and in which it is stored; empty for none
+ * @param store place from which the world resumes and in which it is stored; empty for none
  * @param saves folder for world files that are saved while the world runs; belongs to this world
  *     only
  * @param imageSeconds world time between two images in the store [s]
@@ -21,7 +22,7 @@ import java.util.Optional;
 public record Persistence(
         Path folder,
         Optional<RecordingPlan> recording,
-        Optional<Path> store,
+        Optional<StoreAddress> store,
         Optional<Path> saves,
         double imageSeconds,
         SqliteStore.Durability durability) {}

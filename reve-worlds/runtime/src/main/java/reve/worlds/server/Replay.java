@@ -23,6 +23,7 @@ import reve.worlds.journal.WorldHeader;
 
 import tools.jackson.databind.JsonNode;
 
+import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.LinkedHashMap;
@@ -39,6 +40,7 @@ import java.util.function.Function;
  */
 public final class Replay implements AutoCloseable {
     private final Optional<WorldDescription> wanted;
+    private final Optional<Path> folder;
     private final Pacing pacing;
     private final LawPath laws;
     private final Map<String, byte[]> libraries = new HashMap<>();
@@ -90,21 +92,25 @@ public final class Replay implements AutoCloseable {
      * @param laws decides which of the journal's law libraries may be opened
      */
     public Replay(Optional<WorldDescription> description, Pacing pacing, LawPath laws) {
-        this(description, pacing, laws, sha256 -> null);
+        this(description, Optional.empty(), pacing, laws, sha256 -> null);
     }
 
     /**
      * Creates a replay.
      *
+     * @param folder the folder of the world's meshes and textures; if empty, the folder that the
+     *     journal names
      * @param elsewhere returns the bytes of law libraries that are damaged in the journal, by
      *     SHA-256
      */
     Replay(
             Optional<WorldDescription> description,
+            Optional<Path> folder,
             Pacing pacing,
             LawPath laws,
             Function<String, byte @Nullable []> elsewhere) {
         this.wanted = description;
+        this.folder = folder;
         this.pacing = pacing;
         this.laws = laws;
         this.elsewhere = elsewhere;
@@ -220,13 +226,14 @@ public final class Replay implements AutoCloseable {
 
     private void begin(JournalRecord.Image record) {
         ImageCodec.Stored stored = ImageCodec.open(record.bytes());
+        WorldHeader header = folder.map(stored.header()::in).orElse(stored.header());
         if (images == null) {
-            images = new ImageCodec(stored.header());
+            images = new ImageCodec(header);
         }
         try (SimulationImage image = images.read(stored, this::library)) {
             image.physics().libraries().forEach(laws::requireKnown);
             if (simulation == null) {
-                begin(stored.header(), image);
+                begin(header, image);
             } else {
                 simulation.goOnFrom(image);
             }

@@ -10,7 +10,9 @@ import reve.pe.PhysicsException;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreAddress;
 import reve.worlds.journal.StoreContents;
+import reve.worlds.journal.StoreReading;
 
 import java.io.IOException;
 import java.nio.file.FileAlreadyExistsException;
@@ -26,9 +28,9 @@ import java.util.stream.Stream;
 
 /**
  * The result of checking a store by repeating its frames, and the repair of a store. For one
- * thread. No other process may have the store open.
+ * thread. No other process may have a store in files open.
  *
- * @param store the checked file
+ * @param store the checked store
  * @param isWhole whether no data is lost
  * @param frame the frame from which a world can resume; -1 for none
  * @param knownFrame newest frame that the store is known to have contained
@@ -36,7 +38,7 @@ import java.util.stream.Stream;
  * @param problems damaged or missing parts, one line each
  */
 public record StoreCheck(
-        Path store,
+        String store,
         boolean isWhole,
         long frame,
         long knownFrame,
@@ -46,7 +48,7 @@ public record StoreCheck(
     record End(long frame, String reason) {}
 
     /** The result of replaying a store. */
-    private record Made(StoreContents contents, LawFiles laws, StoreCheck check) {}
+    private record Made(StoreReading contents, LawFiles laws, StoreCheck check) {}
 
     /**
      * Checks a store without changing it.
@@ -57,8 +59,19 @@ public record StoreCheck(
      * @throws IOException if it cannot be read, or another process has it open
      * @throws PhysicsException if a law of the store may not be opened
      */
-    public static StoreCheck of(Path store, LawPath laws) throws IOException {
-        return made(store, laws).check();
+    public static StoreCheck of(StoreAddress store, LawPath laws) throws IOException {
+        return of(store, Optional.empty(), laws);
+    }
+
+    /**
+     * Checks a store whose world has its files elsewhere.
+     *
+     * @param folder the folder of the world's meshes and textures; if empty, the folder that the
+     *     store names
+     */
+    public static StoreCheck of(StoreAddress store, Optional<Path> folder, LawPath laws)
+            throws IOException {
+        return made(contents(store), folder, laws).check();
     }
 
     /**
@@ -71,7 +84,8 @@ public record StoreCheck(
      */
     public static Map.Entry<StoreCheck, Optional<Path>> repair(Path store, LawPath laws)
             throws IOException {
-        Made made = made(store, laws);
+        StoreContents found = StoreContents.read(store);
+        Made made = made(required(found), Optional.empty(), laws);
         if (made.check().problems().isEmpty()) {
             return Map.entry(made.check(), Optional.empty());
         }
@@ -94,7 +108,7 @@ public record StoreCheck(
         try {
             write(made, repaired);
             Map<Path, Path> moves = new LinkedHashMap<>();
-            for (Path file : made.contents().files()) {
+            for (Path file : found.files()) {
                 moves.put(file, aside.resolve(file.getFileName()));
             }
             // The database is moved as the last file, because servers refuse the store until its
@@ -149,7 +163,7 @@ public record StoreCheck(
     /** Returns the fields for JSON, in order. */
     public Map<String, Object> fields() {
         Map<String, Object> fields = new LinkedHashMap<>();
-        fields.put("store", store.toString());
+        fields.put("store", store);
         fields.put("whole", isWhole);
         fields.put("frame", frame);
         fields.put("knownFrame", knownFrame);
@@ -165,7 +179,7 @@ public record StoreCheck(
      *
      * @return the frame and the reason of the failure; empty if all records were applied
      */
-    static Optional<End> make(Replay replay, StoreContents contents) {
+    static Optional<End> make(Replay replay, StoreReading contents) {
         for (JournalRecord record : contents.records()) {
             long before = replay.frame();
             try {
@@ -179,7 +193,7 @@ public record StoreCheck(
                 }
             } catch (PhysicsException refused) {
                 throw new PhysicsException(
-                        refused.status(), contents.file() + ": " + refused.getMessage());
+                        refused.status(), contents.name() + ": " + refused.getMessage());
             } catch (CorruptException e) {
                 boolean laws = before < 0 && !contents.damagedLibraries().isEmpty();
                 return Optional.of(
@@ -200,38 +214,41 @@ public record StoreCheck(
      *
      * @throws CorruptException if it is not a store, or is empty
      */
-    static StoreContents contents(Path store) throws IOException {
-        StoreContents contents = StoreContents.read(store);
+    static StoreReading contents(StoreAddress store) throws IOException {
+        return required(store.read());
+    }
+
+    private static StoreReading required(StoreReading contents) {
         if (contents.isEmpty()) {
+            boolean isThere = contents instanceof StoreContents files && Files.exists(files.file());
             throw new CorruptException(
-                    store
-                            + (Files.exists(store) ? " is an empty store" : " is not there")
+                    contents.name()
+                            + (isThere ? " is an empty store" : " is not there")
                             + ": there is nothing to check");
         }
         return contents;
     }
 
-    private static Made made(Path store, LawPath laws) throws IOException {
-        StoreContents contents = contents(store);
+    private static Made made(StoreReading contents, Optional<Path> folder, LawPath laws) {
         List<String> problems = new ArrayList<>(contents.problems());
         LawFiles found = new LawFiles(laws, problems::add);
         Optional<End> end;
         long frame;
         long hash;
-        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws, found::find)) {
+        try (Replay replay = new Replay(Optional.empty(), folder, Pacing.FAST, laws, found::find)) {
             end = make(replay, contents);
             end.ifPresent(early -> problems.add(early.reason()));
             frame = end.map(End::frame).orElse(replay.frame());
             hash = end.isPresent() || frame < 0 ? 0 : hash(replay);
         }
         if (end.isPresent() && frame >= 0) {
-            hash = hashAt(contents, laws, found, frame);
+            hash = hashAt(contents, folder, laws, found, frame);
         }
         return new Made(
                 contents,
                 found,
                 new StoreCheck(
-                        store,
+                        contents.name(),
                         contents.isWhole() && end.isEmpty(),
                         frame,
                         Math.max(frame, contents.knownFrame()),
@@ -239,8 +256,13 @@ public record StoreCheck(
                         List.copyOf(problems)));
     }
 
-    private static long hashAt(StoreContents contents, LawPath laws, LawFiles found, long frame) {
-        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws, found::find)) {
+    private static long hashAt(
+            StoreReading contents,
+            Optional<Path> folder,
+            LawPath laws,
+            LawFiles found,
+            long frame) {
+        try (Replay replay = new Replay(Optional.empty(), folder, Pacing.FAST, laws, found::find)) {
             for (JournalRecord record : contents.records()) {
                 if (!replay.take(record, frame) && replay.frame() == frame) {
                     break;

@@ -11,10 +11,10 @@ import reve.pe.adapter.Quarantined;
 import reve.worlds.journal.FrameCodec;
 import reve.worlds.journal.ImageCodec;
 import reve.worlds.journal.JournalRecord;
-import reve.worlds.journal.StoreContents;
+import reve.worlds.journal.StoreAddress;
+import reve.worlds.journal.StoreReading;
 
 import java.io.IOException;
-import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.LinkedHashMap;
@@ -24,9 +24,10 @@ import java.util.Optional;
 
 /**
  * The laws of a store at the frame from which a world would resume. They are read without being
- * opened, so a law that crashes does no harm. One thread; no other process may have the store open.
+ * opened, so a law that crashes does no harm. One thread; no other process may have a store in
+ * files open.
  *
- * @param store the file
+ * @param store the store
  * @param isWhole whether no data is lost, and the bytes of all laws are there
  * @param frame from which a world can resume; -1 for none
  * @param laws the loaded libraries, in the order of loading
@@ -34,7 +35,7 @@ import java.util.Optional;
  * @param problems damaged or missing parts, one line each
  */
 public record StoreLaws(
-        Path store,
+        String store,
         boolean isWhole,
         long frame,
         List<Law> laws,
@@ -66,8 +67,8 @@ public record StoreLaws(
      * @throws CorruptException if it is not a store, or contains nothing that can be read
      * @throws IOException if it cannot be read, or another process has it open
      */
-    public static StoreLaws of(Path store, LawPath laws) throws IOException {
-        StoreContents contents = StoreCheck.contents(store);
+    public static StoreLaws of(StoreAddress store, LawPath laws) throws IOException {
+        StoreReading contents = StoreCheck.contents(store);
         List<String> problems = new ArrayList<>(contents.problems());
         LawFiles found = new LawFiles(laws, problems::add);
         Map<String, byte[]> libraries = new HashMap<>();
@@ -117,7 +118,7 @@ public record StoreLaws(
             }
         }
         return new StoreLaws(
-                store,
+                contents.name(),
                 contents.isWhole()
                         && isRead
                         && present.stream().noneMatch(law -> law.kind().equals("missing")),
@@ -145,7 +146,7 @@ public record StoreLaws(
     /** Returns the fields for JSON, in order. */
     public Map<String, Object> fields() {
         Map<String, Object> fields = new LinkedHashMap<>();
-        fields.put("store", store.toString());
+        fields.put("store", store);
         fields.put("whole", isWhole);
         fields.put("frame", frame);
         fields.put("laws", laws.stream().map(Law::fields).toList());

@@ -10,14 +10,18 @@ import reve.core.world.ItemId;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.pe.PhysicsException;
+import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SqliteStore;
-import reve.worlds.journal.StoreContents;
+import reve.worlds.journal.StoreAddress;
+import reve.worlds.journal.StoreReading;
+import reve.worlds.journal.TakenStore;
 
 import java.io.IOException;
 import java.nio.file.Path;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalLong;
 import java.util.function.Consumer;
 
 /**
@@ -26,51 +30,64 @@ import java.util.function.Consumer;
  *
  * @param stateHash the hash of the world's state at that frame, before the agents of the previous
  *     process were removed
+ * @param epoch the epoch in which this process writes to a shared store; empty for other stores
  */
-record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
+record StoredWorld(Simulation simulation, JournalSink store, long stateHash, OptionalLong epoch) {
 
     /**
      * Opens a store and restores its world.
      *
+     * @param folder the folder of the world file
      * @param laws search path of the world's laws, and which of the store's laws may be opened
-     * @param problems receives descriptions of damage that loses no data
+     * @param problems receives descriptions of damage that loses no data, on any thread
      * @throws IOException if the store cannot be opened or read
      * @throws PhysicsException if a law of the store may not be opened, or does not load
      * @throws CorruptException if it is not a store, belongs to another world, or is incomplete
      */
     static StoredWorld open(
-            Path file,
+            StoreAddress address,
             SqliteStore.Durability durability,
             WorldDescription description,
+            Path folder,
             Pacing pacing,
             LawPath laws,
             Consumer<String> problems)
             throws IOException {
-        StoreContents contents = StoreContents.read(file);
-        contents.requireWhole();
-        if (contents.isEmpty()) {
-            Simulation begun = new Simulation(description, pacing, laws);
-            return kept(begun, contents, durability, begun.physics().stateHash());
-        }
-        contents.problems().forEach(problem -> problems.accept(problem + "; nothing is lost"));
-        LawFiles found = new LawFiles(laws, problem -> problems.accept(file + ": " + problem));
-        try (Replay replay = new Replay(Optional.of(description), pacing, laws, found::find)) {
-            make(replay, contents);
-            Simulation resumed = replay.release();
-            StoredWorld world = kept(resumed, contents, durability, resumed.physics().stateHash());
-            replay.members().forEach((agent, body) -> leave(resumed, agent, body));
-            return world;
+        try (TakenStore taken = address.take(durability, problems)) {
+            StoreReading contents = taken.contents();
+            contents.requireWhole();
+            if (contents.isEmpty()) {
+                Simulation begun = new Simulation(description, pacing, laws);
+                return kept(begun, taken, begun.physics().stateHash());
+            }
+            contents.problems().forEach(problem -> problems.accept(problem + "; nothing is lost"));
+            LawFiles found =
+                    new LawFiles(laws, problem -> problems.accept(address + ": " + problem));
+            try (Replay replay =
+                    new Replay(
+                            Optional.of(description),
+                            folderOf(address, folder),
+                            pacing,
+                            laws,
+                            found::find)) {
+                make(replay, contents);
+                Simulation resumed = replay.release();
+                StoredWorld world = kept(resumed, taken, resumed.physics().stateHash());
+                replay.members().forEach((agent, body) -> leave(resumed, agent, body));
+                return world;
+            }
         }
     }
 
-    private static StoredWorld kept(
-            Simulation simulation,
-            StoreContents contents,
-            SqliteStore.Durability durability,
-            long stateHash)
+    /** Returns the folder of the world's files; empty if the store names the folder. */
+    private static Optional<Path> folderOf(StoreAddress address, Path folder) {
+        return address.isShared() ? Optional.of(folder) : Optional.empty();
+    }
+
+    private static StoredWorld kept(Simulation simulation, TakenStore taken, long stateHash)
             throws IOException {
         try {
-            return new StoredWorld(simulation, new SqliteStore(contents, durability), stateHash);
+            return new StoredWorld(simulation, taken.open(), stateHash, taken.epoch());
         } catch (IOException | RuntimeException e) {
             simulation.close();
             throw e;
@@ -81,10 +98,10 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
      * Replays all frames of a store. If the replay fails, refuses the store before any of its files
      * is changed.
      */
-    private static void make(Replay replay, StoreContents contents) {
+    private static void make(Replay replay, StoreReading contents) {
         Optional<StoreCheck.End> end = StoreCheck.make(replay, contents);
         if (end.isPresent() && replay.frame() < 0) {
-            throw new CorruptException(contents.file() + ": " + end.get().reason());
+            throw new CorruptException(contents.name() + ": " + end.get().reason());
         }
         end.ifPresent(
                 early -> {

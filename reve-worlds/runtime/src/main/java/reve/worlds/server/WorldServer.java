@@ -199,7 +199,10 @@ public final class WorldServer implements AutoCloseable {
             try {
                 report = world.run();
             } catch (RuntimeException | Error failure) {
-                world.tellProblem("world", "the world " + world.name() + " has ended: " + failure);
+                if (!world.isLost()) { // otherwise the reason was reported
+                    world.tellProblem(
+                            "world", "the world " + world.name() + " has ended: " + failure);
+                }
             } finally {
                 agents.end(world.name());
             }

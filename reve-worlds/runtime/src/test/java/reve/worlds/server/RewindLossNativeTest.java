@@ -20,6 +20,7 @@ import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SimulationImage;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreAddress;
 import reve.worlds.journal.StoreContents;
 
 import java.io.IOException;
@@ -78,7 +79,8 @@ class RewindLossNativeTest {
 
         assertThat(copies.keySet()).contains(BACK - 1, BACK, BACK + 1, END);
         for (Map.Entry<Long, Path> copy : copies.entrySet()) {
-            StoreCheck left = StoreCheck.of(copy.getValue().resolve(NAME), LAWS);
+            StoreCheck left =
+                    StoreCheck.of(new StoreAddress.InFile(copy.getValue().resolve(NAME)), LAWS);
             assertThat(left.isWhole()).as(left.toString()).isTrue();
             assertThat(left.frame())
                     .as("killed as frame " + copy.getKey() + " was published")
@@ -110,9 +112,10 @@ class RewindLossNativeTest {
     private void run(boolean waits, BooleanSupplier isReleased) throws IOException {
         StoredWorld stored =
                 StoredWorld.open(
-                        folder.resolve(NAME),
+                        new StoreAddress.InFile(folder.resolve(NAME)),
                         SqliteStore.Durability.NORMAL,
                         description,
+                        Path.of("."),
                         Pacing.FAST,
                         LAWS,
                         problems::add);
@@ -164,7 +167,7 @@ class RewindLossNativeTest {
 
     /** A store that writes only the first image until it is released. */
     private final class SlowStore implements JournalSink {
-        private final SqliteStore store;
+        private final JournalSink store;
         private final BooleanSupplier isReleased;
 
         /** Any number of threads write, or one thread copies. */
@@ -176,7 +179,7 @@ class RewindLossNativeTest {
             T run() throws IOException;
         }
 
-        SlowStore(SqliteStore store, BooleanSupplier isReleased) {
+        SlowStore(JournalSink store, BooleanSupplier isReleased) {
             this.store = store;
             this.isReleased = isReleased;
         }

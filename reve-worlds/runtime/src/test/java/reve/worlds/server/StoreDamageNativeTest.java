@@ -16,6 +16,7 @@ import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreAddress;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -117,9 +118,10 @@ class StoreDamageNativeTest {
         Path store = folder.resolve(NAME);
         StoredWorld world =
                 StoredWorld.open(
-                        store,
+                        new StoreAddress.InFile(store),
                         SqliteStore.Durability.NORMAL,
                         description,
+                        Path.of("."),
                         Pacing.FAST,
                         laws,
                         problem -> {});
@@ -144,7 +146,7 @@ class StoreDamageNativeTest {
                 .withMessageContaining("the law library drag (SHA-256 ")
                 .withMessageContaining("--laws");
         same(folder, damaged, "refused");
-        assertThat(StoreCheck.of(store, laws).isWhole()).isTrue();
+        assertThat(StoreCheck.of(new StoreAddress.InFile(store), laws).isWhole()).isTrue();
     }
 
     /** Dangling links and folders are no files, but are moved away like files. */
@@ -169,7 +171,9 @@ class StoreDamageNativeTest {
                 } else {
                     Files.createSymbolicLink(instead, place.resolve("nowhere"));
                 }
-                assertThat(StoreCheck.of(place.resolve(NAME), LAWS).problems())
+                assertThat(
+                                StoreCheck.of(new StoreAddress.InFile(place.resolve(NAME)), LAWS)
+                                        .problems())
                         .anyMatch(
                                 problem ->
                                         problem.contains(
@@ -197,7 +201,8 @@ class StoreDamageNativeTest {
         Path nowhere = folder.resolve("nowhere");
         Files.createSymbolicLink(link, nowhere);
         assertThatExceptionOfType(IOException.class)
-                .isThrownBy(() -> StoreCheck.of(folder.resolve(NAME), LAWS))
+                .isThrownBy(
+                        () -> StoreCheck.of(new StoreAddress.InFile(folder.resolve(NAME)), LAWS))
                 .withMessageStartingWith(link + " is a link to a file that is not there");
         assertThat(link).isSymbolicLink();
         assertThat(nowhere).doesNotExist();
@@ -264,8 +269,8 @@ class StoreDamageNativeTest {
         StoreCheck was;
         Path aside;
         try {
-            was = StoreCheck.of(place.resolve(NAME), LAWS);
-            assertThat(StoreLaws.of(place.resolve(NAME), LAWS).frame())
+            was = StoreCheck.of(new StoreAddress.InFile(place.resolve(NAME)), LAWS);
+            assertThat(StoreLaws.of(new StoreAddress.InFile(place.resolve(NAME)), LAWS).frame())
                     .as(which)
                     .isEqualTo(was.frame());
             same(place, damaged, which + ", checked");
@@ -296,14 +301,15 @@ class StoreDamageNativeTest {
         List<String> problems = new ArrayList<>();
         StoredWorld world =
                 StoredWorld.open(
-                        place.resolve(NAME),
+                        new StoreAddress.InFile(place.resolve(NAME)),
                         SqliteStore.Durability.NORMAL,
                         description,
+                        Path.of("."),
                         Pacing.FAST,
                         LAWS,
                         problems::add);
         try (Simulation simulation = world.simulation();
-                SqliteStore _ = world.store()) {
+                JournalSink _ = world.store()) {
             return new Resumed(simulation.loop().frame(), world.stateHash(), problems);
         }
     }
@@ -421,9 +427,10 @@ class StoreDamageNativeTest {
         List<String> problems = Collections.synchronizedList(new ArrayList<>());
         StoredWorld world =
                 StoredWorld.open(
-                        place.resolve(NAME),
+                        new StoreAddress.InFile(place.resolve(NAME)),
                         SqliteStore.Durability.NORMAL,
                         description,
+                        Path.of("."),
                         Pacing.FAST,
                         LAWS,
                         problems::add);
@@ -463,13 +470,13 @@ class StoreDamageNativeTest {
 
     /** The files that a kill leaves of a store: everything except the image at the end. */
     private static final class Killed implements JournalSink {
-        private final SqliteStore store;
+        private final JournalSink store;
         private final Path place;
         private final long last;
         private long newest;
         private Map<String, byte[]> left = Map.of();
 
-        Killed(SqliteStore store, Path place, long last) {
+        Killed(JournalSink store, Path place, long last) {
             this.store = store;
             this.place = place;
             this.last = last;

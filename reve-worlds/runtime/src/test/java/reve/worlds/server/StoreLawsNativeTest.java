@@ -20,6 +20,7 @@ import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreAddress;
 
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
@@ -52,7 +53,7 @@ class StoreLawsNativeTest {
     private Path store;
 
     /** A sink that stores no image after the first one, like a server that is killed. */
-    private record Killed(SqliteStore store, long[] images) implements JournalSink {
+    private record Killed(JournalSink store, long[] images) implements JournalSink {
         @Override
         public void write(JournalRecord record) throws IOException {
             store.write(record);
@@ -81,7 +82,13 @@ class StoreLawsNativeTest {
         WorldDescription description =
                 WorldFile.parse("lawful.yaml", WORLD.getBytes(StandardCharsets.UTF_8));
         return StoredWorld.open(
-                store, SqliteStore.Durability.NORMAL, description, Pacing.FAST, LAWS, p -> {});
+                new StoreAddress.InFile(store),
+                SqliteStore.Durability.NORMAL,
+                description,
+                Path.of("."),
+                Pacing.FAST,
+                LAWS,
+                p -> {});
     }
 
     private static PreparedLibrary text(Simulation simulation, String name, String force) {
@@ -149,7 +156,7 @@ class StoreLawsNativeTest {
     @Test
     void theyAreThoseOfTheWorldThatResumes() throws Exception {
         makeStore();
-        StoreLaws found = StoreLaws.of(store, LAWS);
+        StoreLaws found = StoreLaws.of(new StoreAddress.InFile(store), LAWS);
         assertThat(found.problems()).isEmpty();
         assertThat(found.isWhole()).isTrue();
         assertThat(found.laws())
@@ -157,7 +164,7 @@ class StoreLawsNativeTest {
                 .containsExactly("newton_motion native", "push text", "pull text");
         StoredWorld world = open();
         try (Simulation resumed = world.simulation();
-                SqliteStore _ = world.store()) {
+                JournalSink _ = world.store()) {
             assertThat(found.frame()).isEqualTo(resumed.loop().frame());
             Laws laws = resumed.physics().laws();
             assertThat(found.laws())
@@ -178,11 +185,11 @@ class StoreLawsNativeTest {
         makeStore();
         Path frames = folder.resolve("my.db-frames-1");
         byte[] whole = Files.readAllBytes(frames);
-        long last = StoreLaws.of(store, LAWS).frame();
+        long last = StoreLaws.of(new StoreAddress.InFile(store), LAWS).frame();
         for (int length = whole.length - 1; length > whole.length / 2; length -= 97) {
             Files.write(frames, Arrays.copyOf(whole, length));
-            StoreLaws found = StoreLaws.of(store, LAWS);
-            StoreCheck checked = StoreCheck.of(store, LAWS);
+            StoreLaws found = StoreLaws.of(new StoreAddress.InFile(store), LAWS);
+            StoreCheck checked = StoreCheck.of(new StoreAddress.InFile(store), LAWS);
             assertThat(found.isWhole()).isEqualTo(checked.isWhole());
             assertThat(found.problems()).isEqualTo(checked.problems());
             assertThat(found.frame()).isEqualTo(checked.frame()).isLessThan(last);
@@ -206,7 +213,7 @@ class StoreLawsNativeTest {
                 var statement = connection.createStatement()) {
             statement.executeUpdate("UPDATE library SET bytes = zeroblob(length(bytes))");
         }
-        StoreLaws found = StoreLaws.of(store, LAWS);
+        StoreLaws found = StoreLaws.of(new StoreAddress.InFile(store), LAWS);
         assertThat(found.laws())
                 .as("the shipped law is on the disk, and the texts are in the frames")
                 .extracting(law -> law.library().name() + " " + law.kind())
@@ -217,7 +224,7 @@ class StoreLawsNativeTest {
                         Optional.empty(),
                         Optional.empty(),
                         false);
-        StoreLaws lost = StoreLaws.of(store, nowhere);
+        StoreLaws lost = StoreLaws.of(new StoreAddress.InFile(store), nowhere);
         assertThat(lost.isWhole()).isFalse();
         assertThat(lost.laws())
                 .extracting(law -> law.library().name() + " " + law.kind())
@@ -236,7 +243,7 @@ class StoreLawsNativeTest {
     void anEmptyStoreHasNoLaws() throws Exception {
         Path empty = Files.createFile(folder.resolve("empty.db"));
         assertThatExceptionOfType(CorruptException.class)
-                .isThrownBy(() -> StoreLaws.of(empty, LAWS))
+                .isThrownBy(() -> StoreLaws.of(new StoreAddress.InFile(empty), LAWS))
                 .withMessageContaining("is an empty store");
     }
 }

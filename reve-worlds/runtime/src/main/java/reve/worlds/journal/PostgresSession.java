@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.journal;
+
+import org.jspecify.annotations.Nullable;
+import org.postgresql.Driver;
+
+import java.io.IOException;
+import java.sql.Connection;
+import java.sql.PreparedStatement;
+import java.sql.ResultSet;
+import java.sql.SQLException;
+import java.sql.Statement;
+import java.util.Properties;
+
+/**
+ * A connection to a database, which is opened at the first use, and again at the next use after it
+ * was lost. For any thread; one at a time uses the connection.
+ */
+final class PostgresSession implements AutoCloseable {
+    private static final String CONNECT_SECONDS = "5";
+
+    /**
+     * Limits of the database for this connection. A transaction whose client is silent ends, so
+     * that a paused server does not keep a lock.
+     */
+    private static final String LIMITS =
+            "SET lock_timeout = '10s'; SET idle_in_transaction_session_timeout = '5s';"
+                    + " SET statement_timeout = '60s'; SET client_min_messages = warning";
+
+    private final PostgresUrl url;
+    private final Properties properties;
+    private final boolean flushes;
+    private @Nullable Connection connection;
+
+    /** Work on the connection. */
+    interface Work<T> {
+        T run(Connection connection) throws SQLException, IOException;
+    }
+
+    /**
+     * Creates a session; connects at the first use.
+     *
+     * @param patienceSeconds maximum wait for an answer of the database [s]
+     * @param flushes whether a commit waits until the disk of the database has the data
+     */
+    PostgresSession(PostgresUrl url, int patienceSeconds, boolean flushes) {
+        this.url = url;
+        this.flushes = flushes;
+        properties = url.properties();
+        properties.setProperty("connectTimeout", CONNECT_SECONDS);
+        properties.setProperty("loginTimeout", CONNECT_SECONDS);
+        properties.setProperty("socketTimeout", Integer.toString(patienceSeconds));
+        properties.setProperty("tcpKeepAlive", "true");
+        properties.setProperty("ApplicationName", "reve");
+    }
+
+    /**
+     * Runs work of one statement, which is a transaction by itself.
+     *
+     * @param what the operation for messages, as a participle such as "read"
+     * @throws IOException if the database refuses it or is away
+     */
+    synchronized <T> T run(String what, Work<T> work) throws IOException {
+        try {
+            return work.run(open());
+        } catch (SQLException e) {
+            drop(e);
+            throw PostgresTrouble.of(url, what, e);
+        }
+    }
+
+    /** Runs work in a transaction: all of it or nothing is done. */
+    synchronized <T> T transaction(String what, Work<T> work) throws IOException {
+        try {
+            Connection used = open();
+            used.setAutoCommit(false);
+            T result = work.run(used);
+            used.commit();
+            used.setAutoCommit(true);
+            return result;
+        } catch (SQLException e) {
+            drop(e);
+            throw PostgresTrouble.of(url, what, e);
+        } catch (IOException | RuntimeException e) {
+            drop(e);
+            throw e;
+        }
+    }
+
+    private Connection open() throws SQLException {
+        Connection open = connection;
+        if (open != null) {
+            return open;
+        }
+        Connection opened = new Driver().connect(url.forDriver(), properties);
+        if (opened == null) {
+            throw new SQLException("the driver does not accept the address " + url);
+        }
+        try (Statement statement = opened.createStatement()) {
+            statement.execute(LIMITS + "; SET synchronous_commit = " + (flushes ? "on" : "off"));
+        } catch (SQLException e) {
+            connection = opened;
+            drop(e);
+            throw e;
+        }
+        connection = opened;
+        return opened;
+    }
+
+    /** Closes the connection after a failure. The database then undoes an open transaction. */
+    private void drop(Exception failure) {
+        Connection failed = connection;
+        connection = null;
+        if (failed != null) {
+            try {
+                failed.close();
+            } catch (SQLException e) {
+                failure.addSuppressed(e);
+            }
+        }
+    }
+
+    /** Executes a statement and returns the number of changed rows. */
+    static int update(Connection connection, String sql, Object... values) throws SQLException {
+        try (PreparedStatement statement = connection.prepareStatement(sql)) {
+            set(statement, values);
+            return statement.executeUpdate();
+        }
+    }
+
+    /** Reads the rows of a query. */
+    interface Reading<T> {
+        T read(ResultSet rows) throws SQLException;
+    }
+
+    /** Executes a query and reads its rows. */
+    static <T> T query(Connection connection, String sql, Reading<T> reading, Object... values)
+            throws SQLException {
+        try (PreparedStatement statement = connection.prepareStatement(sql)) {
+            set(statement, values);
+            try (ResultSet rows = statement.executeQuery()) {
+                return reading.read(rows);
+            }
+        }
+    }
+
+    private static void set(PreparedStatement statement, Object... values) throws SQLException {
+        for (int i = 0; i < values.length; i++) {
+            statement.setObject(i + 1, values[i]);
+        }
+    }
+
+    @Override
+    public synchronized void close() throws IOException {
+        Connection open = connection;
+        connection = null;
+        if (open != null) {
+            try {
+                open.close();
+            } catch (SQLException e) {
+                throw PostgresTrouble.of(url, "closed", e);
+            }
+        }
+    }
+}
