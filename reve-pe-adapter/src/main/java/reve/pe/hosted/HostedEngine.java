@@ -633,7 +633,7 @@ public final class HostedEngine implements PhysicsEngine {
         }
     }
 
-    /** Sends a request that does not depend on the arrays; repeats it once if the host was lost. */
+    /** Sends a request that does not depend on the arrays; repeats it if the host was lost. */
     Mailbox ask(Consumer<HostProcess> request) {
         checkOpen();
         return withRetry(calls -> calls.call(request));
@@ -644,20 +644,21 @@ public final class HostedEngine implements PhysicsEngine {
         T with(Calls calls) throws HostLost;
     }
 
-    /** Makes an exchange with the host; repeats it once if the host was lost while no law ran. */
+    /**
+     * Makes an exchange with the host; repeats it if the host was lost while no law ran, because
+     * another program may have killed the host. A host that did not answer in time is replaced only
+     * once.
+     */
     private <T> T withRetry(Exchange<T> exchange) {
-        try {
+        for (int tries = 1; ; tries++) {
             try {
                 return exchange.with(connected());
             } catch (HostLost lost) {
-                if (!lost.running.isEmpty()) {
-                    throw lost;
+                if (!lost.running.isEmpty() || tries >= (lost.isLate() ? 2 : STARTS)) {
+                    throw lost(lost);
                 }
                 lose();
-                return exchange.with(connected());
             }
-        } catch (HostLost lost) {
-            throw lost(lost);
         }
     }
 
