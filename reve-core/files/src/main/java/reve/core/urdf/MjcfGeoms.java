@@ -10,6 +10,7 @@ import reve.core.world.Pose;
 import reve.core.world.Shape;
 
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
@@ -220,11 +221,7 @@ final class MjcfGeoms {
 
     private static double[] size(XmlElement geom, int count) throws RobotFileException {
         double[] size = geom.list("size", count, 3);
-        for (int i = 0; i < count; i++) {
-            if (!(size[i] > 0)) {
-                throw geom.problem("a length is " + size[i] + " m, expected more than 0");
-            }
-        }
+        geom.requireLengths(Arrays.copyOf(size, count));
         return size;
     }
 

@@ -183,11 +183,7 @@ final class UrdfReader {
 
     private static double[] positive(XmlElement place, double... numbers)
             throws RobotFileException {
-        for (double number : numbers) {
-            if (!(number > 0)) {
-                throw place.problem("a length is " + number + " m, expected more than 0");
-            }
-        }
+        place.requireLengths(numbers);
         return numbers;
     }
 

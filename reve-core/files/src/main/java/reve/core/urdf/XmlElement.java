@@ -30,6 +30,9 @@ record XmlElement(
     private static final int MAX_DEPTH = 32;
     private static final int MAX_ELEMENTS = 200_000;
 
+    /** Maximum length [m]. A shape may have ten times this size. */
+    private static final double MAX_METRES = 1e11;
+
     /** Reads the root element of a file. Ignores document type declarations. */
     static XmlElement read(String file, byte[] bytes) throws RobotFileException {
         XMLInputFactory factory = XMLInputFactory.newDefaultFactory();
@@ -88,6 +91,16 @@ record XmlElement(
             }
         }
         throw new RobotFileException(file + ":1: the file has no element");
+    }
+
+    /** Refuses lengths that are not positive, or that no shape can have. */
+    void requireLengths(double... lengths) throws RobotFileException {
+        for (double length : lengths) {
+            if (!(length > 0 && length <= MAX_METRES)) {
+                throw problem(
+                        "a length is " + length + " m, expected more than 0 and at most 1e11 m");
+            }
+        }
     }
 
     /** Returns an exception whose message names the position of this element. */

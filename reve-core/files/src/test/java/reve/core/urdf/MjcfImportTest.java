@@ -288,6 +288,8 @@ class MjcfImportTest {
                         + " timestep is 0.0 s",
                 "<mujoco><worldbody><joint/></worldbody></mujoco> | <joint> is outside of a body",
                 "<mujoco><worldbody><geom size='-1'/></worldbody></mujoco> | a length is -1.0 m",
+                "<mujoco><worldbody><body name='a'><joint/><geom size='1e300'/></body></worldbody></mujoco>"
+                        + " | a length is 1.0E300 m, expected more than 0 and at most 1e11 m",
                 "<mujoco><worldbody><geom type='torus' size='1'/></worldbody></mujoco> | the type"
                         + " torus is unknown",
                 "<mujoco><worldbody><geom class='x' size='1'/></worldbody></mujoco> | there is no"
