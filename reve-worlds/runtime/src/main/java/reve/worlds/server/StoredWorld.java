@@ -34,6 +34,18 @@ import java.util.function.Consumer;
  */
 record StoredWorld(Simulation simulation, JournalSink store, long stateHash, OptionalLong epoch) {
 
+    /** Returns what the problems of a store have cost, as the end of a message. */
+    private static String cost(StoreReading contents) {
+        long lost = contents.knownFrame() - contents.frame();
+        return lost <= 0
+                ? "; nothing is lost"
+                : "; the world resumes at frame "
+                        + contents.frame()
+                        + ", and "
+                        + (lost == 1 ? "the frame after it is" : lost + " frames after it are")
+                        + " lost";
+    }
+
     /**
      * Opens a store and restores its world.
      *
@@ -60,7 +72,8 @@ record StoredWorld(Simulation simulation, JournalSink store, long stateHash, Opt
                 Simulation begun = new Simulation(description, pacing, laws);
                 return kept(begun, taken, begun.physics().stateHash());
             }
-            contents.problems().forEach(problem -> problems.accept(problem + "; nothing is lost"));
+            String cost = cost(contents);
+            contents.problems().forEach(problem -> problems.accept(problem + cost));
             LawFiles found =
                     new LawFiles(laws, problem -> problems.accept(address + ": " + problem));
             try (Replay replay =
