@@ -170,7 +170,7 @@ class StoreIT {
                         "0",
                         "--json",
                         "--seconds",
-                        "4",
+                        "8",
                         "--record",
                         log.toString())) {
             JsonNode ready = server.events().await("ready", event -> true);
@@ -192,7 +192,7 @@ class StoreIT {
         }
         Outcome replay = Reve.runAsProcess("replay", log.toString());
         assertThat(replay.code()).as(replay.out() + replay.err()).isZero();
-        assertThat(replay.out()).contains("identical: 240 frames", "state hash: " + hash);
+        assertThat(replay.out()).contains("identical: 480 frames", "state hash: " + hash);
     }
 
     @Test
