@@ -169,18 +169,19 @@ class HostileServerTest(unittest.TestCase):
                 self.assertNotEqual(ended.exception.code, "no-answer")
 
     def test_leaving_does_not_wait_for_a_server_that_never_resumes(self):
-        first = threading.Event()
+        first, resumes = threading.Event(), threading.Event()
 
         def talk(connection, ends):
             if not first.is_set():
                 first.set()
                 connection.sendall(line({**WELCOME, **SESSION}))  # and closes the connection
             else:
+                resumes.set()
                 drip(line({"t": "ping"}))(connection, ends)
 
         with FakeServer(talk) as server:
             ada = reve.connect(port=server.port, name="ada", grace=60, timeout=0.5)
-            time.sleep(0.3)
+            self.assertTrue(resumes.wait(PATIENCE))
             ada.close()
 
     def test_many_events_of_one_frame_take_little_time(self):

@@ -62,7 +62,7 @@ final class Wire implements Closeable {
     static Opened open(InetSocketAddress address, Join join) throws IOException {
         var socket = new Socket();
         var late = new AtomicBoolean();
-        // A timeout of the socket alone would begin anew with each byte that the server sends.
+        // The timeout of the socket restarts with each byte that the server sends.
         CompletableFuture<Void> alarm =
                 CompletableFuture.runAsync(
                         () -> {

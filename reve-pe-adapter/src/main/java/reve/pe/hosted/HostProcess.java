@@ -113,8 +113,8 @@ class HostProcess implements AutoCloseable {
 
     /**
      * Environment variable with settings of the C library, and the setting with which it requests
-     * large pages. A host that replaces another one gets all its memory anew. With small pages,
-     * this takes most of the time of the repeated frame.
+     * large pages. A host that replaces another one first touches all its memory in the repeated
+     * frame. With small pages, this takes most of the time of that frame.
      */
     private static final String TUNABLES = "GLIBC_TUNABLES";
 

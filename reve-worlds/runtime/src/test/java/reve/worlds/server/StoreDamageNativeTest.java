@@ -19,6 +19,7 @@ import reve.worlds.journal.SqliteStore;
 import reve.worlds.journal.StoreAddress;
 
 import java.io.IOException;
+import java.nio.ByteBuffer;
 import java.nio.file.Files;
 import java.nio.file.LinkOption;
 import java.nio.file.Path;
@@ -28,6 +29,7 @@ import java.sql.SQLException;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.Collections;
+import java.util.Comparator;
 import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -36,6 +38,7 @@ import java.util.Optional;
 import java.util.Random;
 import java.util.TreeMap;
 import java.util.stream.Stream;
+import java.util.zip.CRC32C;
 
 /**
  * A store of a killed server, damaged in every way in which files can be damaged: it resumes
@@ -79,6 +82,39 @@ class StoreDamageNativeTest {
             suffer(whole, damage);
         }
         System.out.println("of " + damages.size() + " damages " + counts);
+    }
+
+    @Test
+    void framesThatAPowerFailureHasLostAreReportedWithTheirNumber() throws Exception {
+        description = WorldFile.load(WORLD);
+        write(folder, killedAfter(30, "one", Map.of()));
+        Path newest;
+        try (Stream<Path> all = Files.list(folder)) {
+            newest =
+                    all.filter(file -> file.getFileName().toString().contains("-frames-"))
+                            .max(Comparator.comparing(Path::toString))
+                            .orElseThrow();
+        }
+        byte[] frames = Files.readAllBytes(newest);
+        Files.write(newest, Arrays.copyOf(frames, frames.length - 3));
+        Path manifest = folder.resolve(NAME + "-manifest");
+        byte[] claim = Files.readAllBytes(manifest);
+        claim["REVE store manifest 1\n".length() + 16] ^= 1; // the identity of the boot
+        var sum = new CRC32C();
+        sum.update(claim, 0, claim.length - Integer.BYTES);
+        ByteBuffer.wrap(claim).putInt(claim.length - Integer.BYTES, (int) sum.getValue());
+        Files.write(manifest, claim);
+
+        Resumed resumed = open(folder);
+        assertThat(resumed.hash()).isEqualTo(hashes.get(resumed.frame()));
+        assertThat(resumed.problems())
+                .singleElement()
+                .asString()
+                .contains("the machine was started again since")
+                .endsWith(
+                        "the world resumes at frame "
+                                + resumed.frame()
+                                + ", and the frame after it is lost");
     }
 
     @Test

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.audit;
 
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+
 import reve.core.agent.protocol.Encoding;
 
 import java.io.Closeable;
@@ -29,6 +32,7 @@ import java.util.concurrent.atomic.AtomicLong;
  * <p>For any thread, unless a method says otherwise. Only {@link #told} and {@link #close} wait.
  */
 public final class AuditLog implements Closeable {
+    private static final Logger LOG = LoggerFactory.getLogger("reve.agents");
 
     /** Time after which a disk that does not answer counts as a failure [ms]. */
     static final long PATIENCE_MILLIS = 1000;
@@ -102,8 +106,8 @@ public final class AuditLog implements Closeable {
      */
     public boolean told(String world, String client, Encoding encoding, ByteBuffer line) {
         int length = line.remaining();
-        if (!isServing()
-                || isLate()
+        if (isLate()
+                || !isServing()
                 || waitingBytes.get() + length > MOST_WAITING_BYTES
                 || closed) {
             return skip();
@@ -112,11 +116,26 @@ public final class AuditLog implements Closeable {
         ByteBuffer copy = ByteBuffer.allocate(length).put(line.slice()).flip();
         var recorded = new CompletableFuture<Boolean>();
         waitingBytes.addAndGet(length);
-        tasks.add(
-                new Task(
-                        () -> recorded.complete(file.told(at, world, client, encoding, copy)),
-                        length));
+        tasks.add(new Task(() -> record(at, world, client, encoding, copy, recorded), length));
         return !plan.required() || await(recorded);
+    }
+
+    private void record(
+            Instant at,
+            String world,
+            String client,
+            Encoding encoding,
+            ByteBuffer line,
+            CompletableFuture<Boolean> recorded) {
+        try {
+            recorded.complete(file.told(at, world, client, encoding, line));
+        } catch (RuntimeException e) { // an error because of one message must not end the thread
+            LOG.error("a message to {} could not be recorded", client, e);
+            recorded.complete(false);
+            if (!plan.required()) {
+                file.skipped(1, at);
+            }
+        }
     }
 
     private boolean await(CompletableFuture<Boolean> recorded) {

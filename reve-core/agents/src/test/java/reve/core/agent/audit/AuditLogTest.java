@@ -112,6 +112,20 @@ class AuditLogTest {
     }
 
     @Test
+    void aMessageThatCannotBeReadIsCountedAndTheNextOneIsRecorded() throws Exception {
+        Path file = folder.resolve("audit.jsonl");
+        try (var audit = new AuditLog(AuditPlan.of(file))) {
+            ByteBuffer unreadable = ByteBuffer.wrap(new byte[] {0, 0, 0, 1, (byte) 0xc1});
+            assertThat(audit.told("world", "ada", Encoding.MESSAGEPACK, unreadable)).isTrue();
+            assertThat(told(audit, "next")).isTrue();
+        }
+        List<String> lines = Files.readAllLines(file);
+        assertThat(lines).hasSize(2);
+        assertThat(TestClient.json(lines.getFirst()).at("/unrecorded").asInt()).isEqualTo(1);
+        assertThat(TestClient.json(lines.getLast()).at("/message/t").asString()).isEqualTo("next");
+    }
+
+    @Test
     @Timeout(60)
     void aDiskThatDoesNotAnswerDelaysNobodyAndTheGapIsRecorded() throws Exception {
         try (var stuck = new StuckFile();
