@@ -80,7 +80,9 @@ class LawsApartNativeTest {
             }
             Set<Long> after = hosts();
             after.removeAll(ending);
-            assertThat(after).isEqualTo(before);
+            assertThat(before)
+                    .as("no host was started; that of the trial may end late")
+                    .containsAll(after);
             assertThat(hosted.world.adapter.profile().redoneFrames()).isOne();
             assertThat(hosted.world.events("fault")).hasSize(1);
             WorldEvent fault = hosted.world.events("fault").getFirst();
