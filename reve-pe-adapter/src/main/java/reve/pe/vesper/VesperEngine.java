@@ -90,7 +90,7 @@ public final class VesperEngine implements PhysicsEngine {
         provider =
                 new VesperProvider(
                         this,
-                        VesperLibrary.enginePropertyProvider(engine),
+                        EngineFunctions.enginePropertyProvider(engine),
                         errors,
                         prototype,
                         arena);
@@ -188,7 +188,7 @@ public final class VesperEngine implements PhysicsEngine {
                 library,
                 parameters,
                 values ->
-                        VesperLibrary.engineLoadPrepared(
+                        EngineFunctions.engineLoadPrepared(
                                 engine,
                                 library.handle(),
                                 values,
@@ -208,7 +208,7 @@ public final class VesperEngine implements PhysicsEngine {
                 library,
                 parameters,
                 values ->
-                        VesperLibrary.engineReplaceLibrary(
+                        EngineFunctions.engineReplaceLibrary(
                                 engine,
                                 libraryId,
                                 library.handle(),
@@ -257,7 +257,7 @@ public final class VesperEngine implements PhysicsEngine {
     @Override
     public void unloadPhysicsLaw(int libraryId) {
         checkOpen();
-        errors.check(VesperLibrary.engineUnloadPhysicsLaw(engine, libraryId, errors.segment()));
+        errors.check(EngineFunctions.engineUnloadPhysicsLaw(engine, libraryId, errors.segment()));
         libraries.remove(libraryId);
         listLibraries();
     }
@@ -268,7 +268,7 @@ public final class VesperEngine implements PhysicsEngine {
         if (before != null) {
             throw new IllegalStateException("changes are in progress; end them first");
         }
-        errors.check(VesperLibrary.engineBeginChanges(engine, errors.segment()));
+        errors.check(EngineFunctions.engineBeginChanges(engine, errors.segment()));
         before = new LinkedHashMap<>(libraries);
     }
 
@@ -280,7 +280,7 @@ public final class VesperEngine implements PhysicsEngine {
         }
         Map<Integer, LibraryNames> begun = before;
         before = null;
-        errors.check(VesperLibrary.engineEndChanges(engine, keep ? 1 : 0, errors.segment()));
+        errors.check(EngineFunctions.engineEndChanges(engine, keep ? 1 : 0, errors.segment()));
         if (!keep) {
             libraries.clear();
             libraries.putAll(begun);
@@ -297,7 +297,7 @@ public final class VesperEngine implements PhysicsEngine {
     public void setInterval(int libraryId, int interval) {
         checkOpen();
         errors.check(
-                VesperLibrary.engineSetInterval(engine, libraryId, interval, errors.segment()));
+                EngineFunctions.engineSetInterval(engine, libraryId, interval, errors.segment()));
     }
 
     @Override
@@ -322,13 +322,13 @@ public final class VesperEngine implements PhysicsEngine {
     public void advance(double dt, int steps) {
         checkOpen();
         provider.checkArraysAlive();
-        errors.check(VesperLibrary.engineAdvance(engine, dt, steps, errors.segment()));
+        errors.check(EngineFunctions.engineAdvance(engine, dt, steps, errors.segment()));
     }
 
     @Override
     public void clearFault() {
         checkOpen();
-        errors.check(VesperLibrary.engineClearFault(engine, errors.segment()));
+        errors.check(EngineFunctions.engineClearFault(engine, errors.segment()));
     }
 
     @Override
@@ -338,7 +338,7 @@ public final class VesperEngine implements PhysicsEngine {
             MemorySegment name = VesperStrings.write(call, kind);
             for (int i = 0; i < moves.length; i += 2) {
                 errors.check(
-                        VesperLibrary.engineMoveRow(
+                        EngineFunctions.engineMoveRow(
                                 engine, name, moves[i], moves[i + 1], errors.segment()));
             }
         }
@@ -347,20 +347,21 @@ public final class VesperEngine implements PhysicsEngine {
     @Override
     public void setStepCount(long steps, double dtSeconds) {
         checkOpen();
-        errors.check(VesperLibrary.engineSetStepCount(engine, steps, dtSeconds, errors.segment()));
+        errors.check(
+                EngineFunctions.engineSetStepCount(engine, steps, dtSeconds, errors.segment()));
     }
 
     @Override
     public long stepCount() {
         checkOpen();
-        return VesperLibrary.engineStepCount(engine);
+        return EngineFunctions.engineStepCount(engine);
     }
 
     @Override
     public long stateHash() {
         checkOpen();
         provider.checkArraysAlive();
-        errors.check(VesperLibrary.engineStateHash(engine, out, errors.segment()));
+        errors.check(EngineFunctions.engineStateHash(engine, out, errors.segment()));
         return out.get(JAVA_LONG, 0);
     }
 
@@ -369,10 +370,10 @@ public final class VesperEngine implements PhysicsEngine {
         checkOpen();
         provider.checkArraysAlive();
         try (Arena call = Arena.ofConfined()) {
-            errors.check(VesperLibrary.engineStateSize(engine, out, errors.segment()));
+            errors.check(EngineFunctions.engineStateSize(engine, out, errors.segment()));
             MemorySegment state = call.allocate(out.get(JAVA_LONG, 0));
             errors.check(
-                    VesperLibrary.engineSaveState(
+                    EngineFunctions.engineSaveState(
                             engine, state, state.byteSize(), errors.segment()));
             return state.toArray(JAVA_BYTE);
         }
@@ -384,14 +385,15 @@ public final class VesperEngine implements PhysicsEngine {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment copy = call.allocateFrom(JAVA_BYTE, state);
             errors.check(
-                    VesperLibrary.engineLoadState(engine, copy, copy.byteSize(), errors.segment()));
+                    EngineFunctions.engineLoadState(
+                            engine, copy, copy.byteSize(), errors.segment()));
         }
     }
 
     @Override
     public void setLedger(boolean on) {
         checkOpen();
-        errors.check(VesperLibrary.engineSetLedger(engine, on ? 1 : 0, errors.segment()));
+        errors.check(EngineFunctions.engineSetLedger(engine, on ? 1 : 0, errors.segment()));
     }
 
     @Override
@@ -405,7 +407,7 @@ public final class VesperEngine implements PhysicsEngine {
     public void close() {
         if (!closed) {
             closed = true;
-            VesperLibrary.engineDestroy(engine);
+            EngineFunctions.engineDestroy(engine);
             arena.close();
         }
     }
@@ -420,7 +422,7 @@ public final class VesperEngine implements PhysicsEngine {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment handle = call.allocate(ADDRESS);
             errors.check(
-                    VesperLibrary.engineCreate(
+                    EngineFunctions.engineCreate(
                             config,
                             VesperPrototypes.write(call, prototype),
                             handle,
@@ -431,7 +433,7 @@ public final class VesperEngine implements PhysicsEngine {
 
     private static MemorySegment writeConfig(VesperConfig config, Arena arena) {
         MemorySegment struct = arena.allocate(ENGINE_CONFIG);
-        VesperLibrary.engineConfigInit(struct);
+        EngineFunctions.engineConfigInit(struct);
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "threads"), config.threads());
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "validate"), config.validate() ? 1 : 0);
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "touches"), 1);
@@ -475,7 +477,7 @@ public final class VesperEngine implements PhysicsEngine {
 
     private boolean nextLaw(int libraryId, int index) {
         lawInfo.set(JAVA_INT, STRUCT_SIZE, (int) LAW_INFO.byteSize());
-        return VesperLibrary.engineLawInfo(engine, libraryId, index, lawInfo, errors.segment())
+        return EngineFunctions.engineLawInfo(engine, libraryId, index, lawInfo, errors.segment())
                 == 0;
     }
 

@@ -39,13 +39,13 @@ final class VesperLedger {
                 index = law.libraryId() == library ? index + 1 : 0;
                 library = law.libraryId();
                 errors.check(
-                        VesperLibrary.engineLedger(
+                        EngineFunctions.engineLedger(
                                 engine, library, index, entry, errors.segment()));
                 lines.add(line(law.name(), true, entry));
             }
             for (int line = 0; line < OTHERS.size(); line++) {
                 errors.check(
-                        VesperLibrary.engineLedger(
+                        EngineFunctions.engineLedger(
                                 engine, NO_LIBRARY, line, entry, errors.segment()));
                 lines.add(line(OTHERS.get(line), false, entry));
             }

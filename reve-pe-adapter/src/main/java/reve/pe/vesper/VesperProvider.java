@@ -85,7 +85,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
         Slot slot = slot(name);
         checkArrays(slot, data, valueCount, indices, objectCount);
         errors.check(
-                VesperLibrary.providerAddPhysicalProperty(
+                EngineFunctions.providerAddPhysicalProperty(
                         provider,
                         slot.name,
                         data,
@@ -107,7 +107,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
         Slot slot = slot(name);
         checkArrays(slot, data, valueCount, indices, objectCount);
         errors.check(
-                VesperLibrary.providerRebindPhysicalProperty(
+                EngineFunctions.providerRebindPhysicalProperty(
                         provider,
                         slot.name,
                         data,
@@ -123,7 +123,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
         engine.checkOpen();
         Slot slot = slot(name);
         errors.check(
-                VesperLibrary.providerRemovePhysicalProperty(
+                EngineFunctions.providerRemovePhysicalProperty(
                         provider, slot.name, errors.segment()));
         lend(slot, null, null);
     }
@@ -134,7 +134,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
         Slot slot = slot(name);
         found.set(JAVA_INT, offset(PROPERTY, "struct_size"), (int) PROPERTY.byteSize());
         errors.check(
-                VesperLibrary.providerFindPhysicalProperty(
+                EngineFunctions.providerFindPhysicalProperty(
                         provider, slot.name, found, errors.segment()));
         return new PhysicalProperty(
                 VesperStrings.readAt(found, offset(PROPERTY, "name")),
@@ -150,7 +150,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
     public void touch(String name) {
         engine.checkOpen();
         oneName.set(ADDRESS, 0, slot(name).name);
-        errors.check(VesperLibrary.providerTouch(provider, oneName, 1, errors.segment()));
+        errors.check(EngineFunctions.providerTouch(provider, oneName, 1, errors.segment()));
     }
 
     /** Throws if the client has closed memory that the engine still uses. */
