@@ -97,6 +97,10 @@ static void harm(struct vesper_law* law) {
     for (;;) depth++;
   }
   if (IS("sleep")) sleep(1000);
+  if (IS("late_segfault")) {
+    usleep(2600000);
+    *(volatile int*)8 = 1;
+  }
   if (IS("deadlock")) {
     pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
     pthread_mutex_lock(&mutex);

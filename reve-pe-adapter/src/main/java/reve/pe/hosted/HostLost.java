@@ -7,11 +7,10 @@ import java.util.List;
 final class HostLost extends Exception {
     private static final long serialVersionUID = 1L;
 
-    /**
-     * The time limit after which the client ended the host, because the host did not answer [ns]; 0
-     * if the host ended by itself.
-     */
-    final long lateNanos;
+    /** The time of the request as it counts for its time limit [ns]. */
+    final long spentNanos;
+
+    private final boolean late;
 
     /**
      * Whether the signal SIGKILL ended the host. This client, the system or another program may
@@ -35,16 +34,20 @@ final class HostLost extends Exception {
 
     /**
      * @param message how the host ended, for example "SIGSEGV"
+     * @param spentNanos the time of the request as it counts for its time limit [ns]
+     * @param late whether the client ended the host because it did not answer in time
      */
     HostLost(
             String message,
-            long lateNanos,
+            long spentNanos,
+            boolean late,
             boolean killed,
             List<Long> running,
             String property,
             long offset) {
         super(message, null, false, false);
-        this.lateNanos = lateNanos;
+        this.spentNanos = spentNanos;
+        this.late = late;
         this.killed = killed;
         this.running = running;
         this.property = property;
@@ -53,6 +56,6 @@ final class HostLost extends Exception {
 
     /** Returns whether the client ended the host because it did not answer in time. */
     boolean isLate() {
-        return lateNanos > 0;
+        return late;
     }
 }

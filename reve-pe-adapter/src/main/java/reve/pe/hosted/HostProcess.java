@@ -60,9 +60,6 @@ class HostProcess implements AutoCloseable {
      */
     private static final long ALIVE_NANOS = LOOK_NANOS / 4;
 
-    /** Processor time between two checks below which the host counts as waiting [ns]. */
-    private static final long IDLE_NANOS = LOOK_NANOS / 20;
-
     /**
      * Maximum idle time that counts for one interval [ns]. If an interval takes longer, this
      * process did not run, and perhaps the host did not run either.
@@ -81,18 +78,6 @@ class HostProcess implements AutoCloseable {
      * world that waits for a clock, pauses are longer.
      */
     private static final long QUICK_NANOS = 5_000_000;
-
-    /**
-     * Multiple of the time limit after which a host is ended, measured in wall-clock time, even if
-     * the host got no processor.
-     */
-    private static final int MOST_WALL = 20;
-
-    /**
-     * Additional wall-clock time after which a host is ended that waits for a law that runs apart
-     * [ns].
-     */
-    private static final long SANDBOX_NANOS = 500_000_000;
 
     private static final Map<Integer, String> SIGNALS =
             Map.of(
@@ -290,43 +275,41 @@ class HostProcess implements AutoCloseable {
     /** The wait for a reply, with a check of the host after each {@link #LOOK_NANOS}. */
     private final class Wait {
         private final int number;
-        private final long limitNanos;
         private final LongPredicate isApart;
         private final long start = System.nanoTime();
-        private final long startCpu = group.cpuNanos();
-        private long cpu = startCpu;
-        private long idle;
-        private long wall;
+        private final CallTime time;
         private boolean continued;
 
         Wait(int number, long limitNanos, LongPredicate isApart) {
             this.number = number;
-            this.limitNanos = limitNanos;
             this.isApart = isApart;
+            time = new CallTime(limitNanos, group.cpuNanos());
         }
 
         /** Waits for the reply, and returns the time that counts for the limit [ns]. */
         long untilAnswered(VesperLog log) throws HostLost {
             for (long last = start; reply.get() != number; ) {
                 if (!process.isAlive()) {
-                    throw lost(ending(), 0, log);
+                    throw lost(ending(), spent(), false, log);
                 }
                 long now = System.nanoTime();
                 count(Math.min(now - last, MOST_LOOK_NANOS));
                 last = now;
-                boolean late = spent() >= limitNanos || wall >= MOST_WALL * limitNanos;
                 if (endsWhenInterrupted && Thread.currentThread().isInterrupted()) {
                     process.destroyForcibly();
-                    throw new HostLost("interrupted", 0, true, List.of(), "", 0);
+                    throw new HostLost("interrupted", spent(), false, true, List.of(), "", 0);
                 }
-                if (late && (!isInSandbox() || wall >= MOST_WALL * limitNanos + SANDBOX_NANOS)) {
+                if (time.isLate(isInSandbox())) {
                     kill();
                     throw lost(
-                            "no answer within " + limitNanos / 1_000_000 + " ms", limitNanos, log);
+                            "no answer within " + time.limitNanos() / 1_000_000 + " ms",
+                            time.limitNanos(),
+                            true,
+                            log);
                 }
                 awaitReply(number);
             }
-            cpu = Math.max(cpu, group.cpuNanos());
+            time.counts(0, group.cpuNanos());
             return spent();
         }
 
@@ -344,27 +327,23 @@ class HostProcess implements AutoCloseable {
          * several threads together may exceed in processor time.
          */
         private long spent() {
-            return Math.min(cpu - startCpu + idle, System.nanoTime() - start);
+            return Math.min(time.spentNanos(), System.nanoTime() - start);
         }
 
         /**
-         * Counts idle time. A host that waits for a processor or a disk is not idle. A host that
-         * was stopped (SIGSTOP) is continued once per call, because another program may have
-         * stopped it.
+         * Counts the time since the last check. A host that was stopped (SIGSTOP) is continued once
+         * per call, because another program may have stopped it.
          */
         private void count(long elapsed) {
-            long before = cpu;
-            cpu = Math.max(before, group.cpuNanos());
-            wall += elapsed;
-            if (cpu - before >= IDLE_NANOS) {
+            if (time.counts(elapsed, group.cpuNanos())) {
                 return;
             }
             ProcessGroup.State state = group.state();
             if (state == ProcessGroup.State.STOPPED && !continued) {
                 continued = true;
                 group.proceed();
-            } else if (state != ProcessGroup.State.OTHER) {
-                idle += elapsed;
+            } else {
+                time.countsWithoutProcessor(elapsed, state);
             }
         }
     }
@@ -374,9 +353,9 @@ class HostProcess implements AutoCloseable {
         return control.segment().get(JAVA_LONG, RUNNING + (long) thread * Long.BYTES);
     }
 
-    private HostLost lost(String how, long lateNanos, VesperLog log) {
+    private HostLost lost(String how, long spent, boolean late, VesperLog log) {
         passLog(log);
-        boolean killed = lateNanos == 0 && process.exitValue() == FIRST_SIGNAL + SIGKILL;
+        boolean killed = !late && process.exitValue() == FIRST_SIGNAL + SIGKILL;
         List<Long> running = new ArrayList<>();
         for (int thread = 0; thread < MAX_THREADS; thread++) {
             long law = running(thread);
@@ -388,7 +367,7 @@ class HostProcess implements AutoCloseable {
                 new Mailbox(control.segment().asSlice(WROTE, WROTE_BYTES)).getField(WROTE_BYTES);
         long offset = control.segment().get(JAVA_LONG, WROTE_OFFSET);
         close();
-        return new HostLost(how, lateNanos, killed, running, wrote, offset);
+        return new HostLost(how, spent, late, killed, running, wrote, offset);
     }
 
     private String ending() {

@@ -467,6 +467,7 @@ public final class HostedEngine implements PhysicsEngine {
                 state.keep(calls);
             }
         } catch (RuntimeException failed) {
+            losses.spend(current.spentNanos());
             if (failed instanceof PhysicsException refused
                     && (refused.libraryId() != 0 || refused.status() != Status.INTERNAL)) {
                 throw refused;
@@ -767,7 +768,8 @@ public final class HostedEngine implements PhysicsEngine {
         provider.bindAll(calls);
         for (Loaded library : libraries) {
             try {
-                library.load(calls);
+                library.load(calls(fresh, losses.left(REQUEST_NANOS)));
+                losses.spend(fresh.spentNanos());
             } catch (HostLost lost) {
                 throw losses.blameForLoad(lost, library);
             }

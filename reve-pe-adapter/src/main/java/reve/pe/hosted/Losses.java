@@ -13,10 +13,10 @@ import java.util.Optional;
  */
 final class Losses {
     /**
-     * Maximum sum of the times, in one frame, of laws that do not return [ns]. It also applies to
-     * frames in which laws may build data structures.
+     * Maximum sum of the times of failed attempts to make a frame [ns]. It also applies to frames
+     * in which laws may build data structures.
      */
-    private static final long MOST_LATE_NANOS = 4_000_000_000L;
+    private static final long MOST_FAILED_NANOS = 4_000_000_000L;
 
     private final HostedProvider provider;
 
@@ -24,7 +24,7 @@ final class Losses {
     private final List<Loaded> libraries;
 
     private boolean alone;
-    private long lateNanos;
+    private long failedNanos;
 
     /** Number of successive losses by SIGKILL with the same library at which it is the cause. */
     private static final int MOST_KILLS = 5;
@@ -52,22 +52,27 @@ final class Losses {
     }
 
     /**
-     * Returns how much of a time limit remains in this frame [ns]. Time that laws used without
-     * returning reduces it.
+     * Returns how much of a time limit remains in this frame [ns]. The failed attempts so far
+     * reduce it.
      */
     long left(long limitNanos) {
-        return Math.clamp(MOST_LATE_NANOS - lateNanos, 0, limitNanos);
+        return Math.clamp(MOST_FAILED_NANOS - failedNanos, 0, limitNanos);
+    }
+
+    /** Adds the time of a request that did not make the frame [ns]. */
+    void spend(long nanos) {
+        failedNanos += nanos;
     }
 
     /** Forgets the losses, because the frame succeeded. */
     void forget() {
         suspected = 0;
-        lateNanos = 0;
+        failedNanos = 0;
     }
 
     /** Returns the failure of the law that ended the host, or did not return. */
     PhysicsException blame(HostLost lost) {
-        lateNanos += lost.lateNanos;
+        spend(lost.spentNanos);
         List<Loaded> running =
                 lost.running.stream()
                         .map(word -> (int) (word >>> Integer.SIZE))
@@ -106,7 +111,7 @@ final class Losses {
 
     /** Returns the failure of a library during whose loading a new host ended or did not answer. */
     PhysicsException blameForLoad(HostLost lost, Loaded library) {
-        lateNanos += lost.lateNanos;
+        spend(lost.spentNanos);
         if (!lost.isLate()
                 && mayHaveAnotherCause(library, lost.killed ? MOST_KILLS : MOST_CRASHES)) {
             return engineLost(lost, "library " + library.library.name() + " was loaded");

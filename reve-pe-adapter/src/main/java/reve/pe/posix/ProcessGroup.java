@@ -49,7 +49,9 @@ public final class ProcessGroup {
         SLEEPS,
         /** Was stopped by a signal. */
         STOPPED,
-        /** Runs, waits for a processor, a disk or memory, or has ended. */
+        /** Waits for a disk, for memory that was swapped out, or for a child of {@code vfork}. */
+        WAITS_FOR_DISK,
+        /** Runs, waits for a processor, or has ended. */
         OTHER
     }
 
@@ -61,6 +63,7 @@ public final class ProcessGroup {
             return switch (state < text.length() ? text.charAt(state) : ' ') {
                 case 'S' -> State.SLEEPS;
                 case 'T', 't' -> State.STOPPED;
+                case 'D' -> State.WAITS_FOR_DISK;
                 default -> State.OTHER;
             };
         } catch (IOException ended) {
