@@ -290,6 +290,73 @@ class PostgresStoreIT {
         }
     }
 
+    /** The row of the world, and with it the epoch, goes back while the owner is paused. */
+    @Test
+    void anEpochThatIsGrantedTwiceBelongsToOneServer() throws Exception {
+        String database = database();
+        take(database).close();
+        postgres.execute(database, "CREATE TABLE backup AS TABLE reve.world");
+        try (TakenStore old = take(database);
+                JournalSink paused = old.open()) {
+            JournalSink.Place reserved = paused.place();
+            postgres.execute(
+                    database, "DELETE FROM reve.world; INSERT INTO reve.world TABLE backup");
+            try (TakenStore taken = take(database);
+                    JournalSink owner = taken.open()) {
+                assertThat(taken.epoch()).isEqualTo(old.epoch());
+                owner.place().write(List.of(), image(3));
+                owner.write(frame(4));
+                assertThatExceptionOfType(JournalSink.LostException.class)
+                        .isThrownBy(() -> reserved.write(List.of(), image(9)));
+                owner.write(frame(5));
+            }
+        }
+        assertThat(texts(address(database).read()))
+                .containsExactly("image 3", "frame 4", "frame 5");
+    }
+
+    /** A crash of the database may cost the last commits, which do not wait for its disk. */
+    @Test
+    void aFrameAfterLostOnesIsRefusedUntilAnImageIsStored() throws Exception {
+        String database = database();
+        try (TakenStore taken = take(database);
+                JournalSink sink = taken.open()) {
+            sink.place().write(List.of(), image(0));
+            for (int i = 1; i <= 3; i++) {
+                sink.write(frame(i));
+            }
+            postgres.execute(
+                    database,
+                    "DELETE FROM reve.frame WHERE frame = 3; UPDATE reve.world SET frame = 2");
+            assertThatExceptionOfType(JournalSink.GapException.class)
+                    .isThrownBy(() -> sink.write(frame(4)))
+                    .withMessageContainingAll(
+                            postgres.url(database) + " (w) does not end with frame 3", "a crash");
+            sink.place().write(List.of(), image(5));
+            sink.write(frame(6));
+        }
+        StoreReading found = address(database).read();
+        assertThat(found.problems()).isEmpty();
+        assertThat(texts(found)).containsExactly("image 5", "frame 6");
+    }
+
+    @Test
+    void aWorldWithoutItsRowIsRefused() throws Exception {
+        String database = database();
+        try (TakenStore taken = take(database);
+                JournalSink sink = taken.open()) {
+            sink.place().write(List.of(), image(0));
+        }
+        postgres.execute(database, "DELETE FROM reve.world");
+        assertThat(address(database).read().isWhole()).isFalse();
+        assertThatExceptionOfType(CorruptException.class)
+                .isThrownBy(() -> take(database))
+                .withMessageContainingAll(
+                        postgres.url(database) + " (w) is not whole: ",
+                        "has images, but no row in reve.world",
+                        "from a backup");
+    }
+
     /** A takeover waits for a write that has compared its epoch and is not yet committed. */
     @Test
     void aTakeoverWaitsForTheCommitOfAWrite() throws Exception {

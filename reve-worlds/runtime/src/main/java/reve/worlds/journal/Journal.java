@@ -260,7 +260,8 @@ public final class Journal implements AutoCloseable {
         long start = System.nanoTime();
         long patience =
                 lastFrame == lastImage ? IMAGE_PATIENCE_NANOSECONDS : FRAME_PATIENCE_NANOSECONDS;
-        while (!behind && !ring.isEmpty() && writer.isWorking()) {
+        boolean waits = plan.waits || !writer.isFailing();
+        while (waits && !behind && !ring.isEmpty() && writer.isWorking()) {
             LockSupport.parkNanos(PAUSE_NANOSECONDS);
             if (!plan.waits && System.nanoTime() - start > patience) {
                 behind = true;
@@ -351,7 +352,9 @@ public final class Journal implements AutoCloseable {
                             frame,
                             plan.waits
                                     ? Long.MAX_VALUE
-                                    : behind || imageWanted ? 0 : IMAGE_PATIENCE_NANOSECONDS);
+                                    : behind || imageWanted || writer.isFailing()
+                                            ? 0
+                                            : IMAGE_PATIENCE_NANOSECONDS);
         } else if (plan.imageFrames > 0 && frame - lastImage >= plan.imageFrames) {
             entry.image = copy(frame, 0);
         }

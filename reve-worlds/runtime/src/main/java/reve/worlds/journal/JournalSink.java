@@ -108,6 +108,19 @@ public interface JournalSink extends AutoCloseable {
     }
 
     /**
+     * Thrown if the sink has lost records that it had accepted. The journal must begin again with
+     * an image.
+     */
+    final class GapException extends IOException {
+        private static final long serialVersionUID = 1L;
+
+        /** Creates an exception with a message that names the store and the lost records. */
+        public GapException(String message) {
+            super(message);
+        }
+    }
+
+    /**
      * Thrown if a file of the sink was lost and a new file was begun. The image must then be
      * written again.
      */

@@ -73,6 +73,9 @@ final class JournalWriter {
     private final AtomicBoolean beginsAnew = new AtomicBoolean();
     private long lookedNanos = System.nanoTime();
 
+    /** True while the sink accepts nothing, from a failed write up to the next stored image. */
+    private volatile boolean failing;
+
     /** True while the file is moved, removed or truncated and not yet replaced. */
     private boolean missing;
 
@@ -146,6 +149,14 @@ final class JournalWriter {
      */
     boolean beginsAnew() {
         return beginsAnew.get() && beginsAnew.getAndSet(false);
+    }
+
+    /**
+     * Returns whether the last write failed and no image has been stored since. Frames then need
+     * not wait for the disk: none of them is written.
+     */
+    boolean isFailing() {
+        return failing;
     }
 
     /** Returns why the writer ended or is about to end; empty unless it failed. */
@@ -328,6 +339,9 @@ final class JournalWriter {
             failure = lost; // the listener of the sink has reported it
             return false;
         } catch (Throwable e) {
+            if (e instanceof JournalSink.GapException) {
+                beginsAnew.set(true);
+            }
             if (!refused) { // otherwise this was already reported
                 report(reason(e) + consequence.get());
             }
@@ -403,6 +417,7 @@ final class JournalWriter {
                 refused |= isRecordingRefused();
             }
         }
+        failing = !begun;
         if (!begun && (refused || missing)) {
             gap =
                     Optional.of(

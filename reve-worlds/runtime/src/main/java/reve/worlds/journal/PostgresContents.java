@@ -21,6 +21,7 @@ final class PostgresContents implements StoreReading {
             "restore the database from a backup, or store the world under another name";
 
     private final String name;
+    private boolean hasRow;
     private final Map<String, byte[]> libraries = new LinkedHashMap<>();
     private final List<String> damagedLibraries = new ArrayList<>();
 
@@ -57,14 +58,20 @@ final class PostgresContents implements StoreReading {
     static PostgresContents read(Connection connection, String name, String world)
             throws SQLException {
         try (Statement statement = connection.createStatement()) {
-            statement.execute("SET TRANSACTION ISOLATION LEVEL REPEATABLE READ READ ONLY");
+            // The database counts the time in which this process receives rows as idle.
+            statement.execute(
+                    "SET TRANSACTION ISOLATION LEVEL REPEATABLE READ READ ONLY;"
+                            + " SET LOCAL idle_in_transaction_session_timeout = '60s'");
         }
         PostgresContents contents = new PostgresContents(name);
         contents.known =
                 PostgresSession.query(
                         connection,
                         "SELECT frame FROM reve.world WHERE name = ?",
-                        rows -> rows.next() ? rows.getLong(1) : -1L,
+                        rows -> {
+                            contents.hasRow = rows.next();
+                            return contents.hasRow ? rows.getLong(1) : -1L;
+                        },
                         world);
         contents.readLibraries(connection, world);
         contents.readJournal(connection, world);
@@ -201,6 +208,12 @@ final class PostgresContents implements StoreReading {
 
     private void judge(boolean hasNoImage) {
         Start from = start;
+        if (!hasRow && !hasNoImage) {
+            damage.add(
+                    name
+                            + " has images, but no row in reve.world, so its last frames may be"
+                            + " missing");
+        }
         if (from != null && from.frame() >= known) {
             return;
         }

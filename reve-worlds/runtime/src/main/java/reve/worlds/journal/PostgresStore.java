@@ -8,6 +8,7 @@ import reve.core.image.CorruptException;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.security.SecureRandom;
 import java.sql.Connection;
 import java.sql.ResultSet;
 import java.sql.SQLException;
@@ -16,15 +17,17 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 import java.util.OptionalLong;
+import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
 
 /**
  * A world in a PostgreSQL database that several servers share. A server takes the world and is
- * granted an epoch, a number that grows with each grant. Each write of the server compares its
- * epoch with the one in the row of the world, in the same transaction. After another server has
- * taken the world, each write therefore fails with a {@link JournalSink.LostException}. For the
- * threads of a journal.
+ * granted an epoch, a number that grows with each grant. The row of the world also contains the
+ * owner, a text that no other server has, because an epoch is granted again after the database was
+ * restored from a backup. Each write of the server compares its epoch and itself with the row, in
+ * the same transaction. After another server has taken the world, each write therefore fails with a
+ * {@link JournalSink.LostException}. For the threads of a journal.
  */
 public final class PostgresStore implements JournalSink {
     private static final int VERSION = 1;
@@ -87,13 +90,16 @@ public final class PostgresStore implements JournalSink {
     private static final String OWNED =
             "UPDATE reve.world SET frame = greatest(frame, ?), lease_until = clock_timestamp() + "
                     + LEASE
-                    + " WHERE name = ? AND epoch = ?";
+                    + " WHERE name = ? AND epoch = ? AND owner = ?";
 
-    /** One statement, so that no lock is kept while the database waits for this process. */
+    /**
+     * Adds the frame that follows the last one. One statement, so that no lock is kept while the
+     * database waits for this process.
+     */
     private static final String ADD_FRAME =
             "WITH owned AS ("
                     + OWNED
-                    + " RETURNING name, epoch) INSERT INTO reve.frame"
+                    + " AND frame = ? RETURNING name, epoch) INSERT INTO reve.frame"
                     + " SELECT name, ?, ?, epoch, ?, ? FROM owned";
 
     private static final String ADD_LIBRARY =
@@ -108,10 +114,16 @@ public final class PostgresStore implements JournalSink {
                     + " FROM reve.world";
 
     private static final String RELEASE =
-            "UPDATE reve.world SET lease_until = clock_timestamp() WHERE name = ? AND epoch = ?";
+            "UPDATE reve.world SET lease_until = clock_timestamp() WHERE name = ? AND epoch = ?"
+                    + " AND owner = ?";
+
+    private static final SecureRandom RANDOM = new SecureRandom();
 
     private final StoreAddress.InDatabase address;
     private final String world;
+
+    /** This server and this use of the world, as the row of the world names them. */
+    private final String self = thisServer();
 
     /** Writes frames and extends the lease. */
     private final PostgresSession frames;
@@ -123,7 +135,7 @@ public final class PostgresStore implements JournalSink {
     private long epoch;
     private volatile @Nullable PostgresContents contents;
     private volatile long image;
-    private volatile long reached = -1;
+    private final AtomicLong reached = new AtomicLong(-1);
     private volatile long confirmedNanos;
     private volatile boolean closed;
     private volatile @Nullable LostException lost;
@@ -188,6 +200,8 @@ public final class PostgresStore implements JournalSink {
             store.images.transaction("opened", PostgresStore::createTables);
             store.epoch = store.grant(problems);
             store.confirmedNanos = System.nanoTime();
+            // Reading a large world may take longer than the lease.
+            Thread.ofVirtual().name("lease of " + store.world).start(store::extendLease);
             PostgresContents read =
                     store.images.transaction(
                             "read",
@@ -196,12 +210,12 @@ public final class PostgresStore implements JournalSink {
                                             connection, address.toString(), address.world()));
             store.contents = read;
             store.image = read.lastImage();
-            store.reached = read.frame();
+            store.reached.set(read.frame());
+            store.requireNotLost();
         } catch (IOException | RuntimeException refused) {
             store.closeAfter(refused);
             throw refused;
         }
-        Thread.ofVirtual().name("lease of " + store.world).start(store::extendLease);
         return store.taken();
     }
 
@@ -419,11 +433,11 @@ public final class PostgresStore implements JournalSink {
     }
 
     private long grant(Consumer<String> problems) throws IOException {
-        String self = thisServer();
         long start = System.nanoTime();
         boolean told = false;
         Owner seen = null;
         while (true) {
+            requireRow();
             OptionalLong granted =
                     images.run(
                             "written",
@@ -471,6 +485,35 @@ public final class PostgresStore implements JournalSink {
         }
     }
 
+    /**
+     * Refuses a world whose row is missing although there are images of it, because the row says
+     * which frames there must be.
+     */
+    private void requireRow() throws IOException {
+        boolean isMissing =
+                images.run(
+                        "read",
+                        connection ->
+                                PostgresSession.query(
+                                        connection,
+                                        "SELECT 1 FROM reve.image WHERE world = ? AND NOT EXISTS"
+                                                + " (SELECT 1 FROM reve.world WHERE name = ?) LIMIT 1",
+                                        ResultSet::next,
+                                        world,
+                                        world));
+        if (isMissing) {
+            try (PostgresSession session =
+                    new PostgresSession(address.url(), IMAGE_PATIENCE_SECONDS, true)) {
+                session.transaction(
+                                "read",
+                                connection ->
+                                        PostgresContents.read(
+                                                connection, address.toString(), world))
+                        .requireWhole();
+            }
+        }
+    }
+
     private Optional<Owner> owner() throws IOException {
         return images.run(
                 "read",
@@ -499,7 +542,8 @@ public final class PostgresStore implements JournalSink {
         } catch (IOException unknown) {
             host = "an unknown machine";
         }
-        return host + ", process " + ProcessHandle.current().pid();
+        return "%s, use %016x, process %d"
+                .formatted(host, RANDOM.nextLong(), ProcessHandle.current().pid());
     }
 
     private void storePack() throws IOException {
@@ -532,10 +576,11 @@ public final class PostgresStore implements JournalSink {
                                 PostgresSession.update(
                                         connection,
                                         "UPDATE reve.world SET agents = ? WHERE name = ? AND epoch ="
-                                                + " ?",
+                                                + " ? AND owner = ?",
                                         agents,
                                         world,
-                                        epoch));
+                                        epoch,
+                                        self));
         if (rows == 0) {
             throw lose();
         }
@@ -568,6 +613,8 @@ public final class PostgresStore implements JournalSink {
                                                     frame.frame(),
                                                     world,
                                                     epoch,
+                                                    self,
+                                                    reached.get(),
                                                     image,
                                                     frame.frame(),
                                                     frame.json(),
@@ -583,17 +630,43 @@ public final class PostgresStore implements JournalSink {
                                                     -1L,
                                                     world,
                                                     epoch,
+                                                    self,
                                                     library.sha256(),
                                                     library.bytes()));
                     case JournalRecord.Image _ ->
                             throw new IllegalStateException("an image needs a place");
                 };
         if (rows == 0) {
-            throw lose();
+            requireOwned();
+            throw new GapException(
+                    address
+                            + " does not end with frame "
+                            + reached
+                            + ", which was acknowledged; the database has lost its last data, for"
+                            + " example by a crash");
         }
         confirm(before);
         if (record instanceof JournalRecord.Frame frame) {
-            reached = frame.frame();
+            reached.set(frame.frame());
+        }
+    }
+
+    /** Finds out whether this server still has the world. */
+    private void requireOwned() throws IOException {
+        boolean isOwned =
+                frames.run(
+                        "read",
+                        connection ->
+                                PostgresSession.query(
+                                        connection,
+                                        "SELECT 1 FROM reve.world WHERE name = ? AND epoch = ? AND"
+                                                + " owner = ?",
+                                        ResultSet::next,
+                                        world,
+                                        epoch,
+                                        self));
+        if (!isOwned) {
+            throw lose();
         }
     }
 
@@ -628,7 +701,7 @@ public final class PostgresStore implements JournalSink {
                     dropOld(connection);
                     return state.frame();
                 });
-        reached = Math.max(reached, state.frame());
+        reached.accumulateAndGet(state.frame(), Math::max);
     }
 
     /** Adds a library unless the database has the same bytes, because libraries are large. */
@@ -685,7 +758,8 @@ public final class PostgresStore implements JournalSink {
                     "written",
                     connection -> {
                         long frame = work.run(connection);
-                        if (PostgresSession.update(connection, OWNED, frame, world, epoch) == 0) {
+                        if (PostgresSession.update(connection, OWNED, frame, world, epoch, self)
+                                == 0) {
                             throw new StrangerException();
                         }
                         return true;
@@ -727,7 +801,7 @@ public final class PostgresStore implements JournalSink {
                                 "written",
                                 connection ->
                                         PostgresSession.update(
-                                                connection, OWNED, -1L, world, epoch));
+                                                connection, OWNED, -1L, world, epoch, self));
                 if (rows == 0) {
                     lose();
                 } else {
@@ -822,7 +896,8 @@ public final class PostgresStore implements JournalSink {
             if (epoch > 0 && lost == null) {
                 images.run(
                         "written",
-                        connection -> PostgresSession.update(connection, RELEASE, world, epoch));
+                        connection ->
+                                PostgresSession.update(connection, RELEASE, world, epoch, self));
             }
         }
     }
