@@ -5,8 +5,8 @@ import java.nio.file.Path;
 import java.util.Optional;
 
 /**
- * Decides which native law libraries run apart: in a sandbox, a process that can access only the
- * columns that the library declares. For any thread.
+ * Decides which native law libraries run apart, that is, in a sandbox. A sandbox is a process that
+ * can access only the columns that the library declares. For any thread.
  */
 @FunctionalInterface
 public interface ApartRule {

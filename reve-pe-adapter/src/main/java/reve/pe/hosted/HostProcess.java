@@ -55,8 +55,9 @@ class HostProcess implements AutoCloseable {
     private static final long LOOK_NANOS = 1_000_000;
 
     /**
-     * Interval at which a waiting client checks whether the host still lives [ns]. It is shorter,
-     * because this check is cheap, and a crash is to cost less than a frame.
+     * Interval at which a waiting client checks whether the host still lives [ns]. It is shorter
+     * than {@link #LOOK_NANOS}, because this check is cheap, and a crash must cost less time than a
+     * frame.
      */
     private static final long ALIVE_NANOS = LOOK_NANOS / 4;
 
@@ -64,8 +65,8 @@ class HostProcess implements AutoCloseable {
     private static final long IDLE_NANOS = LOOK_NANOS / 20;
 
     /**
-     * Maximum idle time that counts for one interval [ns]. If an interval takes longer, this
-     * process did not run, and perhaps the host did not run either.
+     * Maximum idle time that counts for one interval [ns]. In a longer interval, this process did
+     * not run, and perhaps the host did not run either.
      */
     private static final long MOST_LOOK_NANOS = 10 * LOOK_NANOS;
 
@@ -83,14 +84,14 @@ class HostProcess implements AutoCloseable {
     private static final long QUICK_NANOS = 5_000_000;
 
     /**
-     * Multiple of the time limit after which a host is ended, measured in wall-clock time, even if
-     * the host got no processor.
+     * Multiple of the time limit after which a host is ended even if it got no processor. The
+     * multiple is measured in wall-clock time.
      */
     private static final int MOST_WALL = 20;
 
     /**
-     * Additional wall-clock time after which a host is ended that waits for a law that runs apart
-     * [ns].
+     * Additional wall-clock time before a host that waits for a law apart (a law in a sandbox) is
+     * ended [ns].
      */
     private static final long SANDBOX_NANOS = 500_000_000;
 
@@ -277,7 +278,7 @@ class HostProcess implements AutoCloseable {
         }
     }
 
-    /** Returns the time of the last call as it counts for the limit of {@link #call} [ns]. */
+    /** Returns the part of the last call's time that counts for the limit of {@link #call} [ns]. */
     long spentNanos() {
         return spentNanos;
     }
