@@ -212,7 +212,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Like {@link #foresee(int)}, but first changes items in the copy of the world.
+     * Returns a prediction like {@link #foresee(int)}, but first changes items in the copy of the
+     * world.
      *
      * @param changes messages {@code add}, {@code change} and {@code remove} without id
      */
@@ -316,7 +317,7 @@ public final class AgentClient implements AutoCloseable {
             }
             reader.join(patience); // the reader ends after the server's bye or a broken connection
         } catch (IOException e) {
-            // The connection is gone already.
+            // The exception is ignored, because the connection has already ended.
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
         } finally {
@@ -513,7 +514,7 @@ public final class AgentClient implements AutoCloseable {
         try {
             old.close();
         } catch (IOException e) {
-            // Ignored: close frees the descriptor even if it fails.
+            // The exception is ignored, because close() frees the descriptor even if it fails.
         }
     }
 }
