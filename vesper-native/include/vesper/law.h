@@ -161,13 +161,13 @@ typedef struct vesper_law_desc {
   vesper_status (*advance)(vesper_law* law, const vesper_step* step, vesper_error* error);
   /** Frees the law. `law` is never null. */
   void (*destroy)(vesper_law* law);
-  /** Computes the potential energy [J] of this law's forces in the present state. Null if its
-   *  forces have no potential. */
+  /** Computes the potential energy [J] of this law's forces in the present state. The pointer is
+   *  null if the forces have no potential. */
   vesper_status (*potential_energy)(vesper_law* law, double* out, vesper_error* error);
-  /** Writes every row of the array of use `use` (index into `uses`), which is DEFERRED and was
-   *  last written by this law. Called between calls of `advance`, on the client's thread. The
-   *  engine checks the values for NaN and infinity as after `advance`. May be null if no written
-   *  use is DEFERRED. Since 1.1. */
+  /** Writes every row of the array of use `use` (index into `uses`), which is DEFERRED and was last
+   *  written by this law. Called between calls of `advance`, on the client's thread. The engine
+   *  checks the values for NaN and infinity as after `advance`. The pointer may be null if no
+   *  written use is DEFERRED. Since 1.1. */
   vesper_status (*synchronize)(vesper_law* law, uint32_t use, vesper_error* error);
   /** For INTEGRATE laws: 1 + `stages` weights whose sum is 1, which the ledger uses. In a step, the
    *  velocity changes by dt / mass times the weighted sum of the forces. Weight [0] belongs to the
