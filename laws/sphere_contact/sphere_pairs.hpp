@@ -30,8 +30,8 @@ struct Spheres {
  *  spheres are equal, it is in the list of the lower row. Therefore at most 12 partners in the list
  *  of a sphere touch it, unless they overlap deeply.
  *
- *  Lists are in ascending order of rows. So sums over the touching pairs of a list do not depend on
- *  the time when the list was built. */
+ *  Lists are in ascending order of rows. Therefore sums over the touching pairs of a list do not
+ *  depend on the time when the list was built. */
 template <class Real>
 class SpherePairs {
  public:

@@ -359,8 +359,8 @@ struct SurfaceContact {
   }
 
   /** Returns the sharpness of an edge: 0 for a flat or concave edge, and 1 for a border or an edge
-   *  with an angle of 30 degrees or more between its faces. A flat edge has no contacts, because of
-   *  a flat area only the outline makes contacts. */
+   *  with an angle of 30 degrees or more between its faces. A flat edge has no contacts, because
+   *  only the outline of a flat area makes contacts. */
   Real SharpnessOf(const Skin<Real>& skin, const Edge& edge) const {
     const uint32_t neighbour = topology_.Neighbour(edge.surface, edge.number);
     if (neighbour == kNone) return 1;
