@@ -199,9 +199,9 @@ def deaf(port, me):
 
 
 def readers(port, me, again=False):
-    """Observers of all items, who come again when they are cut.
+    """Observers of all items, who join again when they are disconnected.
 
-    They read nothing, or ask for all of it again five times a second.
+    They read nothing, or request everything again five times per second.
     """
     clients = selectors.DefaultSelector()
     names = (f"mallory-{me}-{n}" for n in range(10**9))
