@@ -130,13 +130,13 @@ class Octree {
 
   Scales scales_;
   RadixSort sort_;
-  std::vector<Keyed> items_;                 // (bodies)
-  std::vector<Source<Real>> sources_;        // (bodies)
-  std::vector<Box<Real>> bounds_;            // (chunks of bodies)
-  std::vector<Real> largest_;                // (chunks of bodies x 2)
-  std::vector<Cell<Real>> cells_;            // (cells)
-  std::vector<Box<Real>> boxes_;             // (cells)
-  std::vector<Multipole<Real>> multipoles_;  // (cells)
+  std::vector<Keyed> items_;           // one per body
+  std::vector<Source<Real>> sources_;  // one per body
+  std::vector<Box<Real>> bounds_;      // one per chunk of bodies
+  std::vector<Real> largest_;      // largest coordinate and largest mass of each chunk of bodies
+  std::vector<Cell<Real>> cells_;  // parents precede their children
+  std::vector<Box<Real>> boxes_;   // one per cell
+  std::vector<Multipole<Real>> multipoles_;  // one per cell
 };
 
 template <class Real>

@@ -174,7 +174,7 @@ struct SurfaceContact {
     std::vector<uint32_t> edges;  // edges of the patch that may be behind the mesh
     std::vector<Face<Real>> faces;
     std::vector<Ridge<Real>> ridges;
-    std::vector<Immersion<Real>> ends;  // (corners)
+    std::vector<Immersion<Real>> ends;  // one per corner of the patch
   };
 
   /** Computes the bounding boxes of a patch. Throws if the position of one of its bodies is not
@@ -534,12 +534,12 @@ struct SurfaceContact {
 
   // Bind or Advance can rebuild all following members.
   MeshTopology topology_;
-  std::vector<Box<Real>> boxes_;       // (patches)
+  std::vector<Box<Real>> boxes_;       // one per patch
   std::vector<Box<Real>> face_boxes_;  // (patches), including the layer in which contacts are
                                        // searched
   std::vector<uint32_t> with_faces_;   // indices of patches
   PatchGrid<Real> grid_;
-  std::vector<Chunk> chunks_;  // (patches / kGrain)
+  std::vector<Chunk> chunks_;  // one per kGrain patches
 };
 
 }  // namespace

@@ -50,7 +50,10 @@ public final class AgentClient implements AutoCloseable {
      */
     private final Object sending = new Object();
 
-    /** Written by the reader's thread after a reconnection, with {@link #sending} held. */
+    /**
+     * Written by the reader's thread after a reconnection, while this thread holds {@link
+     * #sending}.
+     */
     private volatile Wire wire;
 
     // Guarded by this object's lock.
@@ -392,8 +395,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Sends data, with {@link #sending} held. Does nothing on a broken connection, because the
-     * messages without an answer are sent again after a reconnection.
+     * Sends data. The caller must hold {@link #sending}. Does nothing on a broken connection,
+     * because the messages without an answer are sent again after a reconnection.
      */
     private void send(byte[] lines) {
         try {

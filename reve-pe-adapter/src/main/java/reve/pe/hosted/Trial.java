@@ -92,7 +92,7 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
         library.put(host.begin(Request.LOAD)).putInt(0);
         Mailbox loaded = host.call(LIMIT_NANOS, QUIET);
         if (loaded.getInt() == 0) {
-            loaded.getInt(); // the number of threads
+            loaded.getInt(); // skips the number of threads
             int id = loaded.getInt();
             host.begin(Request.UNLOAD).putInt(id);
             host.call(LIMIT_NANOS, QUIET);
