@@ -127,8 +127,8 @@ typedef struct vesper_law_info {
   uint32_t stages;                         /**< Stages of an integrator, else 0. */
   uint32_t use_count;                      /**< Length of `uses`. */
   uint32_t parameter_count;                /**< Length of `parameters`. */
-  const vesper_property_use* uses;         /**< (use_count). */
-  const vesper_parameter_desc* parameters; /**< (parameter_count). */
+  const vesper_property_use* uses;         /**< `use_count` elements. */
+  const vesper_parameter_desc* parameters; /**< `parameter_count` elements. */
   uint64_t calls;                          /**< Calls of its `advance` since it was loaded. */
   uint64_t nanoseconds; /**< Wall-clock time [ns] in these calls and in `synchronize`. Concurrent
                              laws each count their full time. For display only; it must not

@@ -144,8 +144,8 @@ typedef struct vesper_law_desc {
   uint32_t stages;                 /**< INTEGRATE: force evaluations per step, 1..16. Else 0. */
   uint32_t use_count;              /**< Length of `uses`. */
   uint32_t parameter_count;        /**< Length of `parameters`. */
-  const vesper_property_use* uses; /**< (use_count). */
-  const vesper_parameter_desc* parameters; /**< (parameter_count). */
+  const vesper_property_use* uses; /**< `use_count` elements. */
+  const vesper_parameter_desc* parameters; /**< `parameter_count` elements. */
   uint32_t claims;                         /**< VESPER_CLAIM_… joined with |, or 0. */
   uint32_t reserved;
 
@@ -202,7 +202,7 @@ typedef struct vesper_law_library {
   const char* name;     /**< Name of the library, as in libvesper_law_NAME.so. */
   uint32_t law_count;   /**< Length of `laws`. */
   uint32_t reserved;
-  const vesper_law_desc* laws; /**< (law_count). */
+  const vesper_law_desc* laws; /**< `law_count` elements. */
   /** Creates the state that the library's laws share, once for each engine. Null if `close` is
    *  null. */
   vesper_status (*open)(const vesper_host* host, vesper_suite** out, vesper_error* error);
@@ -211,7 +211,7 @@ typedef struct vesper_law_library {
   /** Fields that are bound while the library is loaded. Since 1.1. */
   uint32_t field_count;
   uint32_t reserved1;
-  const vesper_field_desc* fields; /**< (field_count). */
+  const vesper_field_desc* fields; /**< `field_count` elements. */
   /** Passed to the laws as `vesper_host.user`; for tables that are created at run time, such as
    *  those of laws as text. Since 1.2. */
   const void* user;

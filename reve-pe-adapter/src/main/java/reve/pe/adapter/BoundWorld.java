@@ -45,7 +45,8 @@ final class BoundWorld {
     private boolean areMeshesUsed;
 
     /**
-     * True until the engine has received the properties that the laws use since the last change.
+     * True after a change of the properties that the laws use, until the engine has received these
+     * properties.
      */
     private boolean isLendingMore;
 
