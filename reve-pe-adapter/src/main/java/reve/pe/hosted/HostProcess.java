@@ -84,14 +84,14 @@ class HostProcess implements AutoCloseable {
     private static final long QUICK_NANOS = 5_000_000;
 
     /**
-     * Multiple of the time limit after which a host is ended even if it got no processor. The
-     * multiple is measured in wall-clock time.
+     * Multiple of the time limit after which a host is ended, measured in wall-clock time, even if
+     * the host got no processor.
      */
     private static final int MOST_WALL = 20;
 
     /**
-     * Additional wall-clock time before a host that waits for a law apart (a law in a sandbox) is
-     * ended [ns].
+     * Additional wall-clock time after which a host is ended that waits for a law that runs apart
+     * [ns].
      */
     private static final long SANDBOX_NANOS = 500_000_000;
 
