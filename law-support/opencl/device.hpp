@@ -15,7 +15,7 @@
 namespace vesper::opencl {
 
 /** The functions of the OpenCL library that the suite calls. They are not linked, but looked up
- *  when a law is created. So a machine without OpenCL reports a clear error. */
+ *  when a law is created. Therefore a machine without OpenCL reports a clear error. */
 struct Api {
   /** Looks up the functions. Throws std::runtime_error if the machine has no OpenCL library. */
   Api();

@@ -49,8 +49,8 @@ struct Box {
 };
 
 /// Factors between the units of the world and those of the tree; they are powers of two. In the
-/// tree's units, the largest coordinate and the heaviest body are near fixed numbers. So powers of
-/// distances stay within the range of Real for any units of the world.
+/// tree's units, the largest coordinate and the heaviest body are near fixed numbers. Therefore
+/// powers of distances stay within the range of Real for any units of the world.
 struct Scales {
   double length = 1, mass = 1;
 };
@@ -130,13 +130,13 @@ class Octree {
 
   Scales scales_;
   RadixSort sort_;
-  std::vector<Keyed> items_;                 // (bodies)
-  std::vector<Source<Real>> sources_;        // (bodies)
-  std::vector<Box<Real>> bounds_;            // (chunks of bodies)
-  std::vector<Real> largest_;                // (chunks of bodies x 2)
-  std::vector<Cell<Real>> cells_;            // (cells)
-  std::vector<Box<Real>> boxes_;             // (cells)
-  std::vector<Multipole<Real>> multipoles_;  // (cells)
+  std::vector<Keyed> items_;           // one per body
+  std::vector<Source<Real>> sources_;  // one per body
+  std::vector<Box<Real>> bounds_;      // one per chunk of bodies
+  std::vector<Real> largest_;      // largest coordinate and largest mass of each chunk of bodies
+  std::vector<Cell<Real>> cells_;  // parents precede their children
+  std::vector<Box<Real>> boxes_;   // one per cell
+  std::vector<Multipole<Real>> multipoles_;  // one per cell
 };
 
 template <class Real>
@@ -224,8 +224,8 @@ Box<Real> Octree<Real>::Bounds(const Parallel& parallel, std::span<const Vec3<Re
 }
 
 /// Appends the cell of items [first, last) and its descendants. Items with equal keys are sorted
-/// again with keys from their own bounding box. So a distant outlier, which makes the first keys
-/// coarse, costs time but no accuracy.
+/// again with keys from their own bounding box. Therefore a distant outlier, which makes the first
+/// keys coarse, costs time but no accuracy.
 template <class Real>
 template <class Parallel>
 void Octree<Real>::Cut(const Parallel& parallel, std::span<const Vec3<Real>> position,
@@ -304,8 +304,8 @@ void Octree<Real>::WeighLeaf(uint32_t c) {
     whole.mass += body.mass;
     box.Include(body.position);
   }
-  // Sums positions relative to a body. So rounding errors depend on the size of the cell, and not
-  // on its position.
+  // Sums positions relative to a body. Therefore rounding errors depend on the size of the cell,
+  // and not on its position.
   const Vec3<Real> origin = bodies[0].position;
   const Real each = whole.mass > 0 ? 1 / whole.mass : 0;
   for (const Source<Real>& body : bodies) {

@@ -79,7 +79,7 @@ class RadixSort {
   }
 
   std::vector<Keyed> spare_;
-  std::vector<Table> offsets_;  // (chunks)
+  std::vector<Table> offsets_;  // one per chunk
 };
 
 }  // namespace vesper::barnes_hut

@@ -104,8 +104,9 @@ TYPED_TEST(NewtonGravitationTest, EnergyDoesNotDriftOverAThousandOrbits) {
   const double period = 2 * std::numbers::pi * std::sqrt(axis * axis * axis / 4);
   auto heavens = this->Pair(eccentricity);
   PhysicsEngine engine = heavens.MakeEngine("velocity_verlet");
-  // The mean over one orbit: within an orbit the energy oscillates in the order of dt^2, and as the
-  // ellipse precesses, the samples meet other phases of that.
+  // Compares means over one orbit, because the energy oscillates within an orbit by an amount of
+  // the order of dt^2. The ellipse precesses, so single samples would have different phases of this
+  // oscillation.
   const auto mean = [&] {
     double sum = 0;
     for (int i = 0; i < 100; ++i) {

@@ -10,7 +10,8 @@ namespace {
 using Code = ShapeCode;
 
 // While the direction of a contact is sought, corners and edges are rounded by this fraction of the
-// thickness. So the direction is well defined for shapes that overlap by less than the rounding.
+// thickness. Therefore the direction is well defined for shapes that overlap by less than the
+// rounding.
 constexpr double kRounding = 0.05;
 
 /** Returns the separation of two shapes along a direction [m]. */

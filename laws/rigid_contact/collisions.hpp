@@ -73,9 +73,9 @@ class Collisions {
     return !surfaces.empty() && (surfaces[pair.a] != nullptr || surfaces[pair.b] != nullptr);
   }
 
-  std::vector<Manifold> manifolds_;           // (pairs)
+  std::vector<Manifold> manifolds_;           // one per pair
   std::vector<size_t> surface_pairs_;         // indices of pairs, ascending
-  std::vector<SurfaceContacts> on_surfaces_;  // (surface pairs)
+  std::vector<SurfaceContacts> on_surfaces_;  // one per surface pair
 };
 
 }  // namespace vesper::rigid

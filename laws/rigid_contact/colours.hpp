@@ -49,10 +49,10 @@ class Colours {
   uint32_t first(uint32_t colour) const { return first_[colour]; }
 
  private:
-  std::vector<uint64_t> used_;    // (bodies) colours of the body's contacts, as bits
-  std::vector<uint32_t> colour_;  // (contacts)
-  std::vector<uint32_t> first_;   // (kMost + 1)
-  std::vector<uint32_t> order_;   // (contacts)
+  std::vector<uint64_t> used_;    // one per body: the colours of its contacts, as bits
+  std::vector<uint32_t> colour_;  // colour of each contact
+  std::vector<uint32_t> first_;   // start of each colour in order_ (kMost + 1)
+  std::vector<uint32_t> order_;   // indices of the contacts, sorted by colour
 };
 
 }  // namespace vesper::rigid

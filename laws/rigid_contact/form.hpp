@@ -17,7 +17,7 @@ namespace vesper::rigid {
  *  The spans point to memory of a Form, or of the function that made the polyhedron. */
 struct Polytope {
   std::span<const Vector> corners, core;
-  std::span<const Vector> normals;            // (faces) outward, of length 1
+  std::span<const Vector> normals;            // outward unit normals of the faces
   std::span<const uint32_t> first, around;    // corners of face i: around[first[i]], ... in order
   std::span<const uint32_t> begin, touching;  // faces at corner i: touching[begin[i]], ...
   double rounding = 0;                        // [m]

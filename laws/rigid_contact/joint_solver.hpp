@@ -29,7 +29,7 @@ class Assemblies {
   }
 
  private:
-  std::vector<uint32_t> parent_;  // (bodies)
+  std::vector<uint32_t> parent_;  // one per body
 };
 
 /** All joints of a step, solved in the order of their rows. */
@@ -137,7 +137,7 @@ class JointSolver {
 
   bool has_rotors_ = false;
   std::vector<Joint<Real>> joints_;
-  std::vector<uint64_t> rows_;                   // (joints)
+  std::vector<uint64_t> rows_;                   // one per joint
   std::vector<Pair> pairs_;                      // (joints) in ascending order
   std::vector<double> before_;                   // (joints) Joint::Work before the guess [J]
   std::vector<std::pair<double, double>> work_;  // (bodies) of a set: sum of Joint::Work, its

@@ -103,7 +103,7 @@ class Parts {
 
   uint64_t rows_ = 0;
   std::vector<Part> parts_;
-  std::vector<uint32_t> body_of_;  // (rows), empty without parts
+  std::vector<uint32_t> body_of_;  // one per row; empty without parts
   std::vector<Sum> sums_;          // sorted by body, ascending
 };
 

@@ -582,16 +582,16 @@ struct RigidContact {
   }
 
   const Motion<Real> still_{};
-  std::vector<Body> bodies_;             // (rows)
-  std::vector<Motion<Real>> motions_;    // (rows)
-  std::vector<Shape> shapes_;            // (rows + scenery)
-  std::vector<Bounds> bounds_;           // (rows + scenery)
-  std::vector<Touch> touches_;           // (contacts)
-  std::vector<Contact<Real>> contacts_;  // (contacts)
-  std::vector<uint32_t> used_;           // (rows) number of used slots
+  std::vector<Body> bodies_;             // one per row
+  std::vector<Motion<Real>> motions_;    // one per row
+  std::vector<Shape> shapes_;            // one per row, then one per item of scenery
+  std::vector<Bounds> bounds_;           // in the order of shapes_
+  std::vector<Touch> touches_;           // one per contact
+  std::vector<Contact<Real>> contacts_;  // one per contact
+  std::vector<uint32_t> used_;           // number of used slots of each row
   Forms forms_;
   Parts parts_;
-  std::vector<const Surface*> surfaces_;  // (rows + scenery), empty without meshes
+  std::vector<const Surface*> surfaces_;  // in the order of shapes_; empty without meshes
   Collisions collisions_;
   JointSolver<Real> joints_;
   BroadPhase broad_phase_;

@@ -141,7 +141,7 @@ TYPED_TEST(RigidContactTest, RestitutionIsMeasuredBackFromBounces) {
 TYPED_TEST(RigidContactTest, FreeBodyKeepsItsAngularMomentumAndEnergy) {
   RigidScene<TypeParam> scene;
   scene.AddBox({1, 2, 3}, 2, {0, 0, 0}, {1, 2, 3});
-  scene.spin = {TypeParam(0.1), 5, TypeParam(0.1)};  // about the middle axis: it turns over
+  scene.spin = {TypeParam(0.1), 5, TypeParam(0.1)};  // about the middle axis, so the body flips
   const Vector before = scene.OwnMomentum(0);
   const double energy = scene.TotalKineticEnergy();
   PhysicsEngine engine = scene.MakeRigidEngine();
@@ -165,7 +165,7 @@ TYPED_TEST(RigidContactTest, OverlapsAreUndoneAtABoundedSpeed) {
       const Vector now = scene.Position(1) - scene.Position(0);
       fastest = std::max(fastest, Length(now - before) / kFrame);
       before = now;
-      // The speed of the push does not stay: with it they would have 2.4 J.
+      // The bodies do not keep the speed of the push. With this speed they would have 2.4 J.
       EXPECT_LT(scene.TotalKineticEnergy(), 0.1) << depth;
     }
     EXPECT_LT(fastest, 2.1);

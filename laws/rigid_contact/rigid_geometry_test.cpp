@@ -246,7 +246,7 @@ TEST(RigidGeometry, BallTouchesATriangleAtItsDistance) {
   EXPECT_GT(edges, 50);
 }
 
-// A tree finds the triangles that a search through all finds.
+// A tree finds the same triangles as a search through all triangles.
 TEST(RigidGeometry, SurfaceFindsTheTrianglesInABox) {
   Draw draw(8);
   std::vector<Vec3<double>> points;

@@ -251,8 +251,8 @@ struct SphereContact {
   static constexpr Real kTangential = Real{2} / 7;
 
   SpherePairs<Real> pairs_;
-  std::vector<Ball> balls_;        // (rows)
-  std::vector<Contact> contacts_;  // (pairs)
+  std::vector<Ball> balls_;        // one per row
+  std::vector<Contact> contacts_;  // one per pair
 };
 
 }  // namespace

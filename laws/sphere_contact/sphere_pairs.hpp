@@ -30,8 +30,8 @@ struct Spheres {
  *  spheres are equal, it is in the list of the lower row. Therefore at most 12 partners in the list
  *  of a sphere touch it, unless they overlap deeply.
  *
- *  Lists are in ascending order of rows. So sums over the touching pairs of a list do not depend on
- *  the time when the list was built. */
+ *  Lists are in ascending order of rows. Therefore sums over the touching pairs of a list do not
+ *  depend on the time when the list was built. */
 template <class Real>
 class SpherePairs {
  public:
@@ -264,18 +264,18 @@ class SpherePairs {
   }
 
   Real margin_ = 0;
-  std::vector<Built> built_;             // (rows), the spheres when the lists were built
+  std::vector<Built> built_;             // one per row: the sphere when the lists were built
   std::vector<uint32_t> first_;          // (rows + 1), start of each row's partners in partners_
-  std::vector<uint32_t> partners_;       // (pairs)
+  std::vector<uint32_t> partners_;       // one per pair
   std::vector<uint32_t> reverse_first_;  // (rows + 2), start of each row's pairs in reverse_
-  std::vector<uint32_t> reverse_;        // (pairs)
+  std::vector<uint32_t> reverse_;        // one per pair
   // Used during a build only; reused to avoid allocations.
   std::vector<Grid> grids_;
   std::vector<Real> radii_;
   std::vector<Entry> entries_;       // entries in the order of their buckets
   std::vector<uint32_t> bucket_;     // (buckets + 2), start of each bucket in entries_
-  std::vector<uint64_t> bucket_of_;  // (rows)
-  std::vector<uint64_t> counts_;     // (rows)
+  std::vector<uint64_t> bucket_of_;  // one per row
+  std::vector<uint64_t> counts_;     // one per row
   int64_t mask_ = 0;
 };
 

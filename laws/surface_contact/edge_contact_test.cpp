@@ -184,7 +184,7 @@ TYPED_TEST(EdgeContactTest, PlankComesToRestOnTwoRidges) {
   EXPECT_LT(scene.KineticEnergy(), 1e-6);
 }
 
-// All edges of a box that lies flat are as deep as their corners: only the corners carry it.
+// If a box lies flat, its edges are as deep as its corners. Then only the corners carry the box.
 TYPED_TEST(EdgeContactTest, WhatCornersCarryIsNotCarriedTwice) {
   const double k = 1e4, mass = 8;
   ContactScene<TypeParam> scene;

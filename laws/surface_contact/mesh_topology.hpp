@@ -87,12 +87,12 @@ class MeshTopology {
   std::vector<uint32_t> faces_;
   std::vector<uint32_t> corners_;
   std::vector<Edge> edges_;
-  std::vector<Vertices> neighbours_;       // (surfaces x 3 edges)
-  std::vector<std::array<bool, 3>> owns_;  // (surfaces x 3 edges)
-  std::vector<char> on_border_;            // (bodies)
-  std::vector<uint32_t> first_around_;     // (bodies + 1)
+  std::vector<Vertices> neighbours_;       // neighbours of each surface at its edges, or kNone
+  std::vector<std::array<bool, 3>> owns_;  // for each surface, whether it owns each of its edges
+  std::vector<char> on_border_;            // for each body, whether it is on a border
+  std::vector<uint32_t> first_around_;     // start of each body in around_ (bodies + 1)
   std::vector<uint32_t> around_;
-  std::vector<char> owned_;  // (bodies)
+  std::vector<char> owned_;  // for each body, whether a patch owns it
 };
 
 }  // namespace vesper::surface_contact

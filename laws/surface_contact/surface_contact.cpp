@@ -174,7 +174,7 @@ struct SurfaceContact {
     std::vector<uint32_t> edges;  // edges of the patch that may be behind the mesh
     std::vector<Face<Real>> faces;
     std::vector<Ridge<Real>> ridges;
-    std::vector<Immersion<Real>> ends;  // (corners)
+    std::vector<Immersion<Real>> ends;  // one per corner of the patch
   };
 
   /** Computes the bounding boxes of a patch. Throws if the position of one of its bodies is not
@@ -359,8 +359,8 @@ struct SurfaceContact {
   }
 
   /** Returns the sharpness of an edge: 0 for a flat or concave edge, and 1 for a border or an edge
-   *  with an angle of 30 degrees or more between its faces. A flat edge has no contacts, because of
-   *  a flat area only the outline makes contacts. */
+   *  with an angle of 30 degrees or more between its faces. A flat edge has no contacts, because
+   *  only the outline of a flat area makes contacts. */
   Real SharpnessOf(const Skin<Real>& skin, const Edge& edge) const {
     const uint32_t neighbour = topology_.Neighbour(edge.surface, edge.number);
     if (neighbour == kNone) return 1;
@@ -534,12 +534,12 @@ struct SurfaceContact {
 
   // Bind or Advance can rebuild all following members.
   MeshTopology topology_;
-  std::vector<Box<Real>> boxes_;       // (patches)
+  std::vector<Box<Real>> boxes_;       // one per patch
   std::vector<Box<Real>> face_boxes_;  // (patches), including the layer in which contacts are
                                        // searched
   std::vector<uint32_t> with_faces_;   // indices of patches
   PatchGrid<Real> grid_;
-  std::vector<Chunk> chunks_;  // (patches / kGrain)
+  std::vector<Chunk> chunks_;  // one per kGrain patches
 };
 
 }  // namespace

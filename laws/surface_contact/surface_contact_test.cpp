@@ -228,8 +228,8 @@ TYPED_TEST(SurfaceContactTest, ForceOverAnInnerEdgeIsThatOverAFace) {
   }
 }
 
-// Inside a solid, the force is the hardness times the distance from its surface, everywhere; also
-// near edges and corners, whichever of the adjacent faces is the nearest one.
+// Inside a solid, the force is the hardness times the distance from its surface. This is also true
+// near edges and corners, where different faces are the nearest one.
 TYPED_TEST(SurfaceContactTest, ForceInsideASolidIsHardnessTimesTheDistanceFromItsSkin) {
   const uint32_t seed = 7;
   std::mt19937 random(seed);

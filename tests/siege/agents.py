@@ -85,7 +85,7 @@ class Client:
 
 
 def flood(item, action, arguments):
-    """Acts as fast as results come, with as many in flight as are taken."""
+    """Acts as fast as results arrive, with the maximum number of acts in flight."""
 
     def attack(port, me):
         client = Client(port, f"mallory-{me}")
@@ -115,7 +115,7 @@ def late_lock_step(port, me):
 
 
 def twice_late_lock_step(port, me):
-    """Misses two rounds of three, so that it is never away."""
+    """Misses two of three rounds, so that it is never away."""
     client = Client(port, f"mallory-{me}", time=LOCK_STEP)
     rounds = 0
     while True:
@@ -126,7 +126,7 @@ def twice_late_lock_step(port, me):
 
 
 def returning_lock_step(port, me):
-    """Misses two rounds, leaves, and comes under another name."""
+    """Misses two rounds, leaves, and joins again under another name."""
     for n in range(10**9):
         client = Client(port, f"mallory-{me}-{n}", time=LOCK_STEP)
         try:
@@ -141,7 +141,8 @@ def returning_lock_step(port, me):
 
 
 def leaving_lock_step(port, me):
-    """Says nothing, and leaves when another one of it has come: each puts off the one before."""
+    """Says nothing, and leaves when its next client has joined. Each client replaces the one
+    before."""
     before = None
     for n in range(10**9):
         client = Client(port, f"mallory-{me}-{n}", time=LOCK_STEP)
@@ -153,7 +154,7 @@ def leaving_lock_step(port, me):
 
 
 def joins(**hello):
-    """Comes and goes, under ever new names."""
+    """Joins and leaves again and again, each time under a new name."""
 
     def attack(port, me):
         for n in range(10**9):
@@ -168,7 +169,7 @@ def joins(**hello):
 
 
 def crowd(port, me):
-    """As many agents as come in; each perceives every frame."""
+    """As many agents as can join. Each perceives every frame."""
     clients = selectors.DefaultSelector()
     for n in range(500):
         try:
@@ -184,7 +185,7 @@ def crowd(port, me):
 
 
 def deaf(port, me):
-    """Asks for everything, reads nothing."""
+    """Requests everything and reads nothing."""
     clients = []
     while True:
         try:
@@ -198,9 +199,9 @@ def deaf(port, me):
 
 
 def readers(port, me, again=False):
-    """Observers of all items, who come again when they are cut.
+    """Observers of all items, who join again when they are disconnected.
 
-    They read nothing, or ask for all of it again five times a second.
+    They read nothing, or request everything again five times per second.
     """
     clients = selectors.DefaultSelector()
     names = (f"mallory-{me}-{n}" for n in range(10**9))
@@ -236,7 +237,8 @@ def readers(port, me, again=False):
 
 
 def fill(port, me, acts=None):
-    """Changes the lists of all shelves in turn; comes under another name after some acts."""
+    """Changes the lists of all shelves one after the other. Joins again under another name after
+    some acts."""
     shelves = [f"shelf {i} {j}" for i in range(1, 41) for j in range(1, 26)]
     for n in range(10**9):
         client = Client(port, f"mallory-{me}-{n}")
@@ -254,7 +256,7 @@ def fill(port, me, acts=None):
 
 
 def mute(port, me):
-    """Connections that never say hello, or say it a byte a second."""
+    """Connections that never send a hello, or send it with one byte per second."""
     waiting = []
     while True:
         try:
@@ -268,7 +270,7 @@ def mute(port, me):
 
 
 def long_lines(port, me):
-    """Acts with as long a text as a line takes."""
+    """Acts with the longest text that a line can have."""
     for n in range(10**9):
         client = Client(port, f"mallory-{me}-{n}")
         try:
@@ -384,12 +386,13 @@ ATTACKS = {
 def run_attack(attack, port, me):
     try:
         attack(port, me)
-    except OSError as e:  # the server got rid of it, which is an answer
+    except OSError as e:  # a disconnect is also an answer
         print(f"  attacker {me}: {e}", file=sys.stderr)
 
 
 class Innocent(threading.Thread):
-    """An agent that perceives; keeps the times of its perceptions, and why its connection ended."""
+    """An agent that perceives. It keeps the times of its perceptions, and the reason why its
+    connection ended."""
 
     def __init__(self, port, name, pause=0.0, **hello):
         super().__init__(daemon=True, name=name)

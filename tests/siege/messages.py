@@ -32,7 +32,7 @@ MESSAGES_PER_CONNECTION = 12  # the server closes after eight errors
 BASELINE_SECONDS = 10
 PATIENCE_SECONDS = 60
 KEPT_RATE = 0.95
-# These act on the world by right; a mutant of them says nothing about the server.
+# These messages change the world correctly, so their mutants show nothing about the server.
 LEFT_OUT = {"pause", "run", "step", "rewind", "shut-down"}
 
 NUMBERS = [
@@ -73,7 +73,7 @@ TEXTS = [
 
 
 def seeds():
-    """Valid messages of clients as (JSON line, packed bytes or None)."""
+    """Returns valid messages of clients as (JSON line, packed bytes or None)."""
     lines = []
     for line in (VECTORS / "client.jsonl").read_text().splitlines():
         if json.loads(line)["t"] not in LEFT_OUT:
@@ -155,7 +155,8 @@ def mutate_packed(rng, data):
 
 
 class Attack(threading.Thread):
-    """One attacker: one connection after another, until its share of the messages is sent."""
+    """One attacker. It opens one connection after another, until its share of the messages is
+    sent."""
 
     def __init__(self, number, port, count, seed):
         super().__init__(daemon=True)
@@ -216,7 +217,7 @@ class Attack(threading.Thread):
 
 
 class Innocent(threading.Thread):
-    """An agent that perceives every frame and acts now and then; keeps the times of perceptions."""
+    """An agent that perceives every frame and sometimes acts. It keeps the times of perceptions."""
 
     def __init__(self, port):
         super().__init__(daemon=True)

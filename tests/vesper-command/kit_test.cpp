@@ -16,7 +16,7 @@ std::string TestedLaw(const std::string& name) {
 
 std::string BrokenLaw(const std::string& fault) { return TestedLaw("broken_" + fault); }
 
-/// Checks with that verdict, "check" or "check f64", and their notes.
+/// Returns the notes of all checks with that verdict. A key is "check" or "check f64".
 std::map<std::string, std::string> Verdicts(const nlohmann::json& report, const char* verdict) {
   std::map<std::string, std::string> found;
   for (const auto& check : report.at(0).at("checks")) {
@@ -240,7 +240,7 @@ TEST(PythonKitTest, LawImportsThePackagesOfTheVirtualEnvironmentThatAnOptionName
       << none.errors;
 }
 
-/// Stands for Numba, which compiles a function for the types of its first arguments.
+/// Replaces Numba, which compiles a function for the types of its first arguments.
 constexpr const char* kCompiler = R"(
 def njit(function):
     compiled = set()
@@ -303,7 +303,7 @@ TEST(KitTest, LawThatWritesWhatItMayOnlyReadIsCaughtByItsPage) {
   ASSERT_TRUE(failed.contains("guard-pages f64"));
   EXPECT_EQ(failed.at("guard-pages f64"),
             "on 1 rows, broken: writes to 'mass', which it declares as READ");
-  EXPECT_TRUE(failed.contains("rows f64"));  // validate mode sees it too
+  EXPECT_TRUE(failed.contains("rows f64"));  // validate mode finds it, too
 }
 
 TEST(KitTest, CrashFailsEachCheckThatRunsTheLawAndEndsNothingElse) {

@@ -60,7 +60,7 @@ TEST(LawCommandTest, ToCppWritesALawToTheOutputOrAFile) {
       << lost.errors;
 }
 
-// A drag whose coefficient is a property of the law's own: v(t) = v0 exp(-k t / m) with m = 1 kg.
+// The coefficient of this drag is the law's own property. v(t) = v0 exp(-k t / m) with m = 1 kg.
 TEST(LawCommandTest, RunSetsThePropertiesOfTheLawItself) {
   const Folder folder;
   const std::string law =

@@ -15,8 +15,8 @@ namespace {
 using Colour = std::array<uint8_t, 3>;
 constexpr Colour kRed{255, 0, 0}, kBlue{0, 0, 255};
 
-/// Looks along -z from 10 m away, 90 degrees high: 1 m at z = 0 is 12 pixels, the origin is in the
-/// middle.
+/// The camera looks along -z from a distance of 10 m. The picture is 90 degrees high. Therefore 1 m
+/// at z = 0 is 12 pixels, and the origin is in the middle.
 constexpr auto kHead =
     "scene 1\ndt 1\nimage 320 240\ncamera from (0 0 10) at (0 0 0) fov 90\n"
     "background #ffffff\n";
@@ -43,7 +43,7 @@ class Picture {
   size_t width() const { return width_; }
   size_t height() const { return pixels_.size() / width_; }
 
-  /// Of all pixels that have exactly this colour.
+  /// Returns the spot of all pixels that have exactly this colour.
   Spot Of(const Colour& colour) const {
     Spot spot;
     for (size_t i = 0; i < pixels_.size(); ++i) {
@@ -62,7 +62,7 @@ class Picture {
   std::vector<Colour> pixels_;
 };
 
-/// The first picture of a scene.
+/// Draws the first picture of a scene.
 Picture Draw(const std::string& body) {
   const Folder folder;
   const Outcome outcome = RunScene(folder.Write("s.vesper", kHead + body),
@@ -80,7 +80,8 @@ TEST(PictureTest, BallIsWhereTheProjectionSaysAndAsLarge) {
   const Spot spot = picture.Of(kRed);
   EXPECT_NEAR(spot.x, 5 * kPixelsPerMetre, 1);
   EXPECT_NEAR(spot.y, -3 * kPixelsPerMetre, 1);
-  // The outline of a ball off the axis is an ellipse, 1 / cos of the angle longer than wide.
+  // The outline of a ball beside the axis is an ellipse. Its length is its width times 1 / cos of
+  // the angle.
   const double stretch = std::hypot(10, std::hypot(5, 3)) / 10;
   EXPECT_NEAR(spot.pixels, M_PI * kPixelsPerMetre * kPixelsPerMetre * stretch, 40);
 }
@@ -213,7 +214,7 @@ TEST(PictureErrorTest, SceneWithNothingToDrawEndsWith3) {
   EXPECT_NE(outcome.errors.find("nothing to draw"), std::string::npos) << outcome.errors;
 }
 
-/// The program in a folder with its library and another renderer, or none.
+/// Runs the program in a folder with its library and another renderer, or without one.
 Outcome RunBeside(const std::string& renderer) {
   const Folder folder;
   const std::filesystem::path program = VESPER_COMMAND;

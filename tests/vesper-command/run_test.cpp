@@ -104,10 +104,10 @@ TEST(RunTest, WebHangsFromItsRimAndKeepsItsMirrorSymmetry) {
     EXPECT_EQ(y[end + i], y[i]);
   }
   EXPECT_LT(y[end], -0.003);
-  EXPECT_NEAR(x[end], 0, 1e-9);  // left and right pull alike
+  EXPECT_NEAR(x[end], 0, 1e-9);  // both sides pull equally
 }
 
-// The same numbers are held against world.yaml, run by REVE.
+// Another test compares the same numbers with world.yaml, which REVE runs.
 TEST(RunTest, SpiderIsWhereTheWorldOfTheSameNamePutsIt) {
   const auto expected = nlohmann::json::parse(ReadText(kSpiderweb + "/expected.json"));
   const uint64_t frames = 60 * expected.at("seconds").get<uint64_t>();
@@ -185,7 +185,7 @@ TEST(RunTest, LedgerFindsTheLawThatBreaksMomentum) {
   EXPECT_EQ(marked, "broken") << table.output;
 }
 
-/// The block of code of a page that begins so.
+/// Returns the block of code of a page that begins with these words.
 std::string BlockOf(const std::string& page, const std::string& first_words) {
   const size_t begin = page.find("```\n" + first_words) + 4;
   return page.substr(begin, page.find("```", begin) - begin);

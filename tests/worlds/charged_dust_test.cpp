@@ -23,7 +23,7 @@ double ChargeOf(size_t grain) { return grain / kCloud == 1 ? -2e-14 : 2e-14; }
 
 /// All grains at one time.
 struct Dust : Frame {
-  /// m v - q x cross B + c x [N s], which only rounding changes.
+  /// Returns m v - q x cross B + c x [N s], which only rounding changes.
   Vector KeptMomentum() const {
     Vector sum;
     for (size_t i = 0; i < kGrains; ++i) {

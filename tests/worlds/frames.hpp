@@ -21,7 +21,8 @@ struct Frame {
   size_t size() const { return position.size(); }
 };
 
-/// The frames of a CSV file, in order. Throws std::runtime_error that shows the line which is none.
+/// Returns the frames of a CSV file, in order. Throws std::runtime_error that shows a line which is
+/// no frame.
 inline std::vector<Frame> ReadFrames(const std::string& csv) {
   std::vector<Frame> frames;
   std::istringstream lines(csv);

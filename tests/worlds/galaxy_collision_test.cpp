@@ -18,7 +18,7 @@ const std::string kGalaxies = VESPER_WORLDS "/galaxy-collision/";
 constexpr uint64_t kFewer = 25;  // times
 constexpr size_t kBodies = 100000 / kFewer;
 
-/// The scene with every row number and count divided by kFewer.
+/// Returns the scene with every row number and count divided by kFewer.
 std::string SmallScene() {
   std::string text = ReadText(kGalaxies + "galaxy-collision.vesper");
   for (const uint64_t rows : {100000, 75000, 50000, 25000}) {
@@ -38,7 +38,8 @@ Vector Momentum(const Frame& bodies) {
   return sum;
 }
 
-/// Kinetic, and potential of all pairs, with G = 1 and the scene's softening of 0.1.
+/// Returns the kinetic energy plus the potential energy of all pairs, with G = 1 and the scene's
+/// softening of 0.1.
 double Energy(const Frame& bodies) {
   double energy = 0;
   for (size_t i = 0; i < bodies.size(); ++i) {
@@ -51,7 +52,8 @@ double Energy(const Frame& bodies) {
   return energy;
 }
 
-/// Between the densest regions: the medians of the coordinates of each galaxy.
+/// Returns the distance between the densest regions, which are at the medians of the coordinates of
+/// each galaxy.
 double Separation(const Frame& bodies) {
   const auto median = [&](size_t begin, double Vector::* coordinate) {
     std::vector<double> values;

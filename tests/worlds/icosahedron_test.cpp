@@ -62,8 +62,8 @@ SceneRun RunScene(const std::string& name, int seconds, int threads) {
           Json::parse(outcome.output)["stateHash"]};
 }
 
-/// Largest relative change of an edge at the end. Edges join the corners nearest to each other at
-/// the start.
+/// Returns the largest relative change of an edge at the end. Edges join the corners that are
+/// nearest to each other at the start.
 double EdgeChange(const std::vector<Corners>& frames) {
   double change = 0;
   int edges = 0;
@@ -81,7 +81,7 @@ double EdgeChange(const std::vector<Corners>& frames) {
   return change;
 }
 
-/// How far a corner was ever below the slope [m].
+/// Returns the largest depth of a corner below the slope in all frames [m].
 double DeepestCorner(const std::vector<Corners>& frames, double slope) {
   double depth = 0;
   for (const Corners& at : frames) {
@@ -92,7 +92,8 @@ double DeepestCorner(const std::vector<Corners>& frames, double slope) {
   return depth;
 }
 
-/// Clockwise about z, from the angle of the corner that is farthest from the axis [rad].
+/// Returns the clockwise rotation about z [rad]. It is computed from the angle of the corner that
+/// is farthest from the axis.
 double Turned(const std::vector<Corners>& frames) {
   const auto arm = [](const Corners& at, size_t corner) {
     const Vector r = at.position[corner] - at.Centre();
@@ -110,7 +111,7 @@ double Turned(const std::vector<Corners>& frames) {
   return turned;
 }
 
-/// Everything that expected.json may speak of.
+/// Returns all quantities that expected.json can name.
 Json Measure(const std::vector<Corners>& frames, double slope) {
   const Vector path = frames.back().Centre() - frames.front().Centre();
   return {{"edgeChange", EdgeChange(frames)},
@@ -142,7 +143,7 @@ TEST_P(Icosahedron, EndsInTheSameStateOnTwoThreads) {
   EXPECT_EQ(RunScene(GetParam(), 1, 1).state_hash, RunScene(GetParam(), 1, 2).state_hash);
 }
 
-/// Corners as a scene lists them: `(0 11 5) (0 5 1)`.
+/// Returns corners in the form that a scene has: `(0 11 5) (0 5 1)`.
 template <class Rows>
 std::string Listed(const Rows& rows) {
   std::string text;
@@ -182,7 +183,7 @@ TEST(IcosahedronWorld, HasTheEdgesAndFacesOfARegularOne) {
   }
 }
 
-// The world file is the scene `rolling` item by item: both end at the same place.
+// The world file has the same items as the scene `rolling`. Both end at the same place.
 TEST(IcosahedronWorld, RollingEndsWhereTheWorldFileDoes) {
   const Json expected = Json::parse(ReadText(kIcosahedron + "expected.json"));
   const SceneRun run = RunScene("rolling", expected["seconds"], 1);

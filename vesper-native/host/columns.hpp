@@ -36,8 +36,8 @@ class Mapping {
   bool writable_ = false;
 };
 
-/// The mapped columns by property. A column that no loaded law may write is read-only. So a law
-/// causes a memory fault if it writes to such a column.
+/// The mapped columns by property. A column that no loaded law may write is read-only, so a law
+/// that writes to such a column causes a memory fault.
 class Columns {
  public:
   struct Arrays {

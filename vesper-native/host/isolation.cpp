@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook{100};
 
-/// Makes the kernel end this process before other processes if memory is short.
+/// Makes the kernel end this process before other processes when memory is exhausted.
 void OfferToOutOfMemoryKiller() {
   const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
   if (file < 0) return;

@@ -24,7 +24,8 @@ using host::Reader;
 using host::Writer;
 
 constexpr uint64_t kAlignment = 64;
-constexpr int kMostTries = 5;  // tries of a call if something outside kills its sandbox
+constexpr int kMostTries = 5;  // maximum number of tries of a call whose sandbox is killed from
+                               // outside
 
 uint64_t SizeOf(const vesper_property& property) {
   return property.row_count * property.components * ScalarSize(property.scalar_type);

@@ -97,8 +97,8 @@ class Setup {
   posix_spawnattr_t attributes_;
 };
 
-/// Duplicates a descriptor to a number above those of a starting sandbox. So the setup of the
-/// sandbox's descriptors does not overwrite it.
+/// Duplicates a descriptor to a number above those of a starting sandbox. Therefore the setup of
+/// the sandbox's descriptors does not overwrite it.
 Descriptor Raised(int fd) {
   return Descriptor(fcntl(fd, F_DUPFD_CLOEXEC, kEndOfDescriptors), "descriptor for a sandbox");
 }

@@ -115,7 +115,7 @@ class Sandbox {
   Nanoseconds cpu_{0};
   Nanoseconds called_{0};
   uint64_t calls_ = 0;
-  Nanoseconds busy_{0};  // processor time between calls, above what waiting needs
+  Nanoseconds busy_{0};  // processor time between calls, minus the time that waiting needs
 };
 
 }  // namespace vesper::apart

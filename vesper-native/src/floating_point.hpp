@@ -11,8 +11,8 @@
 namespace vesper {
 
 /// Sets the default floating-point modes (round to nearest, no traps, no flushing) and restores the
-/// caller's modes at destruction. So laws compute the same bits in every program, and cannot change
-/// the program's arithmetic.
+/// caller's modes at destruction. Therefore laws compute the same bits in every program, and cannot
+/// change the program's arithmetic.
 class FloatingPointGuard {
  public:
   FloatingPointGuard(const FloatingPointGuard&) = delete;

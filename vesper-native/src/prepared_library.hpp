@@ -17,8 +17,8 @@
 
 namespace vesper {
 
-/// A sealed copy of a file, named by its content. The copy exists in memory only. So it leaves no
-/// file on the disk, and no process can change it.
+/// A sealed copy of a file, named by its content. The copy exists in memory only. Therefore the
+/// copy leaves no file on the disk, and no process can change it.
 class SealedCopy {
  public:
   /// Copies `bytes` of a file that messages call `source`.

@@ -53,7 +53,7 @@ struct Pipe {
   Descriptor write_end;
 };
 
-/// Duplicates a descriptor to a number above those of the probe. So the setup of the probe's
+/// Duplicates a descriptor to a number above those of the probe. Therefore the setup of the probe's
 /// descriptors does not overwrite it.
 Descriptor DuplicateForProbe(int fd) {
   return Descriptor(fcntl(fd, F_DUPFD_CLOEXEC, kProbeReportFd + 1), "descriptor for the probe");

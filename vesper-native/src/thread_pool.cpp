@@ -181,7 +181,7 @@ class alignas(64) Seat {
 }  // namespace
 
 /** Helper threads, which belong to TBB. After a loop, a helper stays awake for a short time and
- *  waits for the next loop. So the short loops of a step need not wake it. */
+ *  waits for the next loop. Therefore the short loops of a step need not wake the helper. */
 class ThreadPool::Team {
  public:
   explicit Team(uint32_t threads) : seats_(threads), arena_(static_cast<int>(threads)) {
@@ -242,8 +242,8 @@ class ThreadPool::Team {
 
  private:
   /// Time that a helper waits for the next loop before it sleeps. It is longer than the gap between
-  /// two loops in a step of a small world. It is not longer than putting a thread to sleep and
-  /// waking it takes.
+  /// two loops in a step of a small world. It does not exceed the time for putting a thread to
+  /// sleep and waking it.
   static constexpr std::chrono::microseconds kLook{50};
 
   void Call(uint32_t share, Loop& loop) {

@@ -58,7 +58,8 @@ TEST_P(AccumulationTest, SumStartsFromTheAppliedForce) {
 }
 
 TEST_P(AccumulationTest, SharesAreRoundedOnTheirOwnAndSummedInOrderOfLoading) {
-  // Each push adds twice; added to a running sum of 1e16, both halves of 1 would be lost.
+  // Each push adds twice. If a law added both halves of 1 to a running sum of 1e16, both would be
+  // lost.
   Bodies bodies(1);
   bodies.applied = {1e16, 0, 0};
   TestEngine engine(Options());

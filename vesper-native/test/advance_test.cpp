@@ -71,8 +71,8 @@ TEST_P(AdvanceTest, LawsRunByPhaseThenByOrderOfLoading) {
   engine.Load("trace_integrate");
   engine.Load("trace_force");
   EXPECT_OK(engine.Advance(kExactDt, 1));
-  // The integrator before the first stage (5), then force (1) and integrator (6, 7) in two stages,
-  // constraint (2), observer (3).
+  // The order is: the integrator before the first stage (5), the force (1) and the integrator (6,
+  // 7) in each of two stages, the constraint (2), and the observer (3).
   EXPECT_EQ(bodies.orientation[0], 5161723);
 }
 

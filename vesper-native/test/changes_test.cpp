@@ -18,7 +18,8 @@ vesper_error End(const TestEngine& engine, bool keep) {
   });
 }
 
-/// Two bodies, with a law that writes their forces and one that counts its steps in SCRATCH.
+/// Two bodies with two laws. One law writes their forces, and the other counts its steps in
+/// SCRATCH.
 struct ChangedWorld {
   explicit ChangedWorld(const EngineOptions& options) : engine(options) {
     engine.AddBodies(bodies);

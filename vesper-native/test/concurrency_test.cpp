@@ -123,7 +123,7 @@ TEST_P(ConcurrencyTest, OfSeveralLawsThatFailTheFirstLoadedIsReported) {
     EXPECT_EQ(error.library_id, 2u) << threads;
     EXPECT_EQ(engine.log(), (std::vector<std::string>{"relay_velocity: ran", "relay_spin: ran"}))
         << threads;
-    // A failure that was not reported at once is never reported.
+    // A failure that was not reported immediately is never reported.
     EXPECT_OK(engine.Unload(2));
     EXPECT_OK(engine.Unload(3));
     EXPECT_OK(engine.Advance(0.1, 1));

@@ -92,7 +92,7 @@ TEST_P(DeferredTest, AdvanceLeavesArraysFreshUnlessTheClientAsksForMore) {
     }
     run.ExpectSameAs(twin);
   }
-  // For any number of steps: one copy to the device and one copy back.
+  // Any number of steps needs one copy to the device and one copy back.
   const auto& log = run.engine.log();
   EXPECT_EQ(std::count(log.begin(), log.end(), "vault: take position"), 2);
   EXPECT_EQ(std::count(log.begin(), log.end(), "vault: write position"), 2);

@@ -48,7 +48,8 @@ TEST_P(DeterminismTest, ValidateModeChangesNoBit) {
 }
 
 TEST(ParallelForTest, EveryEngineHasTheThreadsItAskedForWhateverTheMachineHas) {
-  // Otherwise 8 threads would mean 2 on a machine with 2 cores, in the test above too.
+  // Otherwise the engine would use 2 threads instead of 8 on a machine with 2 cores, and so would
+  // the test above.
   for (const uint32_t threads : {2u, 8u, 3u}) {
     Bodies bodies(1);
     TestEngine engine({.threads = threads});

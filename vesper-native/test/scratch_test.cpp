@@ -139,7 +139,7 @@ TEST_P(ScratchTest, CannotBeOptional) {
                  engine.TryLoad("remembering_perhaps"));
 }
 
-/// Otherwise, 8 GB for each body.
+/// Without this limit, each body could need 8 GB.
 TEST_P(ScratchTest, HasAtMost4096ComponentsInARow) {
   TestEngine engine(Options());
   EXPECT_REFUSED(LIBRARY_LOAD_FAILED,

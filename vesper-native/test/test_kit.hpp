@@ -14,7 +14,7 @@
 
 namespace vesper::test {
 
-/// Runs `call(vesper_error*)`; returns its error, or one with status OK.
+/// Runs `call(vesper_error*)`. Returns its error, or an error with status OK.
 template <class Call>
 vesper_error Try(Call&& call) {
   vesper_error error{};

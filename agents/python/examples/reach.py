@@ -103,8 +103,8 @@ class Arm:
 
 
 def above(place: Sequence[float]) -> Vector:
-    """Returns a place above and before a ball, from which the hand approaches it. So the hand
-    passes over the other balls."""
+    """Returns a place above and before a ball, from which the hand approaches it. Therefore the
+    hand passes over the other balls."""
     return (0.75 * place[0], place[1] + 0.2, 0.75 * place[2])
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The client for asyncio: as `reve.connect` and `reve.control`, with coroutines.
+"""The client for asyncio. Its coroutines `connect` and `control` correspond to `reve.connect` and
+`reve.control`.
 
 >>> import reve.aio
 >>> async with await reve.aio.connect("127.0.0.1", 7777, name="ada") as agent:

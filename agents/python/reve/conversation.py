@@ -86,8 +86,8 @@ class Conversation:
         self._observed_frame = -1
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
         self._frame_seen = welcome.frame - 1
-        # Up to the frame `_frame_seen`, no event is missing. Of the frame after it, `_heard_after`
-        # events have arrived.
+        # No event up to the frame `_frame_seen` is missing. `_heard_after` events of the next frame
+        # have arrived.
         self._heard_after = 0
         self._known_already = 0
 

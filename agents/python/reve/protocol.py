@@ -42,7 +42,7 @@ Argument = Union[str, bool, float, Sequence[float]]
 """An argument of an action, in the unit that the action declares."""
 Message = Dict[str, Any]
 
-# What decoding raises if the bytes are no message.
+# The exceptions that decoding raises if the bytes are no message.
 _NO_MESSAGE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError)
 
 

@@ -53,7 +53,7 @@ class Cutter:
                         self.cuts += 1
                         break
         except OSError:
-            pass  # the other direction has ended
+            pass  # the other direction ended it
         for end in (source, target):
             try:
                 end.shutdown(socket.SHUT_RDWR)

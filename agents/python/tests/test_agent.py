@@ -34,7 +34,7 @@ class AgentTest(unittest.TestCase):
         return agent
 
     def test_an_agent_is_welcomed_with_its_body_and_the_worlds_name(self):
-        # By the frame of the refusal, all agents that left earlier have returned their bodies.
+        # All agents that left earlier have returned their bodies before the frame of the refusal.
         with self.assertRaises(reve.Disconnected) as raised:
             self.join("ada", body="duck")
         self.assertEqual(raised.exception.code, "no-such-body")

@@ -153,7 +153,7 @@ class McapTest(unittest.TestCase):
         seen = {}
         for topic, _, data in self.messages(*types):
             module = importlib.import_module(f"foxglove_schemas_protobuf.{types[topic]}_pb2")
-            # an unknown field, or one of another type, raises an error
+            # an unknown field, or a field of another type, raises an error
             seen[topic] = json_format.ParseDict(for_protobuf(data), getattr(module, types[topic])())
         shapes = {entity.id: entity for entity in seen["/scene"].entities}
         self.assertEqual(set(shapes), {"ball", "crate", "pill", "tin", "z-up", "tent"})

@@ -108,7 +108,7 @@ class HostileServerTest(unittest.TestCase):
         self.assertLess(time.monotonic() - self.began, PATIENCE)
 
     def joins(self, server):
-        """Yields how a blocking client and one for asyncio join."""
+        """Yields two functions that join: one for a blocking client and one for asyncio."""
         yield lambda **more: reve.connect(port=server.port, name="ada", timeout=0.5, **more)
 
         def join(**more):

@@ -46,7 +46,7 @@ using Clock = std::chrono::steady_clock;
 
 std::atomic<int> order;
 
-/** Pulls every body to the origin of whatever is wrong with it. */
+/** Pulls every body to the origin, and breaks one promise in addition. */
 template <class Real>
 struct Broken {
   static constexpr auto kName = "broken", kVersion = "1.0.0";

@@ -223,7 +223,7 @@ class Curve {
   const std::vector<Point>& points() const { return points_; }
   LawScene& scene() { return scene_; }
 
-  /// Chooses the component with the largest force. So a plot also shows a force that is
+  /// Chooses the component with the largest force. Therefore a plot also shows a force that is
   /// perpendicular to the axis.
   void Choose() {
     std::array<double, 3> most{};

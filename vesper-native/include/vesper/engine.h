@@ -127,8 +127,8 @@ typedef struct vesper_law_info {
   uint32_t stages;                         /**< Stages of an integrator, else 0. */
   uint32_t use_count;                      /**< Length of `uses`. */
   uint32_t parameter_count;                /**< Length of `parameters`. */
-  const vesper_property_use* uses;         /**< (use_count). */
-  const vesper_parameter_desc* parameters; /**< (parameter_count). */
+  const vesper_property_use* uses;         /**< `use_count` elements. */
+  const vesper_parameter_desc* parameters; /**< `parameter_count` elements. */
   uint64_t calls;                          /**< Calls of its `advance` since it was loaded. */
   uint64_t nanoseconds; /**< Wall-clock time [ns] in these calls and in `synchronize`. Concurrent
                              laws each count their full time. For display only; it must not
@@ -234,9 +234,9 @@ VESPER_API vesper_provider* vesper_engine_property_provider(vesper_engine* engin
 /** Makes the engine query the client for arrays, instead of using registered arrays. The engine
  *  queries every property of the prototype at the next load, advance, find or hash, and again
  *  whenever the callback `version` returns a different number. The engine copies the callbacks.
- *  Refused with ALREADY_EXISTS while arrays are registered. While callbacks are set, the functions
- *  that add, rebind and remove arrays return ACCESS_CONFLICT. `callbacks` null: unbinds all
- *  properties, and arrays can be registered again. */
+ *  Returns ALREADY_EXISTS while arrays are registered. While callbacks are set, the functions that
+ *  add, rebind and remove arrays return ACCESS_CONFLICT. `callbacks` null: unbinds all properties,
+ *  and arrays can be registered again. */
 VESPER_API vesper_status vesper_engine_set_property_provider(
     vesper_engine* engine, const vesper_provider_callbacks* callbacks,
     vesper_error* error) VESPER_NOEXCEPT;
@@ -248,17 +248,19 @@ VESPER_API vesper_status vesper_engine_set_property_provider(
 VESPER_API vesper_status vesper_provider_add_physical_property(
     vesper_provider* provider, const char* name, void* data, uint64_t value_count,
     const uint32_t* indices, uint64_t object_count, vesper_error* error) VESPER_NOEXCEPT;
-/** Replaces the array of a property after it grew, shrank or moved; arguments as in add. All
- *  properties of a kind must agree on `object_count` again before the next `advance`. */
+/** Replaces the array of a property after it grew, shrank or moved. The arguments are those of
+ *  `vesper_provider_add_physical_property`. All properties of a kind must agree on `object_count`
+ *  again before the next `advance`. */
 VESPER_API vesper_status vesper_provider_rebind_physical_property(
     vesper_provider* provider, const char* name, void* data, uint64_t value_count,
     const uint32_t* indices, uint64_t object_count, vesper_error* error) VESPER_NOEXCEPT;
-/** Registers or replaces the field of a FIELD property; the engine copies `field`. Remove a
- *  field in the same way as arrays. TYPE_MISMATCH for any other property. */
+/** Registers or replaces the field of a FIELD property; the engine copies `field`. A field is
+ *  removed in the same way as arrays. Returns TYPE_MISMATCH if the property is not a FIELD
+ *  property. */
 VESPER_API vesper_status vesper_provider_set_field(vesper_provider* provider, const char* name,
                                                    const vesper_field* field,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Unbinds a property. Refused with ACCESS_CONFLICT while a loaded law needs it. */
+/** Unbinds a property. Returns ACCESS_CONFLICT while a loaded law needs it. */
 VESPER_API vesper_status vesper_provider_remove_physical_property(
     vesper_provider* provider, const char* name, vesper_error* error) VESPER_NOEXCEPT;
 /** Fills `out` with the property as it is bound. The caller sets struct_size of `out` first. */
@@ -319,8 +321,8 @@ VESPER_API vesper_status vesper_text_check(const vesper_prototype* prototype, co
                                            uint64_t capacity, vesper_error* error) VESPER_NOEXCEPT;
 /** Translates a text to the C++ source of a law library that gives the same results. Writes the
  *  source, NUL-terminated, to `cpp` (capacity bytes), and its length without the NUL to `length`.
- *  `prototype` and `source` as for vesper_text_check. For a wrong text, fails with
- *  LIBRARY_LOAD_FAILED and the first problem. If the source needs more than `capacity` bytes,
+ *  `prototype` and `source` have the same meaning as for vesper_text_check. For a wrong text, fails
+ *  with LIBRARY_LOAD_FAILED and the first problem. If the source needs more than `capacity` bytes,
  *  writes `length` and fails with INVALID_ARGUMENT. Since 1.2. */
 VESPER_API vesper_status vesper_text_to_cpp(const vesper_prototype* prototype, const char* source,
                                             const char* text, uint64_t size, char* cpp,
@@ -447,14 +449,14 @@ VESPER_API vesper_status vesper_engine_load_state(vesper_engine* engine, const v
                                                   uint64_t size,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 /** Removes the SCRATCH values of a library's laws from a saved state, in place, so that an engine
- *  without this library can load the state. `*size` becomes the new size [bytes]. INVALID_ARGUMENT
- *  if the state is damaged. Since 1.1. */
+ *  without this library can load the state. `*size` becomes the new size [bytes]. Returns
+ *  INVALID_ARGUMENT if the state is damaged. Since 1.1. */
 VESPER_API vesper_status vesper_saved_state_remove_library(void* state, uint64_t* size,
                                                            const char* library,
                                                            vesper_error* error) VESPER_NOEXCEPT;
 /** Sets step count and time as if `steps` steps of `dt` [s] had been made from time 0. Use it if
  *  the arrays are the result of such a run but there is no saved state. SCRATCH values of laws are
- *  unchanged. INVALID_ARGUMENT if `dt` is not finite or not above 0. */
+ *  unchanged. Returns INVALID_ARGUMENT if `dt` is not finite or not above 0. */
 VESPER_API vesper_status vesper_engine_set_step_count(vesper_engine* engine, uint64_t steps,
                                                       double dt,
                                                       vesper_error* error) VESPER_NOEXCEPT;

@@ -144,8 +144,8 @@ typedef struct vesper_law_desc {
   uint32_t stages;                 /**< INTEGRATE: force evaluations per step, 1..16. Else 0. */
   uint32_t use_count;              /**< Length of `uses`. */
   uint32_t parameter_count;        /**< Length of `parameters`. */
-  const vesper_property_use* uses; /**< (use_count). */
-  const vesper_parameter_desc* parameters; /**< (parameter_count). */
+  const vesper_property_use* uses; /**< `use_count` elements. */
+  const vesper_parameter_desc* parameters; /**< `parameter_count` elements. */
   uint32_t claims;                         /**< VESPER_CLAIM_… joined with |, or 0. */
   uint32_t reserved;
 
@@ -161,13 +161,13 @@ typedef struct vesper_law_desc {
   vesper_status (*advance)(vesper_law* law, const vesper_step* step, vesper_error* error);
   /** Frees the law. `law` is never null. */
   void (*destroy)(vesper_law* law);
-  /** Computes the potential energy [J] of this law's forces in the present state. Null if its
-   *  forces have no potential. */
+  /** Computes the potential energy [J] of this law's forces in the present state. The pointer is
+   *  null if the forces have no potential. */
   vesper_status (*potential_energy)(vesper_law* law, double* out, vesper_error* error);
-  /** Writes every row of the array of use `use` (index into `uses`), which is DEFERRED and was
-   *  last written by this law. Called between calls of `advance`, on the client's thread. The
-   *  engine checks the values for NaN and infinity as after `advance`. May be null if no written
-   *  use is DEFERRED. Since 1.1. */
+  /** Writes every row of the array of use `use` (index into `uses`), which is DEFERRED and was last
+   *  written by this law. Called between calls of `advance`, on the client's thread. The engine
+   *  checks the values for NaN and infinity as after `advance`. The pointer may be null if no
+   *  written use is DEFERRED. Since 1.1. */
   vesper_status (*synchronize)(vesper_law* law, uint32_t use, vesper_error* error);
   /** For INTEGRATE laws: 1 + `stages` weights whose sum is 1, which the ledger uses. In a step, the
    *  velocity changes by dt / mass times the weighted sum of the forces. Weight [0] belongs to the
@@ -202,7 +202,7 @@ typedef struct vesper_law_library {
   const char* name;     /**< Name of the library, as in libvesper_law_NAME.so. */
   uint32_t law_count;   /**< Length of `laws`. */
   uint32_t reserved;
-  const vesper_law_desc* laws; /**< (law_count). */
+  const vesper_law_desc* laws; /**< `law_count` elements. */
   /** Creates the state that the library's laws share, once for each engine. Null if `close` is
    *  null. */
   vesper_status (*open)(const vesper_host* host, vesper_suite** out, vesper_error* error);
@@ -211,7 +211,7 @@ typedef struct vesper_law_library {
   /** Fields that are bound while the library is loaded. Since 1.1. */
   uint32_t field_count;
   uint32_t reserved1;
-  const vesper_field_desc* fields; /**< (field_count). */
+  const vesper_field_desc* fields; /**< `field_count` elements. */
   /** Passed to the laws as `vesper_host.user`; for tables that are created at run time, such as
    *  those of laws as text. Since 1.2. */
   const void* user;

@@ -57,8 +57,8 @@ class Neighbours {
 
   // Returns the side of the cells. It is `within`, or more if the rows are so far apart that there
   // would be too many cells. `middle` becomes the median of a sample of the rows. Rows that are
-  // very far from the middle share the outermost cells. So a single distant row does not change the
-  // cells of the other rows.
+  // very far from the middle share the outermost cells. Therefore a single distant row does not
+  // change the cells of the other rows.
   double Cells(const Real* positions, uint64_t rows, double within, std::array<double, 3>& middle);
 
   void Sort(const Real* positions, uint64_t rows, double within);

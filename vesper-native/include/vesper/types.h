@@ -162,7 +162,7 @@ typedef struct vesper_prototype {
   vesper_unit time_unit;        /**< Unit of `dt`. */
   uint32_t property_count;      /**< Length of `properties`. */
   uint32_t reserved;
-  const vesper_property_descriptor* properties; /**< (property_count). */
+  const vesper_property_descriptor* properties; /**< `property_count` elements. */
 } vesper_prototype;
 
 /** A bound property: data (rows x components), tightly packed, naturally aligned. */

@@ -226,7 +226,8 @@ class PhysicalPropertyProvider {
                            std::span<const uint32_t> indices = {}) {
     Register(vesper_provider_add_physical_property, name, values, indices);
   }
-  /** Replaces an array after it grew, shrank or moved; arguments as in AddPhysicalProperty. */
+  /** Replaces an array after it grew, shrank or moved. The arguments are those of
+   *  AddPhysicalProperty. */
   template <detail::Values Values>
   void RebindPhysicalProperty(const std::string& name, Values&& values,
                               std::span<const uint32_t> indices = {}) {

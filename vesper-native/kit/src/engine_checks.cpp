@@ -99,8 +99,8 @@ double TimeOfSteps(const LawsUnderTest& subject, uint64_t rows) {
 }
 
 /// Returns whether twice the rows take about four times as long. Returns false if twice the rows
-/// take less than a millisecond. So short a time is inexact, and such a fast law needs no smaller
-/// number of rows.
+/// take less than a millisecond. The measurement of such a short time is inexact, and such a fast
+/// law needs no smaller number of rows.
 bool IsQuadratic(const LawsUnderTest& subject, uint64_t rows) {
   const double twice = TimeOfSteps(subject, 2 * rows);
   return twice > 0.001 && twice > 3 * TimeOfSteps(subject, rows);

@@ -105,7 +105,7 @@ std::string CheckMemory(const Subject& of) {
   // Laws may enlarge their buffers at times, so only growth in each of several periods is a leak.
   constexpr int kPeriods = 4;
   constexpr uint32_t kSteps = 64;
-  constexpr size_t kLeast = 8;  // of a leak in a step [bytes]
+  constexpr size_t kLeast = 8;  // minimum size of a leak in a step [bytes]
   World world = subject.MakeWorld(kBodies);
   PhysicsEngine engine = world.MakeEngine(subject.file(), 1, false);
   engine.Advance(kDt, kSteps);

@@ -180,7 +180,8 @@ std::vector<std::string> LawFile::Imports() const {
   for (const Symbol& symbol : DynamicSymbols()) {
     if (symbol.defined) continue;
     Dl_info info{};
-    // Searches this handle first, because the program may contain copies of a library's data.
+    // Searches the handle of this library first, because the program may contain copies of the
+    // library's data.
     void* address = dlsym(handle_.get(), symbol.name.c_str());
     if (address == nullptr) address = dlsym(RTLD_DEFAULT, symbol.name.c_str());
     if (address == nullptr && symbol.weak) continue;

@@ -44,7 +44,7 @@ std::string ReadAll(int file) {
   return all;
 }
 
-/// Ends the process without a core file after the time limit, whatever the law does.
+/// Ends the process without a core file after the time limit, even if the law never returns.
 void LimitItself(std::chrono::seconds limit) {
   const rlimit none{0, 0};
   setrlimit(RLIMIT_CORE, &none);

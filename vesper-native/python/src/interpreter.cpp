@@ -86,7 +86,7 @@ std::string NeedsNumPy() {
 }
 
 /// Starts Python without the user's environment variables, packages and byte code, and with fixed
-/// hashes of strings. So a law depends only on its file and the installed packages.
+/// hashes of strings. Therefore a law depends only on its file and the installed packages.
 void Initialize() {
   if (const std::string folder = Environment(); !folder.empty()) RequireEnvironment(folder);
   KeepToOneThread();
@@ -95,7 +95,7 @@ void Initialize() {
   PyConfig_InitIsolatedConfig(&config);
   config.install_signal_handlers = 0;
   config.write_bytecode = 0;
-  config.buffered_stdio = 0;  // so that what a law prints is in order with other output
+  config.buffered_stdio = 0;  // keeps the output of laws in order with other output
   config.use_hash_seed = 1;
   config.hash_seed = 0;
   // Python finds its packages from the path of the program.

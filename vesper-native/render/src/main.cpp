@@ -83,7 +83,8 @@ int Main(int argc, char** argv) {
                  kHelp);
     return kExitUsage;
   }
-  // Pictures take only what the worlds of a busy server leave. The threads that draw inherit this.
+  // Pictures use only the processor time that the worlds of a busy server leave. The threads that
+  // draw inherit this priority.
   [[maybe_unused]] const int priority = nice(5);
   Renderer renderer(max_samples);
   return Session(renderer, STDIN_FILENO, STDOUT_FILENO).Run();

@@ -14,8 +14,8 @@ namespace vesper::render {
 
 namespace {
 
-/// Step by which the payload buffer grows as bytes arrive [B]. So a message that claims a large
-/// length, but is short, does not allocate much memory.
+/// Step by which the payload buffer grows as bytes arrive [B]. Therefore a message that claims a
+/// large length, but is short, does not allocate much memory.
 constexpr size_t kGrowth = 1 << 20;
 
 using Clock = std::chrono::steady_clock;

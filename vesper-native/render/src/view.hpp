@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Projection of the world to the picture. All positions in this file are relative to the camera's
-// target. So f32 numbers are precise near the target, even if it is far from the world's origin.
+// target. Therefore f32 numbers are precise near the target, even if it is far from the world's
+// origin.
 #pragma once
 
 #include <Eigen/Core>

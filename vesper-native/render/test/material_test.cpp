@@ -80,7 +80,7 @@ TEST_F(MaterialTest, PartsOfAMeshHaveMaterialsOfTheirOwn) {
 }
 
 TEST_F(MaterialTest, MeshesWearTexturesWhereTheirCoordinatesSay) {
-  Message mesh(5);  // as the quarters, but rotated by 90 degrees
+  Message mesh(5);  // like the quarters, but rotated by 90 degrees
   mesh.U32(7).U32(4).U32(2).U32(2);
   for (const Vec3& at : {Vec3{-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}, {1, 1, 0}}) mesh.Put(at);
   for (const auto& at : {std::array{1.0F, 0.0F}, {0.0F, 0.0F}, {0.0F, 1.0F}, {1.0F, 1.0F}}) {

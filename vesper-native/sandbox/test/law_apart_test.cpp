@@ -148,7 +148,7 @@ INSTANTIATE_TEST_SUITE_P(Acts, Contained, testing::ValuesIn(kCases),
 TEST_F(HostileLaw, MustRestBetweenItsCalls) {
   Load(ANSWER_BY_ITSELF);
   vesper_error error{};
-  // On a busy machine the law gets little of each pause.
+  // On a busy machine the law gets little processor time in each pause.
   for (int frame = 0; frame < 300 && error.status == VESPER_OK; ++frame) {
     error = Advance();
     usleep(100000);

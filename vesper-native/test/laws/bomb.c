@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Crashes while it is loaded, called, read or unloaded; BOMB selects when. */
+/* Crashes while it is loaded, called, read or unloaded. BOMB selects the time. */
 #include <signal.h>
 #include <unistd.h>
 
@@ -60,7 +60,7 @@ const vesper_law_library* vesper_law_library_entry(void) {
 #elif BOMB == NULL_TABLE
   return NULL;
 #elif BOMB == OTHER_ABI
-  /* The engine must read nothing past the version: reading the name would crash. */
+  /* The engine must read nothing after the version. If it read the name, it would crash. */
   library.abi_version = 2u << 16;
   library.name = (const char*)(uintptr_t)64;
 #elif BOMB == GARBAGE_NAME

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Semi-implicit Euler; mass 0 means immovable. Compile definitions: NAME and STAGES. */
+/* Semi-implicit Euler. A body with mass 0 is immovable. Compile definitions: NAME and STAGES. */
 #define USE_COUNT 4
 #include "test_law.h"
 

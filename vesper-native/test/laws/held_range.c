@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Ranges of which number `held` ends only after all others; fails if the others never end. */
+/* Runs ranges. The range with the number `held` ends only after all others. Fails if the others
+ *  never end. */
 #define _POSIX_C_SOURCE 200809L
 #define PARAMETER_COUNT 2
 #include <sched.h>

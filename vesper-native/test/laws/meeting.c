@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Laws that synchronize if they run concurrently: each writes a byte to the pipe `tell` and
- * waits `patience` seconds for one from the pipe `hear`; fails if none arrives. The library's
- * second law does the same over its own pipes. Compile definitions: NAME, PROPERTY, ACCESS, UNIT
- * and PHASE. */
+/* Laws that synchronize if they run concurrently. Each law writes a byte to the pipe `tell` and
+ * waits `patience` seconds for a byte from the pipe `hear`. It fails if no byte arrives. The
+ * library's second law does the same over its own pipes. Compile definitions: NAME, PROPERTY,
+ * ACCESS, UNIT and PHASE. */
 #define PARAMETER_COUNT 3
 #include <poll.h>
 #include <unistd.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Two laws in tables with the layout of contract 1.MINOR: 0 has fewer fields than today's, 9 has
- * 16 bytes more. These are zero unless ASKS says that the law uses the features behind them. */
+/* Two laws in tables with the layout of contract 1.MINOR. The tables of contract 1.0 have fewer
+ * fields than those of today, and the tables of 1.9 have 16 bytes more. These bytes are zero,
+ * unless ASKS states that the law uses their features. */
 #define USE_COUNT 2
 #define PARAMETER_COUNT 1
 #include "test_law.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Sets TO to FROM plus 1, logs it, and fails if its parameter requests it. Compile definitions:
+/* Sets TO to FROM plus 1 and logs this. Fails if its parameter requests it. Compile definitions:
  * NAME, FROM, TO and their units. */
 #define USE_COUNT 2
 #define PARAMETER_COUNT 1

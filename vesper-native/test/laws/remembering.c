@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Adds each body's mass to a SCRATCH sum and counts its advances; writes both to the
- * acceleration. Fails when "failAt" steps were done. */
+/* Adds each body's mass to a SCRATCH sum, counts its advances, and writes both to the acceleration.
+ * Fails after "failAt" steps. */
 #define USE_COUNT 4
 #define PARAMETER_COUNT 1
 #include "test_law.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Ranges that wait until `seats` of them run concurrently; fails if that never happens. */
+/* Runs ranges that wait until `seats` of them run concurrently. Fails if this never happens. */
 #define _POSIX_C_SOURCE 200809L
 #define PARAMETER_COUNT 1
 #include <sched.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Two laws: `twist` applies the torque (0, 2, 0) to every body; `turn` integrates angular
- * velocities of bodies with three equal moments of inertia that are not 0. */
+/* Two laws. `twist` applies the torque (0, 2, 0) to every body. `turn` integrates the angular
+ * velocities of bodies whose three moments of inertia are equal and not 0. */
 #define USE_COUNT 3
 #include "test_law.h"
 

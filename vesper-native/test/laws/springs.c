@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Pulls the ends of every spring together with force hookeConstant, which shows the rows and
+/* Pulls the ends of every spring together with the force hookeConstant. This shows the rows and
  * values that the law received. Logs each bind. */
 #define USE_COUNT 3
 #include "test_law.h"

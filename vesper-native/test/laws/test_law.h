@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Common code of all test laws: a law keeps its host, its parameters and its bound arrays.
+/* Common code of all test laws. A law keeps its host, its parameters and its bound arrays.
  *
  * A law file defines USE_COUNT, PARAMETER_COUNT and a function `Act`, then lists its tables.
  * Compile definitions vary names and behaviour, so that one file makes several libraries.

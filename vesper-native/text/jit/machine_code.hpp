@@ -53,8 +53,8 @@ struct MachineCode {
   /// stops if the remaining rows do not fill a vector. It also stops if a row of the next vector
   /// may have a result that is NaN or infinite.
   uint64_t (*rows)(const RowsOfPass<Real>* of) = nullptr;
-  /// Executes the program like `run`. Itself loads the columns of other rows, which are then not in
-  /// the registers.
+  /// Executes the program like `run`. This function itself loads the columns of other rows, so the
+  /// caller does not fill their registers.
   void (*gather)(const GatheredBlock<Real>* of) = nullptr;
   /// Evaluates one row with all later rows, and adds the results to the sums. Returns 0 if a result
   /// may be NaN or infinite. Only for passes over all pairs.

@@ -232,7 +232,7 @@ void Checker::CheckIf(const Statement& statement, Effects& effects) {
   const auto branch = [&](const std::vector<Statement>& statements) {
     Effects inner;
     inner.stored = effects.stored;
-    // The copy contains the sums so far. So statements inside `if` cannot read these sums either.
+    // The copy contains the sums so far, so statements inside `if` cannot read these sums either.
     CheckStatements(statements, inner);
     return inner;
   };

@@ -21,7 +21,7 @@ enum class TermKind : uint8_t {
   kLoad,       // a number, a whole vector, or one component of an array
   kComponent,  // component `load.component` of the vector parts[0]
   kOperation,  // operation on numbers
-  kSum,        // vectors, as are the terms below
+  kSum,        // a sum of vectors; the terms up to kCross are vectors, too
   kDifference,
   kNegative,
   kScaled,  // number parts[0] times vector parts[1]

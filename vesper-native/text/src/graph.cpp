@@ -161,7 +161,7 @@ NodeId Graph::Select(NodeId condition, NodeId a, NodeId b) {
   if (a == b) return a;
   if (IsConstant(condition)) return nodes_[condition].value != 0 ? a : b;
   if (nodes_[condition].operation == Operation::kNot) return Select(nodes_[condition].a, b, a);
-  // Moves signs out of products. So sums that are equal and opposite can be recognised.
+  // Moves signs out of products. This makes equal and opposite sums recognisable.
   const auto negated = [&](NodeId id) { return nodes_[id].operation == Operation::kNegate; };
   if (negated(a) && (negated(b) || IsConstant(b, 0))) {
     return Negate(Select(condition, nodes_[a].a, negated(b) ? nodes_[b].a : b));
@@ -274,8 +274,8 @@ std::map<Load, NodeId> Graph::Gradient(NodeId root, const std::vector<Load>& wan
 }
 
 /// Differentiates backwards from `root`, and adds `adjoint` times its derivatives to the results.
-/// The branches of a choice are differentiated separately. So NaN or infinity in the branch that is
-/// not taken does not affect the other branch.
+/// The branches of a choice are differentiated separately. Therefore NaN or infinity in the branch
+/// that is not taken does not affect the other branch.
 void Graph::Differentiate(NodeId root, NodeId adjoint, const std::vector<Load>& wanted,
                           std::map<Load, NodeId>& gradient, int depth) {
   if (depth > 24) throw TooLarge{};

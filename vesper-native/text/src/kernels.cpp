@@ -205,7 +205,8 @@ void Run(std::span<const Instruction> program, Real* const* registers, const Rea
         Unary(all, step, count, [](auto, auto a) { return hn::Abs(a); });
         break;
       case Operation::kFloor:
-        // Adding 0 turns -0 into +0 on all instruction sets, because Floor of some does so anyway.
+        // Adding 0 turns -0 into +0. Floor does so on some instruction sets only, and all sets must
+        // give the same bits.
         Unary(all, step, count, [](auto d, auto a) { return hn::Add(hn::Floor(a), hn::Zero(d)); });
         break;
       case Operation::kMin:

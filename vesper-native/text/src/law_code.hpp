@@ -89,8 +89,8 @@ struct LawCode {
   bool has_energy = false;
   std::vector<ParameterCode> parameters;
   std::vector<PropertyCode> properties;
-  /// Indices into `properties` in the order of the law's table. Memory of the law comes last. So a
-  /// message about a value that is not finite names a property of the world, if possible.
+  /// Indices into `properties` in the order of the law's table. Memory of the law comes last, so
+  /// that a message about a value that is not finite names a property of the world if possible.
   std::vector<uint32_t> table_order;
   std::vector<PassCode> passes;
   Graph graph;

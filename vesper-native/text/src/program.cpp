@@ -6,8 +6,8 @@
 namespace vesper::text {
 namespace {
 
-/// The frequency with which a value changes: never during a call of the law, with each first row of
-/// a pair, or with each row.
+/// The occasions on which a value changes: never during a call of the law, with each first row of a
+/// pair, or with each row.
 enum class Level : uint8_t { kConstant, kOfFirst, kEach };
 
 class Compiler {

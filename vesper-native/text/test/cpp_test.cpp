@@ -102,7 +102,7 @@ std::string Declaration(const vesper_law_desc& law) {
   return text.str();
 }
 
-/// What a law makes of columns with random numbers, in four calls.
+/// The results of a law for columns with random numbers, in four calls.
 template <class Real>
 struct Run {
   std::vector<std::string> names;
@@ -228,7 +228,8 @@ void CompareAll(const TwoForms& forms, double tolerance_of_functions) {
   for (uint32_t i = 0; i < forms.text->law_count; i += 2) {
     const std::string name = forms.text->laws[i].name;
     const bool functions = kWithFunctions.contains(name);
-    // With three rows, each row has at most two pairs and two springs, whose order is no matter.
+    // With three rows, each row has at most two pairs and two springs, so their order does not
+    // change the sums.
     for (const uint64_t rows : {1, 3, 300}) {
       const double tolerance = functions ? tolerance_of_functions : rows == 300 ? 300 : 0;
       Compare<double>(forms, name, rows, tolerance);

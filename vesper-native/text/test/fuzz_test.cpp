@@ -37,7 +37,7 @@ std::string RandomText(std::mt19937& random) {
   return text;
 }
 
-/// Changes some bytes of a right text.
+/// Changes some bytes of a valid text.
 std::string Damaged(std::mt19937& random) {
   static const std::string kRight =
       "law a \"Doc.\"\n  parameter k = 3 N/m, from 0 to 9 N/m\n  each body has heat in J\n"
@@ -77,7 +77,8 @@ TEST(FuzzTextTest, RandomTextsCrashNothing) {
   for (int i = 0; i < texts; ++i) {
     const std::string text = i % 2 == 0 ? RandomText(random) : Damaged(random);
     if (!ReportOn(text).empty()) continue;
-    // It is right, so it runs; a value that is not finite is a fault, not a crash.
+    // The text is valid, so it must run. A value that is not finite may be a fault, but not a
+    // crash.
     TestEngine engine;
     Bodies bodies(4);
     engine.AddBodies(bodies);

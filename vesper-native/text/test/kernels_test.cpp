@@ -42,7 +42,7 @@ std::vector<Real> Values(uint32_t seed) {
   return values;
 }
 
-/// NaN has many patterns; any of them is as good as another.
+/// Numbers that are NaN have many bit patterns. All of them count as equal.
 template <class Real>
 bool SameBits(Real a, Real b) {
   return (std::isnan(a) && std::isnan(b)) || std::memcmp(&a, &b, sizeof a) == 0;
@@ -130,7 +130,7 @@ TEST(ElementaryTest, FunctionsAreAccurate) {
       const double found = Elementary(function.operation, x, 0);
       const double place = std::nextafter(std::abs(static_cast<double>(expected)), INFINITY) -
                            std::abs(static_cast<double>(expected));
-      // Near a zero of sine and cosine, the error is that of the reduction.
+      // Near a zero of sine and cosine, the error comes from the reduction of the argument.
       const double floor =
           function.operation == Operation::kSin || function.operation == Operation::kCos ? 0x1p-56
                                                                                          : 0;

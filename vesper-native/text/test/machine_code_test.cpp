@@ -130,7 +130,7 @@ Outcome Apply(const LawCode& law, std::string_view text, const Way<Real>& way,
   return outcome;
 }
 
-/// NaN has many patterns; any of them is as good as another.
+/// Numbers that are NaN have many bit patterns. All of them count as equal.
 template <class Real>
 bool SameNumber(Real a, Real b) {
   return (std::isnan(a) && std::isnan(b)) || std::memcmp(&a, &b, sizeof a) == 0;

@@ -10,7 +10,7 @@
 
 namespace vesper::test {
 
-/// Returns the report about a text, empty if it is right.
+/// Returns the report about a text. The report is empty if the text is valid.
 inline std::string ReportOn(const std::string& text, const char* prototype = "si-f64") {
   std::vector<char> report(32768);
   EXPECT_OK(Try([&](vesper_error* error) {

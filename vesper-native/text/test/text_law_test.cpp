@@ -142,7 +142,8 @@ TEST_P(TextLawTest, HeatFlowsAlongSpringsAndIsConserved) {
     return vesper_provider_add_physical_property(engine.provider(), "endpoints", ends.data(), 2,
                                                  nullptr, 2, error);
   }));
-  // Temperature is the law's own; positions carry the start values in and out.
+  // The temperature is the law's own property. The law reads its start values from the positions
+  // and writes its results to them.
   LoadText(engine,
            "law heat\n"
            "  parameter k = 3 1/s\n"

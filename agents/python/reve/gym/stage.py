@@ -34,7 +34,8 @@ def info(perception: Perception) -> Dict[str, Any]:
 
 
 class Stage:
-    """A world with the agents of the tasks. It stands still between two calls. Not thread-safe."""
+    """A world with the agents of the tasks. It makes no frames between two calls. Not
+    thread-safe."""
 
     def __init__(
         self,

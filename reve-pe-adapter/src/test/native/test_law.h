@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* What the test laws share: a law without private data, how to list a property, and the table. */
+/* The common parts of the test laws. They are a law without private data, a way to list a property,
+ *  and the table. */
 #ifndef REVE_TEST_LAW_H_
 #define REVE_TEST_LAW_H_
 
@@ -36,8 +37,8 @@ static void TestLawDestroy(vesper_law* law) { (void)law; }
 #define TEST_PARAMETER(name, doc, unit, value, minimum, maximum) \
   {sizeof(vesper_parameter_desc), 0, name, doc, unit, value, minimum, maximum}
 
-/* A library of one law, both of that name. The law has the uses kUses, does what Advance says, and
- * is else as the designated initialisers at the end say. */
+/* A library of one law. The library and the law have the same name. The law has the uses kUses and
+ * runs Advance. The designated initialisers at the end set its other fields. */
 #define TEST_LIBRARY(law_name, law_doc, abi, ...)                                          \
   static vesper_status Bind(vesper_law* law, const vesper_property* properties,            \
                             vesper_error* error) {                                         \

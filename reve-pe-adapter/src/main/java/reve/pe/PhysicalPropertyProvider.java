@@ -6,10 +6,10 @@ import org.jspecify.annotations.Nullable;
 import java.lang.foreign.MemorySegment;
 
 /**
- * The interface through which a client lends arrays to an engine. Arrays are native memory. The
- * client must keep an array alive and in place until it removes or rebinds the property or closes
- * the engine. The thread rule of {@link PhysicsEngine} applies. Every method throws {@link
- * PhysicsException} if the engine refuses the call.
+ * The interface through which a client registers its arrays with an engine. Arrays are native
+ * memory. The client must keep an array alive and in place until it removes or rebinds the property
+ * or closes the engine. The thread rule of {@link PhysicsEngine} applies. Every method throws
+ * {@link PhysicsException} if the engine refuses the call.
  */
 public interface PhysicalPropertyProvider {
     /**
@@ -33,8 +33,9 @@ public interface PhysicalPropertyProvider {
     }
 
     /**
-     * Replaces an array that grew, shrank or moved; arguments as for add. All properties of a kind
-     * must have the same objectCount at the next advance.
+     * Replaces an array that grew, shrank or moved. The arguments are those of {@code
+     * addPhysicalProperty}. All properties of a kind must have the same objectCount at the next
+     * advance.
      */
     void rebindPhysicalProperty(
             String name,

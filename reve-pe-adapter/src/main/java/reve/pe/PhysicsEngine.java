@@ -7,9 +7,9 @@ import java.util.Map;
 
 /**
  * An engine that applies laws to named property arrays of a client. Each law is an independently
- * compiled library. Thread-compatible: one call at a time, from any thread; only {@code prepare}
- * may run concurrently. Every method throws {@link PhysicsException} if the engine refuses the
- * call, and {@link IllegalStateException} after close.
+ * compiled library. Any thread may call an engine, but only one at a time, except {@code prepare},
+ * which may run concurrently. Every method throws {@link PhysicsException} if the engine refuses
+ * the call, and {@link IllegalStateException} after close.
  */
 public interface PhysicsEngine extends AutoCloseable {
     /** Returns the engine's property provider, which lives as long as the engine. */
@@ -94,10 +94,10 @@ public interface PhysicsEngine extends AutoCloseable {
     }
 
     /**
-     * Sets in which steps the laws of a library are called: in every step whose number is a
-     * multiple of the interval. In these steps, the engine multiplies the forces that the laws add
-     * by the interval; in all other steps, the laws add nothing. So their impulse stays the same.
-     * Each load of a library resets the interval to 1.
+     * Sets the interval at which the laws of a library are called: they are called in every step
+     * whose number is a multiple of the interval. In these steps, the engine multiplies the forces
+     * that the laws add by the interval. In all other steps, the laws add no forces, so their total
+     * impulse stays the same. Each load of a library resets the interval to 1.
      *
      * @param interval 1 for every step, 0 for never; more than 1 only if all laws of the library
      *     are force laws that write no property
@@ -137,18 +137,18 @@ public interface PhysicsEngine extends AutoCloseable {
     void readTimes(long[] into);
 
     /**
-     * Returns the time of the last advance in which the engine waited for a processor, as far as it
-     * is known [ns]. The times of laws include this time.
+     * Returns for how long the engine waited for a processor in the last advance [ns]; 0 if this
+     * time is not known. The times of laws include this time.
      */
     default long waitedNanos() {
         return 0;
     }
 
     /**
-     * Applies all laws for {@code steps} steps of {@code dt}; if one step fails, none counts. After
-     * a failure the engine is faulted, its time has not advanced, and properties that laws may
-     * write are undefined. The client restores them and calls {@link #clearFault}, or unloads the
-     * library that the exception names.
+     * Applies all laws for {@code steps} steps of {@code dt}. Either all steps succeed, or none of
+     * them counts. After a failure the engine is faulted, its time has not advanced, and properties
+     * that laws may write are undefined. The client restores them and calls {@link #clearFault}, or
+     * unloads the library that the exception names.
      *
      * @param dt length of a step [time unit of the prototype], above 0
      */

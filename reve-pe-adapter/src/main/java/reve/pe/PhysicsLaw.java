@@ -32,13 +32,13 @@ public record PhysicsLaw(
         long nanoseconds) {
     /** The invariants that a law may guarantee, in the order of the bits `VESPER_CLAIM_…`. */
     public enum Claim {
-        /** The sum of its forces is zero. */
+        /** The sum of the law's forces is zero. */
         MOMENTUM,
-        /** The sum of its moments is zero. */
+        /** The sum of the law's moments is zero. */
         ANGULAR_MOMENTUM,
-        /** It does not depend on the origin. */
+        /** The law does not depend on the place of the origin. */
         TRANSLATION,
-        /** Its forces rotate with the world. */
+        /** If the world is rotated, the forces of the law rotate with it. */
         ROTATION
     }
 

@@ -5,7 +5,7 @@ package reve.pe;
 public enum Status {
     /** An argument is null, out of range or not finite. */
     INVALID_ARGUMENT,
-    /** No property, law, library or prototype of that name. */
+    /** There is no property, law, library or prototype of that name. */
     NOT_FOUND,
     /** The name is already in use. */
     ALREADY_EXISTS,

@@ -26,7 +26,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 
-/** What every engine does, whatever process it runs in. */
+/** The behaviour that every engine has in any process. */
 public abstract class EngineContract {
     /** Returns the kind of engine under test. */
     protected abstract EngineFixture.Home home();
@@ -397,7 +397,7 @@ public abstract class EngineContract {
         try (EngineFixture orbit = new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
             var threads = (com.sun.management.ThreadMXBean) ManagementFactory.getThreadMXBean();
             int frames = 100;
-            long least = Long.MAX_VALUE; // a frame that the machine delays may allocate
+            long least = Long.MAX_VALUE; // because a delayed frame may allocate
             for (int window = 0; window < 400; window++) {
                 long before = threads.getCurrentThreadAllocatedBytes();
                 for (int i = 0; i < frames; i++) {

@@ -12,7 +12,7 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 
-/** A validating engine for the spring orbit, as a Java program without REVE would make it. */
+/** A validating engine for the spring orbit. It is made as a Java program without REVE makes it. */
 public final class EngineFixture implements AutoCloseable {
     private final Home home;
     public final List<String> log = new ArrayList<>();

@@ -2,8 +2,8 @@
 package reve.pe;
 
 /**
- * The paper's Figure 10: a heavy red body on a straight line, and a light blue one in orbit around
- * it on a spring. Red is the first body, blue the second.
+ * The scene of the paper's Figure 10. A heavy red body is on a straight line, and a light blue body
+ * is in orbit around it on a spring. The red body is the first one.
  */
 public final class SpringOrbit {
     /** [kg], (2). */
@@ -27,7 +27,7 @@ public final class SpringOrbit {
     /** Step [s]. */
     public static final double DT = 1.0 / 240;
 
-    /** Steps in the 5 s for which the invariants hold. */
+    /** Number of steps in 5 s. The invariants hold for this time. */
     public static final int STEPS = 1200;
 
     private SpringOrbit() {}

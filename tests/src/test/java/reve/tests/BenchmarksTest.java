@@ -15,7 +15,9 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.stream.Stream;
 
-/** The programs in {@code bench/} say how they are used, and what they lack; none is run here. */
+/**
+ * The programs in {@code bench/} print their usage and what they lack. The test runs no benchmark.
+ */
 class BenchmarksTest {
     private static final Path BENCH = Project.ROOT.resolve("bench");
 

@@ -24,8 +24,8 @@ import java.util.List;
 import java.util.Random;
 
 /**
- * Invalid files in the laws folder and invalid data on the port of a running server: one message
- * each, and no other effect.
+ * Invalid files in the laws folder and invalid data on the port of a running server. Each causes
+ * one message and has no other effect.
  */
 @Tag("slow")
 class BrokenInputIT {
@@ -96,7 +96,10 @@ class BrokenInputIT {
                 .asString();
     }
 
-    /** Each line is answered with an error or a bye with a code, and others can still join. */
+    /**
+     * Sends lines of garbage. The server answers each line with an error or a bye with a code, and
+     * others can still join.
+     */
     private static void sendGarbage(int port) throws IOException {
         long seed = System.nanoTime();
         System.out.println("garbage seed " + seed);

@@ -175,7 +175,7 @@ final class Browser implements AutoCloseable, WebSocket.Listener {
         send("Page.navigate", JSON.createObjectNode().put("url", address));
     }
 
-    /** Evaluates an expression in the page; a promise is awaited. */
+    /** Evaluates an expression in the page. If the result is a promise, waits for it. */
     JsonNode ask(String expression) throws Exception {
         JsonNode answer =
                 send(

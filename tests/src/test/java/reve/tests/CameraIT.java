@@ -29,8 +29,8 @@ class CameraIT {
     @TempDir private Path folder;
 
     /**
-     * The robot looks along +z: at a ball, in front of a wall that is out of range, with a cube
-     * behind it.
+     * A world in which the robot looks along +z at a ball. The ball is in front of a wall that is
+     * out of range, and a cube is behind the robot.
      */
     private String world() throws Exception {
         return Files.writeString(
@@ -104,7 +104,7 @@ class CameraIT {
         }
     }
 
-    /** The robot's picture of the world in its first frame. */
+    /** Returns the robot's picture of the world in its first frame. */
     private Image atTheBeginning(Encoding encoding) throws Exception {
         try (Server server = serve();
                 AgentClient ada = join(server, encoding);

@@ -20,15 +20,15 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 
 /**
- * Bounds circles of classes: sets in which each class depends on each other one, directly or not,
- * so that a change of one of them needs knowledge of all. A nested class counts as its outermost
- * one.
+ * Limits the size of circles of classes. In a circle, each class depends on all other classes,
+ * directly or indirectly. Therefore a change of one class needs knowledge of all. A nested class
+ * counts as a part of its outermost class.
  */
 class ClassCirclesTest {
-    /** Most classes in a circle. */
+    /** Maximum number of classes in a circle. */
     private static final int LIMIT = 5;
 
-    /** Returns the project's classes that each of them depends on. */
+    /** Returns for each class of the project the project's classes on which it depends. */
     private static SortedMap<String, SortedSet<String>> arrows() {
         SortedMap<String, SortedSet<String>> arrows = new TreeMap<>();
         for (JavaClass from : DependencyRulesTest.CLASSES) {

@@ -22,7 +22,7 @@ import java.util.List;
 import java.util.Set;
 import java.util.concurrent.TimeUnit;
 
-/** The commands as a new user meets them: output, messages, exit codes. */
+/** The output, the messages and the exit codes that a new user gets from the commands. */
 @Tag("slow")
 class CommandLineIT {
     private static final String SPRING_ORBIT = Project.WORLDS.resolve("spring-orbit").toString();
@@ -36,7 +36,7 @@ class CommandLineIT {
         assertThat(check.code()).as(check.err()).isZero();
         for (ProcessHandle child : ProcessHandle.current().children().toList()) {
             if (child.info().command().orElse("").endsWith("vesper-host")) {
-                child.onExit().get(10, TimeUnit.SECONDS); // it is being ended
+                child.onExit().get(10, TimeUnit.SECONDS); // it is about to end
             }
         }
     }

@@ -257,7 +257,7 @@ class ControlIT {
                 .containsEntry("stateHash", "%016x".formatted(report.stateHash()));
     }
 
-    /** Changes everything that a message can change of a world. */
+    /** Changes everything in a world that a message can change. */
     private void rebuild(AgentClient boss) throws Exception {
         after(boss, 3);
         edited(
@@ -603,7 +603,7 @@ class ControlIT {
         return seen;
     }
 
-    /** Position of the red ball in a later frame of a paused world [m]. */
+    /** Returns the height of the red ball in a later frame of a paused world [m]. */
     private static double heightAt(AgentClient boss, long frame) {
         long now = accepted(boss, "pause", Map.of());
         return after(boss, (int) (frame - now))

@@ -13,7 +13,8 @@ import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.atomic.AtomicInteger;
 
 /**
- * A relay to a local server that breaks each connection after a number of bytes, or all at once.
+ * A relay to a local server. It breaks each connection after a number of bytes, or all connections
+ * at once.
  */
 final class Cutter implements AutoCloseable {
     private final ServerSocket listening =
@@ -26,7 +27,8 @@ final class Cutter implements AutoCloseable {
     private volatile boolean passing = true;
 
     /**
-     * @param mostBytes after which a connection is cut, 0 for never; the exact number is random
+     * @param mostBytes maximum number of bytes after which a connection is cut, 0 for never. The
+     *     exact number is random.
      */
     Cutter(int server, long seed, int mostBytes) throws IOException {
         this.server = server;
@@ -39,7 +41,7 @@ final class Cutter implements AutoCloseable {
         return listening.getLocalPort();
     }
 
-    /** How many connections were cut. */
+    /** Returns the number of connections that were cut. */
     int cuts() {
         return cuts.get();
     }

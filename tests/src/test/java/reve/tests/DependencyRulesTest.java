@@ -18,7 +18,7 @@ import java.util.HashMap;
 import java.util.Map;
 import java.util.regex.Pattern;
 
-/** The dependencies of ARCHITECTURE.md, checked in class files and jars. */
+/** Checks the dependencies of ARCHITECTURE.md in class files and jars. */
 class DependencyRulesTest {
     /** All classes of the project except tests. */
     static final JavaClasses CLASSES =

@@ -130,7 +130,7 @@ class DescriptorsIT {
         assertThat(new String(answer)).contains("too-many-connections");
     }
 
-    /** The number of descriptors that the server has open. */
+    /** Returns the number of descriptors that the server has open. */
     private static int open(Server server) throws IOException {
         try (var files = Files.list(Path.of("/proc/" + server.process().pid() + "/fd"))) {
             return (int) files.count();

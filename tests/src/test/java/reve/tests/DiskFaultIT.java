@@ -26,7 +26,10 @@ import java.util.List;
 class DiskFaultIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
 
-    /** No file may grow beyond this [KiB]: a law library fits, the frames of 300 s do not. */
+    /**
+     * Maximum size of each file [KiB]. A law library is smaller than this, and the frames of 300 s
+     * are larger.
+     */
     private static final int LIMIT = 1200;
 
     @TempDir private Path folder;
@@ -238,7 +241,10 @@ class DiskFaultIT {
         }
     }
 
-    /** Libraries and an image are written by a few writes, each frame by one. */
+    /**
+     * Waits until the file has grown by some frames. Libraries and an image need a few writes, and
+     * each frame needs one.
+     */
     private static void awaitGrowth(Path file) throws IOException {
         long last = Files.size(file);
         for (int grown = 0; grown < 30; ) {
@@ -249,7 +255,7 @@ class DiskFaultIT {
         }
     }
 
-    /** Another size that no file of the server may exceed [bytes]. */
+    /** Sets another maximum size of the files of the server [bytes]. */
     private static void limit(Server server, String bytes) throws Exception {
         assertThat(
                         new ProcessBuilder(
@@ -421,7 +427,7 @@ class DiskFaultIT {
         assertThat(outcome.err()).contains(file.toString(), reason).doesNotContain("\tat ");
     }
 
-    /** A command for which the disk is full as soon as a file is as large as the limit. */
+    /** Returns a command for which the disk is full as soon as a file has the size of the limit. */
     private static List<String> limited(List<String> command) {
         List<String> limited =
                 new ArrayList<>(
@@ -430,7 +436,7 @@ class DiskFaultIT {
         return limited;
     }
 
-    /** A server for which the disk is full as soon as a file is as large as the limit. */
+    /** Starts a server for which the disk is full as soon as a file has the size of the limit. */
     private Server limited(String... options) throws IOException {
         List<String> command =
                 limited(

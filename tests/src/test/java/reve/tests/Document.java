@@ -10,8 +10,8 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * The fenced code blocks of one of the project's Markdown files, so that tests run what people
- * read.
+ * The fenced code blocks of one of the project's Markdown files. With them, tests run the code that
+ * people read.
  */
 record Document(Path path, List<Block> blocks) {
     private static final Pattern FENCE =
@@ -32,7 +32,7 @@ record Document(Path path, List<Block> blocks) {
         return new Document(path, List.copyOf(blocks));
     }
 
-    /** The block that carries this file name. */
+    /** Returns the block that has this file name. */
     Block titled(String title) {
         return blocks.stream()
                 .filter(block -> block.title().equals(title))

@@ -95,7 +95,7 @@ class DocumentExamplesIT {
         assertThat(replay.out().lines()).last().asString().startsWith("state hash: ");
     }
 
-    /** A command line of a page, with a file of it in another place and more options. */
+    /** Runs a command line of a page with more options. One of its files is at another place. */
     private static Outcome run(String line, String file, String place, String... more)
             throws Exception {
         assertThat(line).startsWith("$ ./reve ");

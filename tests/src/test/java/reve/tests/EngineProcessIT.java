@@ -36,7 +36,10 @@ class EngineProcessIT {
         world = StoneWorld.in(folder);
     }
 
-    /** Puts a test law into the laws folder at once, as a copy beside it that is renamed. */
+    /**
+     * Puts a complete test law into the laws folder. First copies it to a file beside the folder,
+     * and then renames this file.
+     */
     private Path drop(String law) throws Exception {
         String file = "libvesper_law_hostile_" + law + ".so";
         Path copy =
@@ -72,8 +75,8 @@ class EngineProcessIT {
     }
 
     /**
-     * The laws do harm from the 50th step of the world on. Here each does so in its first frame, so
-     * the world is one that never had it.
+     * The laws do harm from the 50th step of the world on. In this test, each law does harm in its
+     * first frame. Therefore the world equals a world that never had the law.
      */
     @Test
     void aServerOutlivesLawsThatHarmTheirProcess() throws Exception {
@@ -146,7 +149,7 @@ class EngineProcessIT {
         assertThat(without.out()).contains(end.path("stateHash").asString());
     }
 
-    /** What a law prints is no event. */
+    /** The output of a law is no event. */
     @Test
     void aLawThatPrintsForgesNoEvent() throws Exception {
         drop("print");
@@ -167,7 +170,7 @@ class EngineProcessIT {
         assertThat(Files.readString(folder.resolve("server.err"))).contains("printed by a law");
     }
 
-    /** Number of servers that are killed; the fault model asks for 200. */
+    /** Number of servers that are killed. The fault model requires 200. */
     private static final int KILLS = Integer.getInteger("reve.test.server.kills", 1);
 
     @Test
@@ -192,7 +195,10 @@ class EngineProcessIT {
         }
     }
 
-    /** A store holds the quarantine, so a law that crashed does not crash again after a restart. */
+    /**
+     * The store contains the quarantine. Therefore a law that crashed does not crash again after
+     * the next start.
+     */
     @Test
     void aStoreDoesNotRepeatACrash() throws Exception {
         String store = folder.resolve("stones.db").toString();

@@ -21,7 +21,8 @@ import java.util.List;
 import java.util.stream.Stream;
 
 /**
- * The command {@code experiment}: the examples of its page, and comparisons with earlier results.
+ * The examples of the page about the command {@code experiment}, and comparisons with earlier
+ * results.
  */
 class ExperimentIT {
     @TempDir private Path folder;
@@ -69,7 +70,7 @@ class ExperimentIT {
         return Files.readAllLines(folder.resolve(file));
     }
 
-    /** The cells of the rows of a table, without its header. */
+    /** Returns the cells of each row of a table, without its header. */
     private List<List<String>> rows(String file) throws IOException {
         return lines(file).stream().skip(1).map(line -> List.of(line.split(",", -1))).toList();
     }
@@ -201,7 +202,10 @@ class ExperimentIT {
         }
     }
 
-    /** With a wind of 5 m/s and drags c of the wind and 1 kg/s at rest, v becomes 5 c / (c + 1). */
+    /**
+     * The wind has 5 m/s and a drag of c. The air at rest has a drag of 1 kg/s. Then v becomes 5 c
+     * / (c + 1).
+     */
     @Test
     void lawsChangeAtTheirTimes() throws Exception {
         Outcome outcome = experiment("schedule.yaml", "r");
@@ -292,7 +296,10 @@ class ExperimentIT {
         assertThat(rows("p/runs.csv")).hasSize(10);
     }
 
-    /** The handle turns over in the run, so its inertia counts along its own axes only. */
+    /**
+     * The handle flips during the run. Therefore the energy is correct only if the inertia is used
+     * along the handle's own axes.
+     */
     @Test
     void kineticEnergyIsThatOfAFreelyRotatingBody() throws Exception {
         for (String file : List.of("world.yaml", "handle.glb", "crate.png")) {

@@ -110,7 +110,7 @@ class ExportIT {
         assertThat(compared).isGreaterThan(2000);
     }
 
-    /** Compares all numbers of a row, and returns how many there are. */
+    /** Compares all numbers of a row, and returns their number. */
     private static int compare(Table table, int row, Map<String, String> found) {
         int compared = 0;
         for (Column column : table.columns()) {

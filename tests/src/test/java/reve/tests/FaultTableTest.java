@@ -13,7 +13,7 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
-/** The tests that the table of faults names are there. */
+/** The tests that the table of faults names exist. */
 class FaultTableTest {
     private static final Path PAGE = Project.ROOT.resolve("docs/engine-process.md");
     private static final Pattern NAME =

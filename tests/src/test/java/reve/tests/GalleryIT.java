@@ -21,7 +21,7 @@ import java.util.function.ToDoubleFunction;
 import java.util.stream.DoubleStream;
 import java.util.stream.Stream;
 
-/** What docs/gallery.md expects of the worlds in worlds/gallery: closed forms and invariants. */
+/** The closed forms and invariants that docs/gallery.md states for the worlds in worlds/gallery. */
 class GalleryIT {
     private static final Path GALLERY = Project.WORLDS.resolve("gallery");
     private static final int RATE = 60;
@@ -97,7 +97,10 @@ class GalleryIT {
         }
     }
 
-    /** Two equal vortices at the distance d turn about their middle with Γ / (π d²). */
+    /**
+     * Two equal vortices at the distance d rotate about their middle with the angular velocity Γ /
+     * (π d²).
+     */
     @Test
     void vorticesCircleEachOther() throws Exception {
         try (Simulation simulation = load("vortex")) {
@@ -113,7 +116,7 @@ class GalleryIT {
         }
     }
 
-    /** Energy of the atoms with the smooth cutoff of the law, in J. */
+    /** Returns the energy of the atoms with the smooth cutoff of the law [J]. */
     private static double energy(Simulation simulation) {
         List<Item> atoms = items(simulation, "atom-");
         double energy = 0;
@@ -165,7 +168,10 @@ class GalleryIT {
         }
     }
 
-    /** Length of the mean direction of flight: 1 if all birds fly in one direction. */
+    /**
+     * Returns the length of the mean direction of flight. It is 1 if all birds fly in one
+     * direction.
+     */
     private static double order(Simulation simulation) {
         double[] mean = new double[3];
         List<Item> birds = items(simulation, "bird-");
@@ -178,7 +184,10 @@ class GalleryIT {
         return Mechanics.norm(mean);
     }
 
-    /** A cosine of half a period along the row keeps its shape and decays exponentially. */
+    /**
+     * The temperatures along the row are half a period of a cosine. They keep this shape and decay
+     * exponentially.
+     */
     @Test
     void heatDecaysAsTheLongestWave() throws Exception {
         try (Simulation simulation = load("heat")) {
@@ -193,7 +202,10 @@ class GalleryIT {
         }
     }
 
-    /** The water below the moon rests where the tidal force and the stiffness balance. */
+    /**
+     * The water below the moon rests at the place at which the tidal force and the stiffness
+     * balance.
+     */
     @Test
     void tidesRiseOnBothSides() throws Exception {
         try (Simulation simulation =
@@ -213,7 +225,10 @@ class GalleryIT {
         }
     }
 
-    /** With Ω = S ω / m, a velocity beside the drift turns by Ω t, as a charge in two fields. */
+    /**
+     * With Ω = S ω / m, the difference between the velocity and the drift rotates by Ω t. A charge
+     * in two fields moves in the same way.
+     */
     @Test
     void spinCarriesOrSinksABall() throws Exception {
         try (Simulation simulation = load("magnus")) {
@@ -235,13 +250,16 @@ class GalleryIT {
         }
     }
 
-    /** Place after a time of a ball thrown with (15, 12) m/s: v' = g + Ω z × v. */
+    /**
+     * Returns the place of a ball after a time. The ball was thrown with (15, 12) m/s, and v' = g +
+     * Ω z × v.
+     */
     private static double[] trochoid(double omega, double time) {
         double g = 9.81;
         if (omega == 0) {
             return new double[] {15 * time, 12 * time - g * time * time / 2};
         }
-        // Without the drift (g / Ω, 0), the velocity only turns.
+        // The velocity without the drift (g / Ω, 0) only rotates.
         double drift = g / omega;
         double u = 15 - drift;
         double s = Math.sin(omega * time) / omega;
@@ -340,7 +358,10 @@ class GalleryIT {
                 item -> item.physics().scalar("u") + item.physics().scalar("v"));
     }
 
-    /** A weight swings between its spring's rest length and twice its equilibrium, or breaks it. */
+    /**
+     * A weight swings between the rest length of its spring and twice its equilibrium, or it breaks
+     * the spring.
+     */
     @Test
     void onlyTheHeaviestWeightBreaksItsSpring() throws Exception {
         double g = 9.81;

@@ -20,8 +20,8 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * An installed folder runs without the checkout, without tools for building, and read-only, as
- * another user if the tests run as root.
+ * An installed folder runs without the checkout and without tools for building. It is read-only. If
+ * the tests run as root, another user runs it.
  */
 @Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
@@ -90,7 +90,7 @@ class InstallIT {
     }
 
     /**
-     * The server opens and starts no file of the checkout.
+     * Runs a server, which opens and starts no file of the checkout.
      *
      * @return the hash of its last state
      */
@@ -170,7 +170,7 @@ class InstallIT {
         assertThat(again.err()).contains("is there already and may be in use");
     }
 
-    /** An engine that needs a library which the machine lacks. */
+    /** Checks the message about an engine that needs a library which the machine does not have. */
     private void namesWhatIsMissing() throws Exception {
         shell.run(
                 """
@@ -198,7 +198,7 @@ class InstallIT {
         return Reve.run(command(arguments));
     }
 
-    /** The installed command for its user: only two tools, and a separate home. */
+    /** Returns the installed command for its user, who has only two tools and a separate home. */
     private List<String> command(String... arguments) throws IOException {
         List<String> command = new ArrayList<>();
         if ((int) Files.getAttribute(folder, "unix:uid") == 0) {

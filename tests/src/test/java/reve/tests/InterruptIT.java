@@ -19,7 +19,9 @@ import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** Ctrl-C and SIGTERM end a server after its frame, with its report and exit code 0. */
+/**
+ * Ctrl-C and SIGTERM end a server after its frame. It prints its report and ends with exit code 0.
+ */
 class InterruptIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
 

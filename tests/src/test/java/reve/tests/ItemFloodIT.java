@@ -27,7 +27,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicLong;
 
-/** One agent creates as many items as it can, in the workshop as it ships. */
+/** One agent creates as many items as it can in the workshop that ships with the project. */
 @Tag("slow")
 class ItemFloodIT {
     private static final String WORLD = Project.WORLDS.resolve("workshop").toString();
@@ -134,7 +134,7 @@ class ItemFloodIT {
             assertThat(refusal).as("of %d strikes", id.get()).isNotEmpty();
         }
 
-        /** As many acts at once as may wait for their results. */
+        /** Sends as many acts at once as may wait for their results. */
         void strike() throws IOException {
             var acts = new StringBuilder();
             for (int i = 0; i < IN_FLIGHT; i++) {

@@ -10,7 +10,7 @@ import java.util.jar.Attributes;
 import java.util.jar.JarFile;
 import java.util.stream.Collectors;
 
-/** The jars of the project's Gradle projects, as they ship. */
+/** The jars of the project's Gradle projects that ship. */
 final class Jars {
     static final Path FOLDER = Project.ROOT.resolve("build/stage/lib");
 

@@ -9,7 +9,7 @@ import org.junit.jupiter.api.io.TempDir;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** {@code docs/java.md}: its program runs with the jars of the runtime alone. */
+/** {@code docs/java.md}: its program needs only the jars of the runtime. */
 class JavaProgramsIT {
     @TempDir private Path folder;
 

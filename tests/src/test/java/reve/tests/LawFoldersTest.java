@@ -14,7 +14,7 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * The dependencies of ARCHITECTURE.md below the engine: one folder is one law, which uses the SDK.
+ * The dependencies of ARCHITECTURE.md below the engine. One folder is one law, which uses the SDK.
  */
 class LawFoldersTest {
     private static final Path LAWS = Project.ROOT.resolve("laws");

@@ -55,7 +55,7 @@ class LawsApartIT {
         return Project.NATIVE.resolve("adapter-test-laws/libvesper_law_" + name + ".so");
     }
 
-    /** Puts a test law into a folder at once. */
+    /** Puts a complete test law into a folder. */
     private Path drop(String name, Path into) throws Exception {
         Path law = testLaw(name);
         Path copy = Files.copy(law, folder.resolve(law.getFileName()));
@@ -110,8 +110,8 @@ class LawsApartIT {
             Outcome replayed = reve(replay, option.toArray(String[]::new));
             assertThat(replayed.out()).as(replayed.err()).startsWith("identical: 6 frames");
         }
-        // The account remembers which libraries were in the folder, also after their files are
-        // gone.
+        // The account remembers which libraries were in the folder, even after their files were
+        // removed.
         Files.delete(untrusted.resolve("libvesper_law_wind.so"));
         Outcome gone = reve(replay, "--untrusted", untrusted.toString());
         assertThat(gone.out()).as(gone.err()).startsWith("identical: 6 frames");
@@ -187,7 +187,7 @@ class LawsApartIT {
                 .collect(Collectors.toSet());
     }
 
-    /** Without a process that only tries a library, which ends soon. */
+    /** Returns the hosts of a server, without a process that only tries a library and ends soon. */
     private static Set<Long> hostsThatStay(Server server) throws InterruptedException {
         Set<Long> before = Set.of();
         for (Set<Long> now = hosts(server); !now.equals(before); now = hosts(server)) {
@@ -197,7 +197,7 @@ class LawsApartIT {
         return before;
     }
 
-    /** A fault of a law that runs apart leaves the engine's process and other laws alone. */
+    /** A fault of a law that runs apart changes neither the engine's process nor other laws. */
     @Test
     void aServerContainsLawsThatAreDropped() throws Exception {
         Map<String, String> kinds =

@@ -20,7 +20,7 @@ import java.util.Set;
 
 import javax.imageio.ImageIO;
 
-/** Does what docs/laws-as-text.md says, block by block, in a folder outside the checkout. */
+/** Follows docs/laws-as-text.md, block by block, in a folder outside the checkout. */
 @Tag("slow")
 class LawsAsTextIT {
     private final Path folder;

@@ -20,7 +20,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.stream.Stream;
 
-/** Does what docs/laws-in-python.md says, and what its reader may do next. */
+/** Follows docs/laws-in-python.md, and then does what a reader may do next. */
 @Tag("slow")
 class LawsInPythonIT {
     private static final String LINE = "force -= 2 * mass[:, None] * numpy.cross(OMEGA, velocity)";
@@ -47,7 +47,7 @@ class LawsInPythonIT {
         return shell.run("\"$REVE/reve\" control --port " + server.port() + " " + request);
     }
 
-    /** Puts a file into the laws folder at once. */
+    /** Puts a complete file into the laws folder. */
     private void drop(String text) throws IOException {
         Path copy = Files.writeString(folder.resolve("copy"), text);
         Files.move(copy, folder.resolve("laws/spin.py"), StandardCopyOption.REPLACE_EXISTING);
@@ -175,7 +175,7 @@ class LawsInPythonIT {
         return event.path("library").asString("").equals(library);
     }
 
-    /** Each fault is that of another content, so none of them is quarantined before. */
+    /** Each fault has a file with other content. Therefore no file is already in quarantine. */
     @Test
     void aServerOutlivesLawsThatFail() throws Exception {
         Map<String, String> faults = new LinkedHashMap<>();

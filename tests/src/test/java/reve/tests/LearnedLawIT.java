@@ -14,7 +14,7 @@ import java.util.TreeMap;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
-/** Does what docs/learned-laws.md says: a network learns a hidden law and acts as a law. */
+/** Follows docs/learned-laws.md. A network learns a hidden law and acts as a law. */
 @Tag("slow")
 class LearnedLawIT {
     /** Maximum distance of a stone from its place under the hidden law, during 10 s [m]. */
@@ -52,7 +52,7 @@ class LearnedLawIT {
                 .hasSize(8)
                 .allSatisfy((stone, most) -> assertThat(most).as(stone).isLessThan(BOUND));
 
-        // Less training is seen in the places of the stones.
+        // The places of the stones show that the training was shorter.
         String learn = page.titled("learn.py").text();
         assertThat(learn).contains("400, 400\n");
         Files.writeString(folder.resolve("learn.py"), learn.replace("400, 400\n", "400, 5\n"));

@@ -23,7 +23,7 @@ final class Mechanics {
 
     /**
      * @param positions of all bodies by name, scenery too
-     * @param immovable the positions of what has mass 0, by name
+     * @param immovable the positions of all bodies with mass 0, by name
      * @param kineticEnergy of motion in the world's frame
      * @param energy of motion (in the centre-of-mass frame, unless something holds the world in
      *     place), springs, uniform gravity and gravitation
@@ -108,7 +108,7 @@ final class Mechanics {
         return new State(positions, immovable, momentum, kineticEnergy, energy);
     }
 
-    /** Potential energy of all pairs of bodies [J], softened as Plummer does. */
+    /** Returns the potential energy of all pairs of bodies [J], with the softening of Plummer. */
     private double gravitation() {
         double[] mass =
                 bodies.stream().mapToDouble(body -> body.physics().scalar("mass")).toArray();
@@ -128,7 +128,7 @@ final class Mechanics {
         return energy;
     }
 
-    /** Mean X of the bodies whose symbol {@code class} is the given one [m]. */
+    /** Returns the mean X of the bodies whose symbol {@code class} is the given one [m]. */
     double meanX(String classSymbol) {
         return bodies.stream()
                 .filter(body -> body.semantic().get("class").equals(Optional.of(classSymbol)))

@@ -16,7 +16,7 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 
-/** Results that standard output does not accept: a full disk, and a closed pipe. */
+/** Results that standard output does not accept, because of a full disk or a closed pipe. */
 @Tag("slow")
 class OutputIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();

@@ -28,7 +28,7 @@ import java.util.zip.ZipEntry;
 import java.util.zip.ZipFile;
 import java.util.zip.ZipOutputStream;
 
-/** Worlds in one file: packed, moved, run; and packs that a stranger has prepared. */
+/** Worlds in one file, which are packed, moved and run. Also packs that a stranger has prepared. */
 @Tag("slow")
 class PackIT {
     private static final byte[] WORLD =

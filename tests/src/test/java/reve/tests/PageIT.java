@@ -61,7 +61,7 @@ class PageIT {
             String page = open(server);
             browser.await(OPEN);
 
-            // Search and the four aspects, live and with units.
+            // Tests the search and the four aspects, which change with the world and have units.
             browser.await("document.querySelectorAll('#found li').length === 5");
             browser.click("#search");
             browser.type("blu");
@@ -77,7 +77,7 @@ class PageIT {
                     .contains("mass", "kg", "velocity", "m/s", "push", "N*s", "#3498db", "lively");
             browser.picture(PICTURES.resolve("item.png"));
 
-            // A law is loaded, has its line in the ledger, and is unloaded.
+            // Loads a law, which gets its line in the ledger, and later unloads it.
             browser.click("#tab-laws");
             browser.await("document.querySelectorAll('#law-list > section').length === 2");
             assertThat(browser.text("#law-list")).contains("Hooke", "F₁ =", "velocity", "[m/s]");
@@ -90,7 +90,7 @@ class PageIT {
             browser.await(
                     "[...document.querySelectorAll('#ledger tbody tr')].some(r => r.firstChild.textContent"
                             + " === 'gravity_field' && r.children[1].textContent !== '0')");
-            // Its time in a frame, and a budget for it.
+            // Tests the time of the law in a frame, and a budget for the law.
             browser.await(
                     "document.querySelector('[data-library=gravity_field]').textContent.includes('ms per"
                             + " frame (p99 ')");
@@ -106,7 +106,7 @@ class PageIT {
                             "law-loaded",
                             law -> law.get("library").asString().equals("gravity_field"));
 
-            // Gravity of the running world, edited as a property of the item world.
+            // Edits the gravity of the running world, which is a property of the item world.
             browser.ask("reve.select(reve.view.byName.get('world').slot)");
             browser.await("document.querySelector('[aria-label=\"Edit gravity\"]')");
             browser.click("[aria-label=\"Edit gravity\"]");
@@ -121,7 +121,7 @@ class PageIT {
             browser.await(
                     "!document.querySelector('#law-list > section[data-library=gravity_field]')");
 
-            // Time: pause, step, run, speed, an image, and rewinds.
+            // Tests pause, step, run, speed, an image, and rewinds.
             browser.click("#play");
             browser.await("document.querySelector('#status').textContent === 'paused'");
             browser.await(
@@ -136,7 +136,8 @@ class PageIT {
             browser.choose("#speed", "0.25");
             browser.await("document.querySelector('#status').textContent === 'running at 0.25×'");
 
-            // A body of one's own, and an action through a form made from its declaration.
+            // Joins with a body, and acts with a form that the page makes from the declaration of
+            // the action.
             browser.click("#tab-agents");
             browser.click("#agent-join");
             browser.await("reve.agent?.body === 'visitor' && reve.view.byName.has('visitor')");
@@ -151,7 +152,7 @@ class PageIT {
             browser.click("#tab-agents");
             browser.picture(PICTURES.resolve("agents.png"));
 
-            // Plots.
+            // Tests plots.
             browser.ask("reve.plots.add('blue', 'physics.velocity', 'm/s')");
             browser.await("document.querySelectorAll('.plot canvas').length >= 3");
             browser.await("[...reve.plots.watched.values()][0].plot.data[0].length > 3");
@@ -191,7 +192,7 @@ class PageIT {
             browser.await("document.querySelectorAll('#law-list > section').length === 2");
             browser.click("#law-editor summary");
 
-            // A wrong unit is shown with its place, and changes nothing.
+            // The page shows a wrong unit with its place, and nothing changes.
             browser.click("#law-text");
             browser.ask("document.activeElement.select()");
             browser.type("law wind\n  parameter w = (5, 0, 0) m/s\n  each body: force += w");
@@ -219,7 +220,7 @@ class PageIT {
                     .contains("2 kg/s * (w - velocity)");
             browser.picture(PICTURES.resolve("law-written.png"));
 
-            // A file is dropped; a loaded text comes back into the editor.
+            // Drops a file on the page. A loaded text appears in the editor again.
             drop("fall.law", "law fall\\n  each body: force += mass (0, -1, 0) m/s^2\\n");
             browser.await(card.formatted("fall"));
             browser.click("[aria-label=\"Edit wind\"]");

@@ -101,7 +101,7 @@ class PicturesIT {
         return content;
     }
 
-    /** Returns the mean place of an item's pixels, and their number. */
+    /** Returns the mean place of the pixels of an item, and their number. */
     private static double[] centre(ByteBuffer items, long id) {
         double x = 0;
         double y = 0;

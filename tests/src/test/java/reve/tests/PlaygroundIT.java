@@ -13,8 +13,8 @@ import tools.jackson.databind.json.JsonMapper;
 import java.nio.file.Path;
 
 /**
- * {@code worlds/playground}: a Python agent rolls its body against toys, which only a law of
- * contact moves.
+ * {@code worlds/playground}: a Python agent rolls its body against toys. Only a law of contact
+ * moves the toys.
  */
 @Tag("slow")
 class PlaygroundIT {

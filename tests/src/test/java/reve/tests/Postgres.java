@@ -18,9 +18,9 @@ import java.util.concurrent.TimeUnit;
 import java.util.stream.Stream;
 
 /**
- * A PostgreSQL server of the tests: in a folder of its own, on loopback. PostgreSQL does not run as
- * root; for root, it runs as the account that its package creates. Closing it ends the server and
- * removes the folder.
+ * A PostgreSQL server of the tests. It has a folder of its own and listens on loopback. PostgreSQL
+ * does not run as root; for root, it runs as the account that its package creates. Closing it ends
+ * the server and removes the folder.
  */
 final class Postgres implements AutoCloseable {
     private static final String USER = "reve";
@@ -97,7 +97,10 @@ final class Postgres implements AutoCloseable {
         }
     }
 
-    /** Starts the server at a port that is free now; another program may take it meanwhile. */
+    /**
+     * Starts the server at a free port. Another program may take the port before the server does,
+     * so tries again.
+     */
     private int startAtFreePort() throws IOException {
         for (int attempt = 1; ; attempt++) {
             int free;

@@ -34,12 +34,14 @@ import java.util.Random;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.atomic.AtomicLong;
 
-/** The store of several servers, with a real database: epochs, takeovers and damage. */
+/**
+ * The store of several servers with a real database. The tests check epochs, takeovers and damage.
+ */
 @Tag("slow")
 class PostgresStoreIT {
     private static final long SEED = Long.getLong("reve.test.seed", 20261128);
 
-    /** 200 in a long run. */
+    /** Number of takeovers. A long run uses 200. */
     private static final int TAKEOVERS = Integer.getInteger("reve.test.takeovers", 25);
 
     private static Postgres postgres;
@@ -72,7 +74,7 @@ class PostgresStoreIT {
         return address(database).take(Durability.NORMAL, problems::add);
     }
 
-    /** Ends the lease of the owner, as time would do. */
+    /** Ends the lease of the owner, as if its time were over. */
     private static void endLease(String database) throws SQLException {
         postgres.execute(database, "UPDATE reve.world SET lease_until = clock_timestamp()");
     }
@@ -204,7 +206,7 @@ class PostgresStoreIT {
         }
     }
 
-    /** The owner learns of the loss by the timer that extends its lease, also without a write. */
+    /** Even without a write, the owner learns of the loss, by the timer that extends its lease. */
     @Test
     void aServerThatWritesNothingLearnsThatItLostItsWorld() throws Exception {
         String database = database();

@@ -3,7 +3,7 @@ package reve.tests;
 
 import java.nio.file.Path;
 
-/** Where things are in the checkout that is being tested. */
+/** The places of files and folders in the checkout that is tested. */
 final class Project {
     static final Path ROOT = Path.of(required("reve.root"));
     static final Path NATIVE = Path.of(required("reve.native.path"));

@@ -50,7 +50,7 @@ class RecordingFilesIT {
         assertThat(outcome.out()).as(outcome.err()).contains("identical: ");
     }
 
-    /** A change of the world, after which a recording holds more than its image. */
+    /** Changes the world, so that a recording contains more than its image. */
     private static void join(Server server) throws Exception {
         try (AgentClient ada =
                 AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), Join.as("ada"))) {
@@ -311,7 +311,7 @@ class RecordingFilesIT {
         assertThat(run.waitFor()).isEqualTo(1);
     }
 
-    /** As `> FILE` and logrotate with copytruncate do. */
+    /** The shell does this with `> FILE`, and logrotate does it with copytruncate. */
     @Test
     void aRecordingThatIsCutBeginsAnew() throws Exception {
         Path log = folder.resolve("run.log");

@@ -21,9 +21,9 @@ import java.util.stream.Collectors;
 import java.util.stream.Stream;
 
 /**
- * The launcher in a small checkout of its own: its Gradle build stages what the real one has built,
- * with one source file packed into a jar of the project, so that each change of the source makes
- * another jar.
+ * The launcher in a small checkout of its own. The Gradle build of this checkout stages the files
+ * that the real build has made. It packs one source file into a jar of the project, so that each
+ * change of the source makes another jar.
  */
 @Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 class ReleasesIT {
@@ -143,7 +143,8 @@ class ReleasesIT {
     }
 
     private void transientFilesBuildNothing() throws Exception {
-        Files.writeString(source, Files.readString(source)); // as a change of branch and back does
+        Files.writeString(source, Files.readString(source)); // as git does with two changes of
+        // branch
         Files.writeString(checkout.resolve("reve-core/world/.A.java.swp"), "x");
         Files.writeString(checkout.resolve("reve-core/world/A.java~"), "x");
         Files.createDirectory(checkout.resolve("agents/python/reve.egg-info"));

@@ -24,7 +24,10 @@ import java.util.regex.Pattern;
 final class Reve {
     private static final long PATIENCE_SECONDS = 120;
 
-    /** The launcher's message while a slow machine lets the user wait; irrelevant to the result. */
+    /**
+     * The launcher's message while the user waits for a slow machine. It does not matter for the
+     * result.
+     */
     private static final Pattern PATIENCE =
             Pattern.compile("^reading .* \\.\\.\\.\\R", Pattern.MULTILINE);
 
@@ -78,7 +81,10 @@ final class Reve {
         return run(command(arguments));
     }
 
-    /** The same by the shell script of that name, which handles some commands itself. */
+    /**
+     * Runs a command to its end by the shell script of that name, which handles some commands
+     * itself.
+     */
     static Outcome launch(String... arguments) throws IOException, InterruptedException {
         List<String> command = new ArrayList<>(List.of(Project.ROOT.resolve("reve").toString()));
         command.addAll(List.of(arguments));

@@ -111,7 +111,10 @@ class RobotIT {
         assertThat(run.code()).as(run.err()).isZero();
     }
 
-    /** It perceives the angles of its joints, too: the servos follow to within a fifth of a rad. */
+    /**
+     * The agent also perceives the angles of its joints. The servos follow to within a fifth of a
+     * rad.
+     */
     @Test
     void anAgentWalksTheWalkerAheadWithoutFalling() throws Exception {
         String summary = drive("walker", "walk.py");

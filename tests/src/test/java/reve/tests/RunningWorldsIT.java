@@ -37,7 +37,7 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
-/** The tables of docs/running-worlds.md: each cell works, and no operation of Java is missing. */
+/** The tables of docs/running-worlds.md. Each cell works, and no operation of Java is missing. */
 @Tag("slow")
 class RunningWorldsIT {
     private static final Path PAGE = Project.ROOT.resolve("docs/running-worlds.md");
@@ -63,7 +63,9 @@ class RunningWorldsIT {
                     "(add|remove|rename|attach|detach|set|clear|load|unload|release|keep|rewind"
                             + "|fork|pause|resume|stop)([A-Z].*)?");
 
-    /** Operations of programs that build or restore worlds; none changes a running world. */
+    /**
+     * Operations of programs that build or restore worlds. None of them changes a running world.
+     */
     private static final Set<String> INTERNAL =
             Set.of(
                     "FrameLoop.setGate",
@@ -74,10 +76,13 @@ class RunningWorldsIT {
                     "Laws.removeListener",
                     "Simulation.addListener");
 
-    /** Questions that are answered by a report. */
+    /** Messages that the server answers with a report. */
     private static final Set<String> REPORTS = Set.of("state", "inspect", "laws", "ledger");
 
-    /** A row: what to do, and the code of its other cells; empty for a dash. */
+    /**
+     * A row of a table. It has the task, and the code of the other cells. A cell with a dash has an
+     * empty text.
+     */
     private record Row(
             String what, List<String> java, String command, String message, String python) {}
 
@@ -186,7 +191,7 @@ class RunningWorldsIT {
         assertThat(boss.command("run", Map.of()).accepted()).isTrue();
     }
 
-    @SuppressWarnings("unchecked") // what JSON objects become
+    @SuppressWarnings("unchecked") // JSON objects have text keys
     private static void say(AgentClient boss, Row row) {
         Map<String, Object> fields =
                 new LinkedHashMap<>(new JsonMapper().readValue(row.message(), Map.class));

@@ -126,8 +126,8 @@ class SavedWorldIT {
     private static int forces;
 
     /**
-     * A random world with random changes while it runs. The saved world of any frame continues
-     * equally, to the bit, with the results of rules and with forces that actions began.
+     * A random world has random changes while it runs. The saved world of any frame continues with
+     * the same bits, with the results of rules, and with forces that actions began.
      */
     @RepeatedTest(5)
     void aRandomWorldGoesOnToTheBitFromAnyFrame() throws Exception {
@@ -174,7 +174,10 @@ class SavedWorldIT {
         }
     }
 
-    /** One random world may have none; if five have none, they are not random. */
+    /**
+     * One random world may have no such forces. If five worlds have none, the worlds are not
+     * random.
+     */
     @AfterAll
     static void forcesStillActedInSomeSavedWorld() {
         assertThat(repetitions == 0 ? 1 : forces).as("forces that still acted").isPositive();
@@ -222,7 +225,7 @@ class SavedWorldIT {
         return text.toString();
     }
 
-    /** One act of an actor or an operator between two frames. */
+    /** Performs one act of an actor or an operator between two frames. */
     private static void happen(World world, Random random) throws ActionRefused {
         List<Item> bodies =
                 world.items().stream().filter(item -> item.kind().equals("body")).toList();
@@ -263,7 +266,7 @@ class SavedWorldIT {
         }
     }
 
-    /** Whether an item is another one or moves with it. */
+    /** Returns whether an item is the other one or moves with it. */
     private static boolean moves(World world, Item item, Item with) {
         return item == with
                 || item.parent()

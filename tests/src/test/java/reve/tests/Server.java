@@ -14,7 +14,7 @@ import java.util.List;
 import java.util.concurrent.TimeUnit;
 import java.util.function.Predicate;
 
-/** A {@code ./reve serve --json} process; closing ends it. */
+/** A {@code ./reve serve --json} process. Closing this object ends the process. */
 record Server(Process process, Events events) implements AutoCloseable {
     private static final long PATIENCE_SECONDS = 60;
 

@@ -40,7 +40,7 @@ import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.Executor;
 
-/** Worlds in one server: each behaves as if it were alone, whatever happens to the others. */
+/** Each world in a server behaves as if it were alone, even if the other worlds fail. */
 class SeveralWorldsIT {
     private static final int FRAMES = 120;
     private static final Executor THREADS = task -> Thread.ofPlatform().daemon().start(task);

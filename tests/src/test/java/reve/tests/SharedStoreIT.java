@@ -34,17 +34,17 @@ import java.util.Optional;
 import java.util.Random;
 import java.util.concurrent.TimeUnit;
 
-/** Real servers that share a database: killed, paused, without the database. */
+/** Real servers that share a database. They are killed or paused, or they lose the database. */
 @Tag("slow")
 class SharedStoreIT {
     private static final String NAME = "spring-orbit";
     private static final String WORLD = Project.WORLDS.resolve(NAME).toString();
     private static final long SEED = Long.getLong("reve.test.seed", 20261128);
 
-    /** 100 in a long run. */
+    /** Number of kills. A long run uses 100. */
     private static final int KILLS = Integer.getInteger("reve.test.takeover.kills", 1);
 
-    /** 100 in a long run. */
+    /** Number of pauses. A long run uses 100. */
     private static final int PAUSES = Integer.getInteger("reve.test.takeover.pauses", 1);
 
     private static Postgres postgres;
@@ -96,7 +96,10 @@ class SharedStoreIT {
                 .isZero();
     }
 
-    /** Paints an item again and again for a random time; returns the last frame of an answer. */
+    /**
+     * Paints an item again and again for a random time. Returns the last frame that an answer
+     * named.
+     */
     private static long act(JsonNode ready, Random random) throws IOException {
         long announced = ready.path("frame").asLong();
         long end = System.nanoTime() + TimeUnit.MILLISECONDS.toNanos(300 + random.nextInt(900));
@@ -116,8 +119,8 @@ class SharedStoreIT {
     }
 
     /**
-     * A server is killed; a second one takes its world when the lease has ended, at most one
-     * announced frame earlier, with the state to which the recording of the first server leads.
+     * A server is killed. A second server takes its world when the lease has ended, and loses at
+     * most one announced frame. Its state is the one that the recording of the first server gives.
      */
     @Test
     void aSecondServerContinuesTheWorldOfAKilledOne() throws Exception {
@@ -156,7 +159,9 @@ class SharedStoreIT {
                 .isGreaterThanOrEqualTo(announced - 1);
     }
 
-    /** A server is paused, loses its world, and continues: nothing that it writes is accepted. */
+    /**
+     * A server is paused, loses its world, and continues. Nothing that it then writes is accepted.
+     */
     @Test
     void aPausedServerWritesNothingAfterItsWorldWasTaken() throws Exception {
         for (int pause = 0; pause < PAUSES; pause++) {
@@ -359,7 +364,10 @@ class SharedStoreIT {
         }
     }
 
-    /** The rule is that of a full disk: the world continues, and the next image makes it whole. */
+    /**
+     * The rule is the same as for a full disk. The world continues, and the next image makes the
+     * store whole.
+     */
     @Test
     void aWorldContinuesWhileTheDatabaseIsAway() throws Exception {
         String database = database();
@@ -373,7 +381,7 @@ class SharedStoreIT {
                     .contains(
                             postgres.url(database) + " could not be written: ",
                             "loses the frames from ");
-            act(ready(server), new Random(SEED)); // the world has gone on
+            act(ready(server), new Random(SEED)); // the world continued
             postgres.start();
             server.events()
                     .await(

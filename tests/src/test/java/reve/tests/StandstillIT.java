@@ -21,7 +21,7 @@ import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
 
-/** Worlds that stand still or run out of memory: the server's reports and its end. */
+/** The reports of a server and its end, if worlds stand still or the memory is full. */
 @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class StandstillIT {
@@ -180,7 +180,7 @@ class StandstillIT {
         assertThat(resumed()).isPositive();
     }
 
-    /** Returns the frame from which the store resumes, in a server that ends regularly. */
+    /** Returns the frame from which a server resumes the store. The server ends regularly. */
     private long resumed() throws Exception {
         try (Server server = serve("", "--store my.db --seconds 0.1")) {
             long frame = server.events().await("ready", event -> true).path("frame").asLong();

@@ -16,7 +16,7 @@ import java.util.List;
  * @param laws the folder of laws
  */
 record StoneWorld(Path file, Path laws) {
-    /** HOSTILE_STEP of the test laws. */
+    /** Number of steps, which is HOSTILE_STEP of the test laws. */
     static final long HARMLESS_STEPS = 50;
 
     private static final String TEXT =

@@ -39,16 +39,16 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
-/** Real servers with real agents: killed and resumed, recorded and replayed. */
+/** Real servers with real agents. They are killed and resumed, recorded and replayed. */
 @Tag("slow")
 class StoreIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
     private static final long SEED = Long.getLong("reve.test.seed", 20261121);
 
-    /** 200 in a long run. */
+    /** Number of kills. A long run uses 200. */
     private static final int KILLS = Integer.getInteger("reve.test.kills", 6);
 
-    /** 100 in a long run. */
+    /** Number of damages. A long run uses 100. */
     private static final int DAMAGES = Integer.getInteger("reve.test.served.damages", 1);
 
     private static final Pattern RESUMED = Pattern.compile("frame=\\d+ stateHash=[0-9a-f]{16}");
@@ -56,10 +56,11 @@ class StoreIT {
     @TempDir private Path folder;
 
     /**
-     * Kills at random moments, every other one just after a frame was announced: of the frames that
-     * agents received, at most one is lost, and every resumed state equals the result of repeating
-     * the killed run's recording from its start. With {@code normal}, a world may continue without
-     * a disk that is too slow, and says so; only then may it lose more.
+     * The servers are killed at random moments. Every second kill is just after a frame was
+     * announced. At most one of the frames that agents received is lost. Every resumed state equals
+     * the result of a replay of the killed run's recording from its start. With {@code normal}, a
+     * world may continue without a disk that is too slow, and reports this. Only then may it lose
+     * more frames.
      */
     @ParameterizedTest
     @CsvSource({"full, 1", "normal, 2"})
@@ -121,7 +122,9 @@ class StoreIT {
         System.out.printf("%s: %d kills, %d frames lost at most%n", durability, kills, mostLost);
     }
 
-    /** Also while images wait for the disk, which happens often at this rate. */
+    /**
+     * This is also true while images wait for the disk, which happens often at this rate of images.
+     */
     @Test
     void aWorldThatIsKilledAfterGoingBackLosesAtMostOneFrame() throws Exception {
         Random random = new Random(SEED);
@@ -412,7 +415,7 @@ class StoreIT {
         return ready.group();
     }
 
-    /** A store of a server that was killed after some acts, with one image. */
+    /** Makes a store with one image. Its server was killed after some acts. */
     private Path killedStore() throws Exception {
         Path store = folder.resolve("my.db");
         try (Server server =
@@ -476,7 +479,7 @@ class StoreIT {
     }
 
     /**
-     * Pushes and paints until the server is killed; returns the last frame that a client received.
+     * Pushes and paints until the server is killed. Returns the last frame that a client received.
      */
     private static long actUntilKilled(Server server, JsonNode ready, Random random)
             throws Exception {
@@ -507,8 +510,8 @@ class StoreIT {
     }
 
     /**
-     * Rewinds and changes laws until the server is killed, a few frames after a rewind; returns the
-     * last perceived frame.
+     * Rewinds and changes laws until the server is killed, which happens a few frames after a
+     * rewind. Returns the last frame that was perceived.
      */
     private static long goBackUntilKilled(Server server, JsonNode ready, Random random)
             throws Exception {
@@ -550,13 +553,13 @@ class StoreIT {
                 newest.accumulateAndGet(frame, Math::max);
             }
         } catch (AgentException | IOException gone) {
-            // as it is meant to be
+            // The test has ended the server.
         }
     }
 
     /**
-     * Returns the result of the recording of a killed run at a frame. It may lack the last frames
-     * of the store; their inputs are then taken from the store.
+     * Returns the state that the recording of a killed run gives at a frame. If the recording lacks
+     * the last frames of the store, their inputs are taken from the store.
      */
     private static String replayedHash(Path log, long frame, Map<Long, JournalRecord> stored)
             throws IOException {

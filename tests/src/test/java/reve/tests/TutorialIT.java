@@ -80,7 +80,7 @@ class TutorialIT {
                 .noneMatch(line -> line.startsWith("-"));
     }
 
-    /** Serves the present world while an agent works; returns the agent's output. */
+    /** Serves the present world while an agent works. Returns the agent's output. */
     private String agent(String program, String script) throws Exception {
         try (Server server = shell.serve(page.titled("serve.sh").text())) {
             Files.writeString(

@@ -178,7 +178,7 @@ class UsageIT {
                 .doesNotContain("java.", "Exception");
     }
 
-    /** Runs a command in the locale of a system service, whose names of files are ASCII. */
+    /** Runs a command in the locale of a system service, in which names of files are ASCII. */
     private Outcome inC(List<String> command) throws Exception {
         Path script =
                 Files.writeString(
@@ -197,7 +197,10 @@ class UsageIT {
         assertThat(outcome.err()).contains("\u00e4.yaml").doesNotContain("character set");
     }
 
-    /** The thread that follows the folder must not end, and no name may write lines of a log. */
+    /**
+     * The thread that follows the folder must not end, and no name of a file may forge lines of a
+     * log.
+     */
     @Test
     void aFileWhoseNameTheCharacterSetCannotWriteDoesNotStopTheLawsFolder() throws Exception {
         Path laws = Files.createDirectory(folder.resolve("laws"));
@@ -250,7 +253,7 @@ class UsageIT {
         assertThat(outcome.err()).contains(pipe + " is no file, expected a file of certificates");
     }
 
-    /** A law library delays the start by the time that its constructor sleeps. */
+    /** The start takes long because the constructor of a law library sleeps. */
     @Test
     void whatIsStoppedWhileItStartsEndsWell() throws Exception {
         Path mark = folder.resolve("mark");

@@ -29,7 +29,7 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Native code that comes with a world, a store or a recording. The library is real, and leaves a
+ * Native code that comes with a world, a store or a recording. The library is real. It leaves a
  * mark when it is opened, even in the probe process.
  */
 @Tag("slow")
@@ -238,8 +238,8 @@ class WorldTrustIT {
     }
 
     /**
-     * By its own name, and by that of a law in it; shipped libraries and their copies keep their
-     * names.
+     * A library may use such a name neither for itself nor for a law in it. Shipped libraries and
+     * their copies keep their names.
      */
     @Test
     void aTrustedLibraryMayNotCallItselfLikeAShippedLaw() throws Exception {
@@ -360,7 +360,7 @@ class WorldTrustIT {
         assertThat(reve(serve, "--trust").code()).isZero();
     }
 
-    /** An upgrade is the same release with other bytes in its laws. */
+    /** The upgrade in this test is the same release with other bytes in its laws. */
     @Test
     void aStoreGoesOnAfterAnUpgradeForTheAccountThatMadeIt() throws Exception {
         Path upgraded = Files.createDirectory(folder.resolve("native"));

@@ -25,10 +25,10 @@ import java.util.Map;
 import java.util.stream.Stream;
 
 /**
- * The promises of every sample world with a {@code world.yaml}, and of each of its {@code
- * variants}, in its {@code expected.json}, or under {@code world} in it if a scene promises
- * something else: from the world file to the state after some seconds. In every world, immovable
- * items stay at their places and no law fails.
+ * Checks the promises of every sample world with a {@code world.yaml}, and of each of its {@code
+ * variants}. The file {@code expected.json} has the promises. If a scene promises something else,
+ * those of the world are under {@code world} in it. The test loads the world file and checks the
+ * state after some seconds. In every world, immovable items stay at their places and no law fails.
  */
 @Tag("slow")
 class WorldsIT {
@@ -211,7 +211,7 @@ class WorldsIT {
                 .isBetween(range.get("from").asDouble(), range.get("to").asDouble());
     }
 
-    /** From the first to the second of two items. */
+    /** Returns the vector from the first to the second of two items. */
     private static double[] line(JsonNode expected, Mechanics.State state) {
         JsonNode between = expected.get("between");
         return Mechanics.subtract(

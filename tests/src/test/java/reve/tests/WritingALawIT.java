@@ -18,14 +18,14 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Follows docs/writing-a-law.md, block by block, in a folder outside the checkout. Only the port
- * differs, and the server reports as JSON.
+ * Follows docs/writing-a-law.md, block by block, in a folder outside the checkout. Two things
+ * differ: the port, and the reports of the server, which are JSON.
  */
 @Tag("slow")
 class WritingALawIT {
     private static final Pattern SPEED = Pattern.compile("t = +([\\d.]+) s .* at +(-?[\\d.]+) m/s");
 
-    /** c w / m: the gain of speed of red per second that the page states. */
+    /** The gain of speed of red per second that the page states, c w / m [m/s²]. */
     private static final double ACCELERATION = 100 * 5 / 1000.0;
 
     private final Path folder;

@@ -50,7 +50,10 @@ public final class AgentClient implements AutoCloseable {
      */
     private final Object sending = new Object();
 
-    /** Written by the reader's thread after a reconnection, with {@link #sending} held. */
+    /**
+     * Written by the reader's thread after a reconnection, while this thread holds {@link
+     * #sending}.
+     */
     private volatile Wire wire;
 
     // Guarded by this object's lock.
@@ -212,7 +215,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Like {@link #foresee(int)}, but first changes items in the copy of the world.
+     * Returns a prediction like {@link #foresee(int)}, but first changes items in the copy of the
+     * world.
      *
      * @param changes messages {@code add}, {@code change} and {@code remove} without id
      */
@@ -316,7 +320,7 @@ public final class AgentClient implements AutoCloseable {
             }
             reader.join(patience); // the reader ends after the server's bye or a broken connection
         } catch (IOException e) {
-            // The connection is gone already.
+            // The exception is ignored, because the connection has already ended.
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
         } finally {
@@ -391,8 +395,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Sends data, with {@link #sending} held. Does nothing on a broken connection, because the
-     * messages without an answer are sent again after a reconnection.
+     * Sends data. The caller must hold {@link #sending}. Does nothing on a broken connection,
+     * because the messages without an answer are sent again after a reconnection.
      */
     private void send(byte[] lines) {
         try {
@@ -513,7 +517,7 @@ public final class AgentClient implements AutoCloseable {
         try {
             old.close();
         } catch (IOException e) {
-            // Ignored: close frees the descriptor even if it fails.
+            // The exception is ignored, because close() frees the descriptor even if it fails.
         }
     }
 }

@@ -57,8 +57,8 @@ final class Conversation {
     private long frameSeen;
 
     /**
-     * Frame numbers of received events that are later than {@link #frameSeen}. Up to the frame
-     * {@code frameSeen}, no event is missing.
+     * Frame numbers of received events that are later than {@link #frameSeen}. No event up to the
+     * frame {@code frameSeen} is missing.
      */
     private final List<Long> seenAfter = new ArrayList<>();
 

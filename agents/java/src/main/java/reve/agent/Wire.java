@@ -118,7 +118,7 @@ final class Wire implements Closeable {
         try {
             socket.close();
         } catch (IOException e) {
-            // Ignored: close frees the descriptor even if it fails.
+            // The exception is ignored, because close() frees the descriptor even if it fails.
         }
     }
 

@@ -19,7 +19,7 @@ import java.nio.charset.StandardCharsets;
 import java.time.Duration;
 import java.util.List;
 
-/** Addresses at which there is no server of worlds, or a faulty one. */
+/** Addresses at which there is no server of worlds, or a faulty server. */
 class AgentClientTest {
 
     private static final int BACKLOG = 1;
@@ -45,7 +45,7 @@ class AgentClientTest {
             "frame":0,"rate":60,"encoding":"msgpack","limits":{"lineBytes":1,\
             "messagesPerSecond":1,"actsInFlight":1,"idleSeconds":1,"graceSeconds":1}}""";
 
-    /** What a faulty server does after it has read the hello. */
+    /** The behaviour of a faulty server after it has read the hello. */
     private interface Talk {
         void with(OutputStream client) throws Exception;
     }

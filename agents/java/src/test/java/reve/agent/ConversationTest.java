@@ -12,7 +12,7 @@ import java.util.Optional;
 import java.util.OptionalInt;
 import java.util.OptionalLong;
 
-/** How a client processes events that it missed, without a connection. */
+/** The way in which a client processes events that it missed. The test has no connection. */
 class ConversationTest {
 
     private final Conversation talk =

@@ -34,7 +34,7 @@ import java.util.OptionalLong;
 import java.util.function.BiFunction;
 import java.util.stream.Stream;
 
-/** The protocol's test vectors, as every client must reproduce them. */
+/** The protocol's test vectors, which every client must reproduce. */
 class ProtocolTest {
 
     private static final JsonMapper JSON = new JsonMapper();
@@ -386,7 +386,7 @@ class ProtocolTest {
         }
     }
 
-    /** An item without a field has the field's default. */
+    /** Returns the item as JSON. An item without a field has the field's default. */
     private static JsonNode written(Perception.Item item) {
         ObjectNode json =
                 (ObjectNode)
@@ -464,7 +464,7 @@ class ProtocolTest {
         return json;
     }
 
-    /** A message of the server without the fields whose values are defaults. */
+    /** Returns a message of the server without the fields whose values are defaults. */
     private static JsonNode understood(JsonNode message) {
         for (String list : List.of("items", "entered")) {
             message.path(list)

@@ -24,7 +24,7 @@ import java.util.stream.Collectors;
  * Finds the library that is the cause if the numbers of a law are not finite. If the law computed
  * these numbers from moderate numbers, its own library is the cause. If the law has read extreme
  * numbers that other laws write, the frame is tried again without each other library. The library
- * without which the frame succeeds is the cause. World's thread, after a failure.
+ * without which the frame succeeds is the cause. For the world's thread, after a failure.
  */
 final class Blame {
     /** Maximum number of trials in a frame. */
@@ -87,7 +87,7 @@ final class Blame {
         try {
             engine.setInterval(libraryId, 0);
         } catch (PhysicsException refused) {
-            return false; // it keeps columns on a device
+            return false; // its laws keep columns on a device
         }
         boolean succeeded = false;
         try {

@@ -25,7 +25,7 @@ import java.util.Optional;
 /**
  * The meshes of a world's bodies and scenery, with their convex hulls, in the memory of the engine.
  * Equal meshes have one row. The rows are in the order of the items, so that they depend on the
- * state of the world only. World's thread only.
+ * state of the world only. For the world's thread only.
  */
 final class BoundMeshes {
     /** Count of numbers in a row of {@code meshRanges}; see the engine's standard prototype. */

@@ -6,7 +6,7 @@ import reve.pe.PhysicalPropertyProvider;
 
 import java.lang.foreign.MemorySegment;
 
-/** A property of the engine and its columns of the world. World's thread only. */
+/** A property of the engine and its columns of the world. For the world's thread only. */
 abstract sealed class BoundProperty
         permits BoundColumn, BoundReferences, BoundRowNumbers, BoundMeshes.Data {
     private final String name;

@@ -8,7 +8,7 @@ import java.util.Arrays;
 import java.util.HashMap;
 import java.util.Map;
 
-/** The items in the engine's rows of a table at the last update. World's thread only. */
+/** The items in the engine's rows of a table at the last update. For the world's thread only. */
 final class BoundRows {
     private final Table table;
     private long[] items = {};

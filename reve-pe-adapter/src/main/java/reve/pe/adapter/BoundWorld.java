@@ -19,7 +19,7 @@ import java.util.List;
 import java.util.Optional;
 import java.util.Set;
 
-/** The columns of a world that are bound to an engine. World's thread only. */
+/** The columns of a world that are bound to an engine. For the world's thread only. */
 final class BoundWorld {
     private final World world;
     private final PhysicsEngine engine;
@@ -45,7 +45,8 @@ final class BoundWorld {
     private boolean areMeshesUsed;
 
     /**
-     * True until the engine has received the properties that the laws use since the last change.
+     * True after a change of the properties that the laws use, until the engine has received these
+     * properties.
      */
     private boolean isLendingMore;
 
@@ -101,9 +102,9 @@ final class BoundWorld {
     }
 
     /**
-     * Passes changes of the world to the engine; costs almost nothing if nothing changed. All
-     * columns of a kind must have the same number of rows. Therefore the columns that the engine
-     * already has get their new rows before the engine receives further columns.
+     * Passes changes of the world to the engine. Costs almost nothing if nothing changed. All
+     * columns of a kind must have the same number of rows in the engine. Therefore the bound
+     * columns get their new rows before the engine receives further columns.
      *
      * @throws IllegalStateException naming item and property if a reference is invalid
      */

@@ -13,8 +13,8 @@ import java.util.Optional;
 
 /**
  * Compares the times of libraries with their budgets. A decision changes the laws before the phase
- * PHYSICS of the next frame. The journal records it there, so a replay makes the same change.
- * World's thread; allocates nothing unless a budget is exceeded.
+ * PHYSICS of the next frame. The journal records it there, so a replay makes the same change. For
+ * the world's thread only. Allocates nothing unless a budget is exceeded.
  */
 final class BudgetWatch {
     /** Least number of frames between two warnings about the same library. */

@@ -30,7 +30,7 @@ import java.util.function.Consumer;
 /**
  * The loaded and the quarantined laws of a world. Each change raises a {@code law-loaded}, {@code
  * law-unloaded} or {@code fault} event. The last two contain the number of calls of the library's
- * laws, and their wall-clock time in milliseconds. World's thread only.
+ * laws, and their wall-clock time in milliseconds. For the world's thread only.
  */
 public final class Laws {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
@@ -83,7 +83,7 @@ public final class Laws {
 
     /**
      * Sets the number of frames after a replacement in which a failure of the new version restores
-     * the old version. The number is 0 at first. A replay must not set it, because journals contain
+     * the old version. The initial number is 0. A replay must not set it, because journals contain
      * the restored versions.
      */
     public void keepPreviousFor(long frames) {
@@ -252,7 +252,7 @@ public final class Laws {
     /**
      * Sets the computing time that the laws of a library may take in a frame; later versions of the
      * library keep this budget. Resets the interval of the laws to 1, so that they act in every
-     * step. Outside PHYSICS. See {@link PhysicsAdapter#enforceBudgets}.
+     * step. Must not be called in the phase PHYSICS. See {@link PhysicsAdapter#enforceBudgets}.
      *
      * @throws IllegalArgumentException if no library has the name
      * @throws PhysicsException if the laws cannot skip steps as the budget says; then nothing
@@ -268,7 +268,10 @@ public final class Laws {
         tell(new LawChange.BudgetSet(place, budget));
     }
 
-    /** Makes the laws of a library act in every n-th step only. Outside PHYSICS. */
+    /**
+     * Makes the laws of a library act in every n-th step only. Must not be called in the phase
+     * PHYSICS.
+     */
     void setInterval(int libraryId, int interval) {
         LawLibrary library = loaded.get(libraryId);
         if (library != null && library.interval() != interval) {
@@ -634,8 +637,8 @@ public final class Laws {
     }
 
     /**
-     * Loads and unloads libraries until exactly the wanted libraries are loaded, in this order. If
-     * the engine's process is lost meanwhile, a new process continues.
+     * Loads and unloads libraries until exactly the wanted libraries are loaded, in this order. A
+     * new process continues if the engine's process is lost meanwhile.
      *
      * @throws PhysicsException if the engine refuses a library, or its process is lost too often
      */
@@ -696,10 +699,11 @@ public final class Laws {
     }
 
     /**
-     * Unloads or rolls back, and quarantines, the library that caused a step's failure.
+     * Quarantines the library that caused a step's failure. Unloads the library, or restores the
+     * version that it replaced recently.
      *
      * @param item item at whose row the law failed, if known
-     * @return true if the previous version took its place
+     * @return true if the previous version was restored
      * @throws PhysicsException the failure itself, if no loaded library caused it
      */
     boolean quarantine(long frame, PhysicsException failure, Optional<Item> item) {

@@ -8,7 +8,7 @@ import java.util.function.LongConsumer;
 
 /**
  * A new version of a loaded library, or new parameters for it, that has not replaced the library
- * yet. World's thread, except where noted. The owner closes it.
+ * yet. For the world's thread, except where noted. The owner closes it.
  *
  * @param libraryId id of the loaded library, which stays the same
  * @param library the new version, with its parameters
@@ -34,7 +34,7 @@ public record NewVersion(
         Ended UNHEARD = (frame, refusal) -> {};
 
         /**
-         * Receives the end of a trial. World's thread.
+         * Receives the end of a trial. Called on the world's thread.
          *
          * @param refusal the reason why the loaded library stays; empty if the new version replaced
          *     it

@@ -34,19 +34,19 @@ import java.util.stream.Collectors;
  * frame on, the world has the same bits as a world without that law. If a law failed because
  * another law made extreme numbers, the library of the other law is quarantined.
  *
- * <p>If no loaded law caused the failure, the columns are restored and the failure is thrown: that
- * frame has no physics. This is a {@link LawChange}, too, so that a replay of the journal does the
- * same. If the engine's process was lost while no law ran, the frame is repeated. If the process is
- * lost again, the library that was loaded last is quarantined.
+ * <p>If no loaded law caused the failure, the adapter restores the columns and throws the failure,
+ * so that this frame has no physics. It also reports a {@link LawChange}, so that a replay of the
+ * journal does the same. If the engine's process was lost while no law ran, the frame is repeated.
+ * If the process is lost again, the library that was loaded last is quarantined.
  *
  * <p>Before the adapter quarantines a law, it tries to arrest items, which makes them unreachable
  * for laws. Only items that actions or edits changed may be arrested. The adapter begins with the
- * item at which the law failed, or else with the item with the most extreme numbers. In the end it
- * tries all of them. If the frame succeeds without the items, they stay arrested, and a "fault"
- * event reports this. Otherwise they are restored.
+ * item at which the law failed, or else with the item with the most extreme numbers. At last it
+ * tries all of these items together. If the frame succeeds without the items, they stay arrested,
+ * and a "fault" event reports this. Otherwise they are restored.
  *
- * <p>World's thread only. The caller owns the engine and the arena, which must outlive the adapter.
- * The caller must not call the engine itself while the adapter exists.
+ * <p>For the world's thread only. The caller owns the engine and the arena, which must outlive the
+ * adapter. The caller must not call the engine itself while the adapter exists.
  */
 public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     /**
@@ -77,7 +77,9 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     /** Description of the work of the world's thread while it is in the engine, for reports. */
     private String advancing = "";
 
-    /** How often the engine's process was lost in this frame without a law as the cause. */
+    /**
+     * Number of times that the engine's process was lost in this frame without a law as the cause.
+     */
     private int losses;
 
     private long frames;

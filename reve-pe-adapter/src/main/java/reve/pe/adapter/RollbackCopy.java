@@ -7,8 +7,8 @@ import java.util.List;
 
 /**
  * A copy of columns at the beginning of a frame. It contains the whole memory of the columns, also
- * behind the last row in use, because a faulty law may write there before it crashes. World's
- * thread only.
+ * behind the last row in use, because a faulty law may write there before it crashes. For the
+ * world's thread only.
  */
 final class RollbackCopy implements AutoCloseable {
     private static final long ALIGNMENT_BYTES = 64;

@@ -3,7 +3,10 @@ package reve.pe.adapter;
 
 import java.util.List;
 
-/** Trials (tests) of new versions of laws, before these replace the loaded ones. World's thread. */
+/**
+ * Trials (tests) of new versions of laws, before these replace the loaded ones. For the world's
+ * thread only.
+ */
 public interface Trials {
     /** No trials: new versions take over at once. */
     Trials NONE =

@@ -5,8 +5,8 @@ import java.nio.file.Path;
 import java.util.Optional;
 
 /**
- * Decides which native law libraries run apart: in a sandbox, a process that can access only the
- * columns that the library declares. For any thread.
+ * Decides which native law libraries run apart, that is, in a sandbox. A sandbox is a process that
+ * can access only the columns that the library declares. For any thread.
  */
 @FunctionalInterface
 public interface ApartRule {
@@ -15,11 +15,13 @@ public interface ApartRule {
 
     /** The ways to isolate a library from the engine and the other laws. */
     enum Isolation {
-        /** It runs in the engine's process. */
+        /** The library runs in the engine's process. */
         NONE,
-        /** It runs in a sandbox, and is refused if the machine lacks a layer of the sandbox. */
+        /**
+         * The library runs in a sandbox. It is refused if the machine lacks a layer of the sandbox.
+         */
         APART,
-        /** It runs in a sandbox with the layers that the machine has. */
+        /** The library runs in a sandbox with the layers that the machine has. */
         APART_WEAKLY
     }
 

@@ -55,14 +55,15 @@ class HostProcess implements AutoCloseable {
     private static final long LOOK_NANOS = 1_000_000;
 
     /**
-     * Interval at which a waiting client checks whether the host still lives [ns]. It is shorter,
-     * because this check is cheap, and a crash is to cost less than a frame.
+     * Interval at which a waiting client checks whether the host still lives [ns]. It is shorter
+     * than {@link #LOOK_NANOS}, because this check is cheap, and a crash must cost less time than a
+     * frame.
      */
     private static final long ALIVE_NANOS = LOOK_NANOS / 4;
 
     /**
-     * Maximum idle time that counts for one interval [ns]. If an interval takes longer, this
-     * process did not run, and perhaps the host did not run either.
+     * Maximum idle time that counts for one interval [ns]. In a longer interval, this process did
+     * not run, and perhaps the host did not run either.
      */
     private static final long MOST_LOOK_NANOS = 10 * LOOK_NANOS;
 
@@ -262,7 +263,7 @@ class HostProcess implements AutoCloseable {
         }
     }
 
-    /** Returns the time of the last call as it counts for the limit of {@link #call} [ns]. */
+    /** Returns the part of the last call's time that counts for the limit of {@link #call} [ns]. */
     long spentNanos() {
         return spentNanos;
     }

@@ -76,7 +76,8 @@ public final class Hosts implements AutoCloseable {
                 }
                 host.close();
             } catch (ExecutionException | TimeoutException notStarted) {
-                // Nothing uses this process. If starting fails, the attempt below gives the reason.
+                // A process that becomes ready too late is closed. If the start failed, the attempt
+                // below reports the reason.
                 ready.thenAccept(HostProcess::close);
             } catch (InterruptedException e) {
                 ready.thenAccept(HostProcess::close);

@@ -38,7 +38,7 @@ final class OutputOfLaws implements Runnable {
             }
             flush();
         } catch (IOException ended) {
-            // the process ended
+            // The process has ended, so no more output follows.
         }
     }
 

@@ -51,7 +51,7 @@ final class ReadyHosts implements AutoCloseable {
     private void start(List<Loaded> now) {
         try {
             next = hosts.later(() -> ReadyHost.start(hosts, config, prototype, now, LIMIT_NANOS));
-        } catch (OutOfMemoryError noThread) { // the process that all engines share must do
+        } catch (OutOfMemoryError noThread) { // the shared process must be enough
             hosts.keepsReadyNoMore();
         }
     }

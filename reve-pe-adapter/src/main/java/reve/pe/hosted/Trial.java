@@ -11,7 +11,7 @@ import java.time.Duration;
 
 /**
  * Tests a library in a separate host (engine process): opens it, and creates and destroys its laws.
- * So a library that crashes or hangs in this test never reaches a world. For any thread.
+ * A library that crashes or hangs in this test therefore never reaches a world. For any thread.
  */
 record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     private static final long LIMIT_NANOS = Duration.ofSeconds(10).toNanos();
@@ -92,7 +92,7 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
         library.put(host.begin(Request.LOAD)).putInt(0);
         Mailbox loaded = host.call(LIMIT_NANOS, QUIET);
         if (loaded.getInt() == 0) {
-            loaded.getInt(); // the number of threads
+            loaded.getInt(); // skips the number of threads
             int id = loaded.getInt();
             host.begin(Request.UNLOAD).putInt(id);
             host.call(LIMIT_NANOS, QUIET);

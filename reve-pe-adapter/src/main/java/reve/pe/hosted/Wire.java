@@ -116,7 +116,7 @@ final class Wire {
             int status = from.getInt();
             int library = from.getInt();
             int law = from.getInt();
-            from.getInt(); // the stage
+            from.getInt(); // skips the stage
             return new Failure(
                     status,
                     library,
@@ -167,7 +167,7 @@ final class Wire {
     }
 
     private static LedgerLine line(Mailbox from, String name, boolean law) {
-        from.getInt(); // the size of the struct
+        from.getInt(); // skips the size of the struct
         boolean hasPotential = from.getInt() != 0;
         return new LedgerLine(
                 name,

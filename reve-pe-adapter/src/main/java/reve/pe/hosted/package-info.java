@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * A physics engine in its own process. So a faulty law can end only this process, and not the
- * server.
+ * A physics engine in its own process. A faulty law can therefore end only this process, and not
+ * the server.
  */
 @NullMarked
 package reve.pe.hosted;

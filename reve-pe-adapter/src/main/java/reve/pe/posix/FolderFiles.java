@@ -38,7 +38,7 @@ public final class FolderFiles {
                 }
             }
         }
-        // The link in /proc leads to the opened folder, whatever its path leads to now.
+        // The link in /proc leads to the opened folder, even if another folder is now at its path.
         try (Stream<Path> files = Files.list(Path.of("/proc/self/fd/" + descriptor))) {
             return files.map(file -> folder.resolve(file.getFileName())).sorted().toList();
         } finally {

@@ -29,7 +29,10 @@ import java.util.List;
 import java.util.Map;
 import java.util.function.UnaryOperator;
 
-/** A world, its adapter and an engine, stepped by hand: 60 frames/s, 4 steps a frame. */
+/**
+ * A world, its adapter and an engine. The test makes each frame. There are 60 frames/s with 4 steps
+ * each.
+ */
 final class AdapterFixture implements AutoCloseable {
     static final int FRAMES = SpringOrbit.STEPS / 4;
 
@@ -121,7 +124,7 @@ final class AdapterFixture implements AutoCloseable {
                         .build());
     }
 
-    /** Mass [kg], place [m] and velocity [m/s]. */
+    /** Returns a body with a mass [kg], a location [m] and a velocity [m/s]. */
     static ItemDefinition body(
             String name,
             double mass,
@@ -169,7 +172,7 @@ final class AdapterFixture implements AutoCloseable {
         return bits;
     }
 
-    /** All bytes of all columns, by kind and property. */
+    /** Returns all bytes of all columns, by kind and property. */
     Map<String, List<Byte>> bytes() {
         Map<String, List<Byte>> bytes = new LinkedHashMap<>();
         for (Table table : world.tables()) {

@@ -18,10 +18,13 @@ import java.util.Map;
 class BlameNativeTest {
     private static final int FRAMES = 5;
 
-    /** Small enough that the acceleration overflows before the force does. */
+    /** A mass [kg] that is so small that the acceleration overflows before the force does. */
     private static final double TINY_MASS = 1e-20;
 
-    /** The engine refuses 1e300 N; 1e90 N make the integrator fail, whichever was loaded first. */
+    /**
+     * The engine refuses 1e300 N. The integrator fails with 1e90 N. The order of loading does not
+     * matter.
+     */
     @ParameterizedTest
     @CsvSource({"1e300, false", "1e300, true", "1e90, false", "1e90, true"})
     void theLawThatAddsAnExtremeForceIsNamedAndNotTheIntegrator(double newtons, boolean first) {
@@ -89,7 +92,7 @@ class BlameNativeTest {
         }
     }
 
-    /** The trials leave no trace: neither in columns nor in what laws remember. */
+    /** The trials change neither the columns nor the memory of laws. */
     @ParameterizedTest
     @ValueSource(booleans = {false, true})
     void aLawThatFailsWithoutAllOthersTooIsTheCause(boolean validate) {

@@ -17,7 +17,7 @@ import java.lang.foreign.MemorySegment;
 import java.util.List;
 import java.util.stream.IntStream;
 
-/** A world that cannot grow stays unchanged and continues, with its physics. */
+/** A world that cannot grow stays unchanged. It continues with its physics. */
 class FullArenaNativeTest {
     @ParameterizedTest
     @ValueSource(ints = {0, 1, 12})

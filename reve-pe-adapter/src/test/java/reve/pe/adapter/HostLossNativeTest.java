@@ -23,7 +23,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 
-/** Losses of the engine's process for which no law is the cause, or not the one that runs. */
+/** Losses of the engine's process. Their cause is no law, or not the law that runs at that time. */
 @Tag("slow")
 class HostLossNativeTest {
     private static final int BAD_FRAME = 13; // whose steps are 48 to 51
@@ -31,12 +31,12 @@ class HostLossNativeTest {
     private static final int REWINDS = Integer.getInteger("reve.test.rewinds", 15);
     private static final long SEED = 20261128;
 
-    /** Frames after which laws have built what they need. */
+    /** Number of frames after which laws have built the data that they need. */
     private static final int SETTLED = 3;
 
     @TempDir private Path folder;
 
-    /** A program that is a host until a file says otherwise. */
+    /** A program that is a host. If a certain file exists, it ends instead. */
     private final class Program {
         final Path file = folder.resolve("host");
         private final Path broken = folder.resolve("broken");
@@ -70,7 +70,10 @@ class HostLossNativeTest {
         }
     }
 
-    /** The law stands for another program, such as the system when memory is short. */
+    /**
+     * The law acts like another program that kills the process, such as the system when memory is
+     * short.
+     */
     @Test
     void aProcessThatIsKilledFromOutsideTakesNoLaw() throws IOException {
         Path mark = Path.of("/tmp/reve-kill-once-" + ProcessHandle.current().pid());
@@ -87,7 +90,10 @@ class HostLossNativeTest {
         }
     }
 
-    /** The frames without a process have no physics, also in the world that repeats the changes. */
+    /**
+     * Frames without a process have no physics. The same is true in the world that repeats the
+     * changes.
+     */
     @ParameterizedTest
     @ValueSource(strings = {"refused", "killed"})
     void aSystemThatStartsNoProcessTakesNoLaw(String how) throws IOException {
@@ -247,7 +253,7 @@ class HostLossNativeTest {
                         });
     }
 
-    /** The engine has then made the steps, and cannot say so. */
+    /** In this case the engine has made the steps but has no memory for its answer. */
     @Test
     void anEngineWithoutMemoryIsReplacedBeforeALawIsBlamed() {
         try (HostedFixture hosted = new HostedFixture();
@@ -275,7 +281,8 @@ class HostLossNativeTest {
     }
 
     /**
-     * Longer than a frame may take: in a new law, a new process, for more rows, and in a rewind.
+     * The law builds data for longer than a frame may take. It does so when it is new, in a new
+     * process, for more rows, and in a rewind.
      */
     @Test
     void lawsHaveTimeToBuild() {
@@ -295,7 +302,10 @@ class HostLossNativeTest {
         }
     }
 
-    /** The server ends if a frame takes 5 s, with all laws that loop in it. */
+    /**
+     * The watchdog ends the server if a frame takes 5 s. The limit includes all laws of the frame
+     * that do not return.
+     */
     @Test
     void lawsThatLoopInOneFrameTakeLessTimeThanAWatchdog() {
         try (HostedFixture hosted = new HostedFixture()) {
@@ -326,7 +336,10 @@ class HostLossNativeTest {
         }
     }
 
-    /** What laws build in their first frame does not lengthen the deadline of later ones. */
+    /**
+     * The time in which laws build data in their first frame does not lengthen the deadline of
+     * later frames.
+     */
     @Test
     void theDeadlineGrowsWithFramesInWhichLawsBuildNothing() {
         try (HostedFixture hosted = new HostedFixture()) {
@@ -338,7 +351,7 @@ class HostLossNativeTest {
         }
     }
 
-    /** The names of the columns that differ. */
+    /** Returns the names of the columns that differ. */
     private static List<String> differing(AdapterFixture one, AdapterFixture other) {
         var bytes = other.bytes();
         return one.bytes().entrySet().stream()

@@ -19,14 +19,15 @@ import java.util.concurrent.locks.LockSupport;
 @Tag("slow")
 @Timeout(value = 30, unit = TimeUnit.MINUTES, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 class HostStormNativeTest {
-    /** Number of times at which the process is killed; the fault model asks for 10,000. */
+    /** Number of times at which the process is killed. The fault model requires 10,000. */
     private static final int KILLS = Integer.getInteger("reve.test.host.kills", 25);
 
-    /** Number of times at which the process is stopped; the fault model asks for 10,000. */
+    /** Number of times at which the process is stopped. The fault model requires 10,000. */
     private static final int STOPS = Integer.getInteger("reve.test.host.stops", 150);
 
     /**
-     * A kill follows the end of a frame after this time at most, so it hits any part of a frame.
+     * Maximum time from the end of a frame to a kill. Therefore a kill can occur in any part of a
+     * frame.
      */
     private static final long MOST_DELAY_NANOS = 3_000_000;
 

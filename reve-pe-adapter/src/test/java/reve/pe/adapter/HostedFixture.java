@@ -17,7 +17,8 @@ import java.util.List;
 import java.util.concurrent.CopyOnWriteArrayList;
 
 /**
- * A world of bodies and scenery whose engine runs in a process of its own, and its equal without.
+ * A world of bodies and scenery whose engine runs in a process of its own, and an equal world whose
+ * engine runs in this process.
  */
 final class HostedFixture implements AutoCloseable {
     static final Duration FRAME_LIMIT = Duration.ofMillis(300);

@@ -20,8 +20,9 @@ import java.util.Map;
 import java.util.Random;
 
 /**
- * Laws that harm their process (src/test/native/hostile.c). Each pushes every body with 1 N until
- * then, as the law "wind" does, so a world with "wind" until the fault is the expected one.
+ * Laws that harm their process (src/test/native/hostile.c). Before the fault, each law pushes every
+ * body with 1 N, as the law "wind" does. Therefore the expected world has the law "wind" until the
+ * fault.
  */
 @Tag("slow")
 class HostileLawsNativeTest {
@@ -73,7 +74,8 @@ class HostileLawsNativeTest {
                 assertThat(hosted.world.adapter.stateHash())
                         .isEqualTo(expected.adapter.stateHash());
             }
-            // SIGKILL may come from outside, so only the fifth one in a frame is the law's fault.
+            // SIGKILL may come from outside. Therefore only the fifth SIGKILL in a frame counts as
+            // the law's fault.
             assertThat(hosted.world.adapter.profile().redoneFrames())
                     .isEqualTo(kind.equals("kill") ? 5 : 1);
             WorldEvent fault = hosted.world.events("fault").getFirst();
@@ -95,7 +97,10 @@ class HostileLawsNativeTest {
         }
     }
 
-    /** What the process of the engine absorbs does not disturb the world. */
+    /**
+     * These laws harm only the process of the engine, which continues. They do not disturb the
+     * world.
+     */
     @ParameterizedTest
     @ValueSource(
             strings = {
@@ -129,7 +134,7 @@ class HostileLawsNativeTest {
         }
     }
 
-    /** The names of the columns that differ. */
+    /** Returns the names of the columns that differ. */
     private static List<String> differing(AdapterFixture one, AdapterFixture other) {
         var bytes = other.bytes();
         return one.bytes().entrySet().stream()
@@ -148,7 +153,7 @@ class HostileLawsNativeTest {
         world.adapter.laws().unload(FRAMES, id);
     }
 
-    /** The number of crashes: of four kinds, at frames that a seed chooses. */
+    /** The number of crashes. They are of four kinds, and a seed chooses their frames. */
     private static final int CRASHES = Integer.getInteger("reve.test.crashes", 40);
 
     @Test
@@ -177,10 +182,12 @@ class HostileLawsNativeTest {
         }
     }
 
-    /** The number of hangs, of three kinds; the fault model asks for 100. */
+    /** The number of hangs. They are of three kinds. The fault model requires 100. */
     private static final int HANGS = Integer.getInteger("reve.test.hangs", 6);
 
-    /** Each law first acts in three frames, because the limit of its first frames is longer. */
+    /**
+     * Each law acts in three frames before it hangs, because its first frames have a longer limit.
+     */
     @Test
     void everyHangOfManyLeavesTheWorldThatNeverHadTheLaw() {
         try (HostedFixture hosted = new HostedFixture();
@@ -220,7 +227,8 @@ class HostileLawsNativeTest {
     }
 
     /**
-     * Two laws that run at once: the frame is repeated on one thread, to find out which crashed.
+     * Two laws run at the same time. The frame is repeated on one thread, which shows the law that
+     * crashed.
      */
     @Test
     void theRightOneOfLawsThatRunAtOnceIsBlamed() {
@@ -241,7 +249,10 @@ class HostileLawsNativeTest {
         }
     }
 
-    /** A thread that outlives its law ends with the process, which the unload replaces. */
+    /**
+     * A thread that outlives its law ends with its process, because the unload replaces the
+     * process.
+     */
     @Test
     void nothingWritesAfterItsLawWasUnloaded() throws InterruptedException {
         try (HostedFixture hosted = new HostedFixture()) {

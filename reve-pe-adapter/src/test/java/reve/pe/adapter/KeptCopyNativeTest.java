@@ -12,7 +12,7 @@ import reve.core.world.WorldPrototype;
 import java.util.List;
 import java.util.Map;
 
-/** Data that goes to, and comes back from, a law that keeps positions in its own memory. */
+/** The exchange of data with a law that keeps positions in its own memory. */
 class KeptCopyNativeTest {
     private static final int STEPS =
             4; // steps of a frame, in each of which the law moves bodies by 1 m
@@ -66,7 +66,7 @@ class KeptCopyNativeTest {
         return fixture.world.find(item).orElseThrow().physical().location()[0];
     }
 
-    /** How often the law received the positions, and how often it had to return them. */
+    /** Returns how often the law received the positions, and how often it had to return them. */
     private static double[] transfers(AdapterFixture fixture) {
         return fixture.world.find("a").orElseThrow().physics().vector("acceleration");
     }

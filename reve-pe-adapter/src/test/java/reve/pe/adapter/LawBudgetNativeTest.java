@@ -25,7 +25,7 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The times of laws and their budgets; each law needs more than a nanosecond, and less than 10 s.
+ * The times of laws and their budgets. Each law needs more than a nanosecond and less than 10 s.
  */
 class LawBudgetNativeTest {
     private static final String SPRINGS = "hooke_spring";
@@ -73,7 +73,10 @@ class LawBudgetNativeTest {
         }
     }
 
-    /** The same budget holds for the version that comes back, which is then unloaded. */
+    /**
+     * The same budget applies to the old version that returns. Therefore this version is unloaded
+     * as well.
+     */
     @Test
     void aVersionThatSoonExceedsItsBudgetIsReplacedByTheOneBefore() {
         List<LawChange> changes = new ArrayList<>();
@@ -179,7 +182,7 @@ class LawBudgetNativeTest {
         }
     }
 
-    /** The machine was busy with something else. */
+    /** The engine waits for a processor if the machine is busy with other work. */
     @Test
     void theTimeInWhichTheEngineWaitedForAProcessorCountsForNoLaw() {
         var engines = new ArrayList<FailingEngine>();
@@ -205,7 +208,7 @@ class LawBudgetNativeTest {
         }
     }
 
-    /** Its time is less than that of the exchange with the process. */
+    /** The time of this law is less than the time of the exchange with its process. */
     @Test
     void aHostedLawOfLessThanAMicrosecondExceedsANanosecond() {
         try (HostedFixture hosted = new HostedFixture()) {

@@ -29,8 +29,8 @@ import java.util.Random;
 import java.util.TreeMap;
 
 /**
- * Files in a laws folder that are no laws, or not yet: each costs one event and no frame. The
- * frames of the world are compared with those of a world without a folder.
+ * Files in a laws folder that are no laws, or that are not yet complete. Each causes one event, and
+ * no frame is lost. The frames of the world are compared with those of a world without a folder.
  */
 @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 class LawFolderFaultsNativeTest {
@@ -67,7 +67,7 @@ class LawFolderFaultsNativeTest {
         alone.close();
     }
 
-    /** Makes a frame of both worlds. */
+    /** Makes a frame in both worlds. */
     private void frame() {
         world.run(1);
         alone.run(1);
@@ -114,8 +114,8 @@ class LawFolderFaultsNativeTest {
     }
 
     /**
-     * The folder's own thread follows. A thread that waited for the other end of a pipe would never
-     * report the files after it.
+     * The folder's own thread follows its files. If this thread waited for the other end of a pipe,
+     * it would never report the files after the pipe.
      */
     @Test
     void filesThatAreNoLawsCostOneEventEachAndNoFrame() throws Exception {
@@ -163,7 +163,9 @@ class LawFolderFaultsNativeTest {
         assertThat(world.loop.frame()).isEqualTo(frames);
     }
 
-    /** A scan follows each 205 bytes, as at 1 kB/s with five scans a second. */
+    /**
+     * A scan follows after each 205 bytes. This is the case at 1 kB/s with five scans per second.
+     */
     @Test
     void aCopyAtAKilobyteASecondIsOpenedOnceItIsWhole() throws Exception {
         byte[] whole = wind();
@@ -183,7 +185,10 @@ class LawFolderFaultsNativeTest {
         assertThat(world.events("law-loaded")).hasSize(2);
     }
 
-    /** A pause makes the part look complete to the scans; its headers say that it is not. */
+    /**
+     * After a pause, the scans see a part of a file that no longer grows. Its headers show that it
+     * is not complete.
+     */
     @Test
     void aCopyThatPausesIsNeverOpenedInPart() throws Exception {
         byte[] whole = wind();
@@ -203,7 +208,7 @@ class LawFolderFaultsNativeTest {
     /** Number of times at which the file changes. */
     private static final int OVERWRITES = 1_000;
 
-    /** The file keeps its inode, so a process that had mapped it would end by SIGBUS. */
+    /** The file keeps its inode. Therefore a process that mapped the file would end by SIGBUS. */
     @Test
     void aFileThatIsTruncatedAndOverwrittenWhileItsLawActsChangesNoFrame() throws Exception {
         byte[] whole = wind();

@@ -70,7 +70,10 @@ class LawFolderNativeTest {
         world.close();
     }
 
-    /** Stands for the reader of YAML, which is not in this room: one line {@code name value}. */
+    /**
+     * Replaces the reader of YAML, which this project does not have. The file has one line {@code
+     * name value}.
+     */
     private FolderParameters parameters(String library, Path file) {
         try {
             String[] words = Files.readString(file).strip().split(" ");
@@ -243,7 +246,7 @@ class LawFolderNativeTest {
         assertThat(loaded()).containsExactly("newton_motion");
     }
 
-    /** The file changed while no server ran. */
+    /** In this test, the file changed while no server ran. */
     @Test
     void aFileTakesThePlaceOfTheLawOfItsNameInARestoredWorld() throws IOException {
         byte[] bytes = Files.readAllBytes(NativeFiles.testLaw("wind"));
@@ -270,7 +273,8 @@ class LawFolderNativeTest {
         lookAndRun(2);
         drop("strong_wind", "wind.so");
         lookAndRun(2);
-        // while the new file settled, the weak wind acted in one more frame; then the strong one
+        // The weak wind acted in one more frame, until the new file no longer changed. Then the
+        // strong wind acted.
         assertThat(speed()).isCloseTo(GAIN + GAIN + 2 * GAIN, offset(1e-15));
         assertThat(loaded()).containsExactly("newton_motion", "wind");
         assertThat(world.events)
@@ -339,7 +343,7 @@ class LawFolderNativeTest {
         assertThat(speed() - before).isCloseTo(2 * GAIN, offset(1e-15));
     }
 
-    /** Among others: a replacement just after a refused one, and two within one frame. */
+    /** Some replacements follow directly after a refused one, and some are two within one frame. */
     @Test
     void aLawIsReplacedManyTimesInItsPlace() throws IOException {
         drop("wind", "wind.so");
@@ -431,7 +435,7 @@ class LawFolderNativeTest {
         assertThat(loaded()).containsExactly("newton_motion", "push", "pull");
     }
 
-    /** The names of its laws are checked after the engine took the library. */
+    /** The names of the laws of a file are checked after the engine has taken the library. */
     @Test
     void aFileThatIsRefusedAfterItWasTakenIsReportedWithTheReason() throws IOException {
         Set<String> checked = new HashSet<>();
@@ -626,7 +630,7 @@ class LawFolderNativeTest {
                 .withMessageContaining("can be written by every user");
     }
 
-    /** The folder may be removed and made again while the world runs. */
+    /** While the world runs, the folder may be removed and created again. */
     @Test
     void aFolderThatEveryUserCanWriteToIsNotFollowed() throws IOException {
         Files.setPosixFilePermissions(folder, PosixFilePermissions.fromString("rwxrwxrwx"));

@@ -18,7 +18,10 @@ import java.nio.file.Path;
 import java.util.Map;
 import java.util.stream.Stream;
 
-/** What an author learns of a law's own mistakes, wherever the law runs. */
+/**
+ * The messages about a law's own mistakes that its author gets. They are the same in each place in
+ * which a law can run.
+ */
 class LawMessagesNativeTest {
     private enum Place {
         IN_PROCESS,
@@ -67,7 +70,7 @@ class LawMessagesNativeTest {
         }
     }
 
-    /** A stack trace names the mapping in which an address lies. */
+    /** The name of the copy matters because a stack trace names the mapping that has an address. */
     @ParameterizedTest
     @EnumSource
     void thePrivateCopyOfALawBearsItsName(Place place) {

@@ -42,7 +42,10 @@ class LawsApartNativeTest {
                 .collect(Collectors.toSet());
     }
 
-    /** From the fault on, the world is one without the law; the engine and other laws stay. */
+    /**
+     * After the fault, the world equals a world without the law. The engine and the other laws
+     * stay.
+     */
     @ParameterizedTest
     @CsvSource({
         "segfault, LAW_CRASHED, ended its process: SIGSEGV",

@@ -78,7 +78,7 @@ class PhysicsAdapterNativeTest {
         }
     }
 
-    /** 4 steps a frame; nothing moves the bodies. */
+    /** There are 4 steps per frame. Nothing moves the bodies. */
     @Test
     void whatLawsRememberOfAnItemStaysWithItWhenOthersComeAndGo() {
         try (AdapterFixture world = new AdapterFixture().load("counts_years")) {

@@ -23,7 +23,10 @@ class PhysicsImageNativeTest {
     private static final int HALF = 100;
     private static final long SEED = 20261121;
 
-    /** Balls with friction: SCRATCH remembers contacts by row, while rows come and go. */
+    /**
+     * The world has balls with friction. SCRATCH stores contacts by row, while rows are added and
+     * removed.
+     */
     @Test
     void aRestoredWorldGoesOnWithTheSameHashes() {
         try (AdapterFixture whole = heap();
@@ -119,7 +122,10 @@ class PhysicsImageNativeTest {
         }
     }
 
-    /** Also if the engine sees the world between a removal at the end and an addition. */
+    /**
+     * This is also true if the engine sees the world between the removal of the last row and an
+     * addition.
+     */
     @Test
     void aNewItemHasNoStateOfOneThatHadItsRow() {
         try (AdapterFixture world = emptyHeap().load("counts_years");
@@ -225,7 +231,7 @@ class PhysicsImageNativeTest {
                 engine -> engine);
     }
 
-    /** Balls that fall on a rough floor beside each other and turn. */
+    /** Returns a world of balls that fall on a rough floor beside each other and rotate. */
     private static AdapterFixture heap() {
         AdapterFixture heap = emptyHeap();
         heap.world.find("world").orElseThrow().physics().set("gravity", 0, -9.81, 0);
@@ -247,7 +253,9 @@ class PhysicsImageNativeTest {
                 .build();
     }
 
-    /** Every tenth frame an item leaves, so that another moves into its row, or one is added. */
+    /**
+     * In every tenth frame, adds an item, or removes one, so that another item moves into its row.
+     */
     private static void stir(AdapterFixture heap, Random random, int frame) {
         if (frame % 20 == 0) {
             heap.world.add(ball("more " + random.nextLong(), random.nextDouble(), 5, 0.5, 0));

@@ -26,10 +26,10 @@ class ReplacementNativeTest {
     private static final int REPLACEMENTS =
             Integer.parseInt(System.getenv().getOrDefault("REVE_REPLACEMENTS", "60"));
 
-    /** After these, the steps of the world are too many for the laws that do harm. */
+    /** Number of frames after which a test law that does harm acts in its first frame. */
     private static final int HARMLESS_FRAMES = 60;
 
-    /** Replacements after which caches are full. */
+    /** Number of replacements after which caches are full. */
     private static final int SETTLED = 10;
 
     @Test
@@ -75,7 +75,7 @@ class ReplacementNativeTest {
         }
     }
 
-    /** Its process is lost; the next one begins with the version before. */
+    /** The process of the new version is lost. The next process begins with the old version. */
     @Test
     void aVersionThatEndsTheProcessIsRolledBackToTheBit() {
         try (HostedFixture hosted = new HostedFixture();

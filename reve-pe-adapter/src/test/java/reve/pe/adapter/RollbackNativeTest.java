@@ -38,7 +38,7 @@ class RollbackNativeTest {
         }
     }
 
-    /** The law with an error is blamed, whatever acts and edits changed. */
+    /** The law with an error is the cause, even if acts and edits changed the world. */
     @ParameterizedTest
     @ValueSource(strings = {"red", "blue"})
     void aLawThatFailsWithoutASuspectTooLeavesAWorldThatNeverHadIt(String changed) {

@@ -43,7 +43,7 @@ class HostedEngineNativeTest extends EngineContract {
         return new Hosted(new Hosts(NativeFiles.program("vesper-host"), 0));
     }
 
-    /** Engines in processes of their own, and shared memory. */
+    /** A kind of engine that runs in a process of its own, with shared memory. */
     private static final class Hosted implements EngineFixture.Home {
         private final Hosts hosts;
         private final Map<Long, SharedMemory> memories = new HashMap<>();
@@ -117,7 +117,10 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
-    /** The state of the engine is that before the loss: its clock, and what laws remember. */
+    /**
+     * The engine has the state that it had before the loss. This includes its clock and the memory
+     * of laws.
+     */
     @Test
     void aHostThatIsKilledBetweenTwoFramesIsReplacedWithoutALoss() {
         try (EngineFixture orbit =
@@ -146,7 +149,7 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
-    /** So a rewind or a change of a parameter does not depend on another process. */
+    /** Therefore a rewind or a change of a parameter does not depend on another process. */
     @Test
     void bytesThatHavePassedATrialAreNotTestedAgain() {
         Path program = NativeFiles.program("vesper-host");
@@ -193,7 +196,7 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
-    /** So a server that ends does not wait for a library that never returns. */
+    /** Therefore a server that ends does not wait for a library that never returns. */
     @Test
     void aTrialEndsIfItsThreadIsInterrupted() throws Exception {
         Path program = NativeFiles.program("vesper-host");
@@ -247,7 +250,7 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
-    /** What is kept after a move of rows contains the move. */
+    /** A state that is kept after rows moved includes these moves. */
     @ParameterizedTest
     @ValueSource(strings = {"load", "unload", "save"})
     void aNewHostDoesNotRepeatMovesOfRowsThatAreInItsState(String next) {
@@ -274,7 +277,7 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
-    /** The library is loaded, and its memory is in no state that was kept. */
+    /** The library is loaded when the host is lost, but no kept state includes its memory. */
     @Test
     void aHostThatIsLostAfterALoadKnowsNothingOfTheLibrary() {
         boolean[] doomed = {false};
@@ -308,10 +311,13 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
-    /** Number of sets of references; the fault model asks for 100,000. */
+    /** Number of sets of references. The fault model requires 100,000. */
     private static final int REFERENCES = Integer.getInteger("reve.test.references", 1_000);
 
-    /** A spring refers to two of the two bodies; of the numbers here, only 0 and 1 are bodies. */
+    /**
+     * A spring refers to two bodies. There are two bodies, so only the numbers 0 and 1 refer to
+     * bodies.
+     */
     @Test
     void everyReferenceOutOfRangeIsRefusedByPropertyAndRowAndEveryOtherIsAccepted() {
         int[] numbers = {0, 1, 0, 1, 0, 1, 2, -1, 3, Integer.MAX_VALUE, Integer.MIN_VALUE};
@@ -379,7 +385,7 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
-    /** Without a further thread there is no warm process, and later there may be one. */
+    /** If no thread can be started, there is no warm process. Later there may be one. */
     @Test
     void aSystemWithoutFurtherThreadsCostsOnlyTheWarmProcess() {
         Path program = NativeFiles.program("vesper-host");
@@ -397,7 +403,7 @@ class HostedEngineNativeTest extends EngineContract {
                 EngineFixture orbit = new EngineFixture(new Hosted(hosts)).springOrbit()) {
             full[0] = false;
             killAndAdvance(orbit);
-            assertThat(later).hasSize(1); // and it never starts
+            assertThat(later).hasSize(1); // this one never starts
             killAndAdvance(orbit);
             assertThat(later).hasSize(2);
             assertThat(orbit.engine.stepCount()).isEqualTo(2);
@@ -420,7 +426,7 @@ class HostedEngineNativeTest extends EngineContract {
                                     try {
                                         start.run();
                                     } catch (OutOfMemoryError endsTheThread) {
-                                        // and nothing else
+                                        // It ends nothing else.
                                     }
                                 });
                 EngineFixture orbit = new EngineFixture(new Hosted(hosts)).springOrbit()) {
@@ -430,8 +436,8 @@ class HostedEngineNativeTest extends EngineContract {
     }
 
     /**
-     * The ready host has the libraries already, so it only unloads those that have gone, and gets
-     * the columns and the state.
+     * The ready host already has the libraries. Therefore it only unloads libraries that were
+     * removed, and receives the columns and the state.
      */
     @Test
     void aHostThatIsReadyWithTheLibrariesReplacesALostOne() {

@@ -15,7 +15,7 @@ import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
 import java.util.concurrent.atomic.AtomicBoolean;
 
-/** Files, and what may be in their place. */
+/** Regular files, and other objects that may be in their place. */
 @Timeout(60) // a pipe must not block
 class RegularFileTest {
     @TempDir private Path folder;
@@ -111,7 +111,7 @@ class RegularFileTest {
         assertThat(read).isBetween(1, 2999);
     }
 
-    /** Links a file under another name, in the place of what is there. */
+    /** Links a file at another place. The link replaces the object that is there. */
     private void put(Path what, Path place) {
         try {
             Path next = folder.resolve("next");

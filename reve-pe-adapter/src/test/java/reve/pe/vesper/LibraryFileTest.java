@@ -15,7 +15,7 @@ import java.io.RandomAccessFile;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** Which files are read as law libraries. */
+/** The files that are read as law libraries. */
 class LibraryFileTest {
     @TempDir private Path folder;
 

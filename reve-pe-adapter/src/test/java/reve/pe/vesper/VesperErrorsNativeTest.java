@@ -161,7 +161,7 @@ class VesperErrorsNativeTest {
         assertThat(e).hasMessageContaining("rival_motion").hasMessageContaining("newton_motion");
     }
 
-    /** A sparse file can have any size, and would be read completely. */
+    /** A sparse file can have any size. Without the limit, it would be read completely. */
     @Test
     void aLibraryThatIsTooLargeIsNotRead(@TempDir Path folder) throws Exception {
         Path large = folder.resolve("large.so");

@@ -47,7 +47,7 @@ import java.util.stream.Collectors;
 @Tag("slow")
 class AgentAbuseTest {
 
-    /** Number of clients of each kind; a thousand in a long run. */
+    /** Number of clients of each kind. A long run uses a thousand. */
     private static final int CLIENTS = Integer.getInteger("reve.abuse.clients", 40);
 
     /** Number of faulty clients at the same time, so that places remain for correct ones. */
@@ -65,7 +65,7 @@ class AgentAbuseTest {
     private static final long FRAME_NANOS = 1_000_000;
     private static final int MAX_MORE_FILES = 8; // an error of the virtual machine itself
 
-    /** The bytes that show a `bye` in a stream. */
+    /** Number of last characters of a stream in which the test searches for a `bye`. */
     private static final int LAST = 300;
 
     private static final String PINGS = "{\"t\":\"ping\"}\n".repeat(500);
@@ -75,7 +75,7 @@ class AgentAbuseTest {
         SAYS_NOTHING("hello-late") {
             @Override
             void behave(Attacker attacker) {
-                // That is all.
+                // It sends nothing.
             }
         },
         TALKS_BEFORE_IT_GREETS("line-too-long", "hello-too-long") {
@@ -192,7 +192,7 @@ class AgentAbuseTest {
         VANISHES("idle") {
             @Override
             void behave(Attacker attacker) throws IOException {
-                // as after a power failure of its machine: it answers nothing
+                // It answers nothing, like a machine after a power failure.
                 attacker.say(attacker.hello(""));
             }
         },
@@ -224,7 +224,7 @@ class AgentAbuseTest {
         abstract void behave(Attacker attacker) throws IOException;
     }
 
-    /** A faulty client. Its own thread. */
+    /** A faulty client, which runs in a thread of its own. */
     private static final class Attacker {
         private final Kind kind;
         private final String name;
@@ -402,7 +402,10 @@ class AgentAbuseTest {
         return all[all.length / 2] / 1e3;
     }
 
-    /** Polled between two frames, which are at least a millisecond apart. */
+    /**
+     * Waits for the time of a frame, which is at least a millisecond, and returns whether all
+     * clients are done.
+     */
     private static boolean areDone(List<? extends Future<?>> clients) {
         LockSupport.parkNanos(FRAME_NANOS);
         return clients.stream().allMatch(Future::isDone);

@@ -29,9 +29,7 @@ import java.util.Map;
 import java.util.Random;
 import java.util.function.Function;
 
-/**
- * A faulty client affects no other: it is disconnected with a reason, and the others keep working.
- */
+/** A faulty client is disconnected with a reason. It affects no other client. */
 class AgentLimitsTest {
 
     private static final Duration NEVER = Duration.ofMinutes(5);
@@ -117,7 +115,7 @@ class AgentLimitsTest {
         }
     }
 
-    /** Requests and never reads, until the server disconnects it. */
+    /** Sends requests and reads no answer, until the server disconnects the client. */
     private static void floodUntilCut(AgentRoom room, TestClient greedy) {
         byte[] pings =
                 "{\"t\":\"ping\",\"id\":1}\n".repeat(1000).getBytes(StandardCharsets.US_ASCII);
@@ -259,8 +257,8 @@ class AgentLimitsTest {
                     room.step();
                     drain(client, room);
                 } catch (IOException e) {
-                    // A reset: the server closed the connection before the client had sent
-                    // everything.
+                    // The connection was reset, because the server closed it before the client had
+                    // sent everything.
                 }
             }
             room.stepUntil(
@@ -404,7 +402,8 @@ class AgentLimitsTest {
             for (TestClient client : clients) {
                 client.expect("welcome");
             }
-            // 16 of them after the burst, 100 a second
+            // After the first burst, 16 clients remain. The server lets 100 of them join per
+            // second.
             assertThat(Duration.ofNanos(waited)).isGreaterThan(Duration.ofMillis(150));
         } finally {
             for (TestClient client : clients) {

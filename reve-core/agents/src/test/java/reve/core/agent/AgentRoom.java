@@ -57,10 +57,10 @@ public final class AgentRoom implements AutoCloseable {
     public final FrameLoop loop;
     public final AgentServer server;
 
-    /** For the server's files. For any thread. */
+    /** Problems with the server's files. Any thread may use this queue. */
     public final Queue<String> problems = new ConcurrentLinkedQueue<>();
 
-    /** For any thread. */
+    /** Any thread may read and set this field. */
     volatile Cameras cameras = Cameras.none();
 
     public AgentRoom() throws IOException {
@@ -182,18 +182,18 @@ public final class AgentRoom implements AutoCloseable {
                 CONFIG.address(), limits, CONFIG.timeouts(), Optional.empty(), CONFIG.security());
     }
 
-    /** One frame. */
+    /** Makes one frame. */
     public void step() {
         loop.step();
     }
 
-    /** Makes frames until a condition is true; fails if it is not true after 20 s. */
+    /** Makes frames until a condition is true. Fails if the condition is not true after 20 s. */
     public void stepUntil(String what, BooleanSupplier isSo) {
         stepUntil(what, Duration.ofSeconds(20), isSo);
     }
 
     /**
-     * @param patience after which the condition counts as never fulfilled
+     * @param patience time after which the method fails
      */
     public void stepUntil(String what, Duration patience, BooleanSupplier isSo) {
         long deadline = System.nanoTime() + patience.toNanos();
@@ -217,7 +217,7 @@ public final class AgentRoom implements AutoCloseable {
         return new TestClient(server.address());
     }
 
-    /** An agent that has been welcomed; takes one frame. */
+    /** Returns a client whose agent has joined. This takes one frame. */
     public TestClient join(String name) throws IOException {
         TestClient client =
                 connect().say("{'t':'hello','protocol':1,'name':'" + name + "'}").sync();

@@ -434,7 +434,7 @@ class AgentServerTest {
         ada.say("{'t':'bye'}").expectBye("goodbye");
         room.step();
         assertThat(room.has("ada")).isFalse();
-        bob.socket.setSoLinger(true, 0); // a reset, as when a machine crashes
+        bob.socket.setSoLinger(true, 0); // closing it resets, as a crash does
         bob.close();
         room.stepUntil("the body of who is gone is gone too", () -> !room.has("bob"));
         assertThat(room.has("duck")).isTrue();
@@ -590,7 +590,8 @@ class AgentServerTest {
         for (int i = 0; i < 2000; i++) {
             room.step();
         }
-        // An event that a slow reader receives late on a busy machine belongs to no frame.
+        // If the machine is busy, a slow reader may receive an event late. Such an event has no
+        // frame.
         long least = Long.MAX_VALUE;
         for (int batch = 0; batch < 4; batch++) {
             long before = threads.getCurrentThreadAllocatedBytes();

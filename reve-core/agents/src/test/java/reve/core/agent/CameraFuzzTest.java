@@ -78,7 +78,10 @@ class CameraFuzzTest {
             embody();
         }
 
-        /** Each open request may have been refused, and too many refusals close a connection. */
+        /**
+         * Returns whether the server may have closed the connection. It does so after too many
+         * refusals, and each open request may have been refused.
+         */
         boolean mayBeCut() {
             return errors + open.size() >= AgentRoom.CONFIG.limits().maxErrors() - 1;
         }

@@ -15,7 +15,7 @@ import java.util.List;
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.TrustManagerFactory;
 
-/** A self-signed certificate for this machine, made by the command of the documents. */
+/** A self-signed certificate for this machine, made by the command that the documents give. */
 public record Certificate(Path certificate, Path key) {
 
     static Certificate make(Path folder, String name) throws IOException, InterruptedException {

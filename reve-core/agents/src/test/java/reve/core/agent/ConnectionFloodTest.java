@@ -29,15 +29,18 @@ import java.util.concurrent.FutureTask;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.locks.LockSupport;
 
-/** Thousands of silent connections a second; agents in the world stay, perceive and act. */
+/**
+ * Agents in the world stay, perceive and act while thousands of silent connections arrive per
+ * second.
+ */
 class ConnectionFloodTest {
 
-    /** Seconds of the flood; sixty in a long run. */
+    /** Seconds of the flood. A long run uses sixty. */
     private static final int SECONDS = Integer.getInteger("reve.abuse.seconds", 2);
 
     private static final int PER_SECOND = 5_000;
 
-    /** The flood leaves every other connection open, up to this number. */
+    /** The flood leaves half of its connections open, up to this number. */
     private static final int LEFT_OPEN = 1_000;
 
     private static final int GOOD = 4;
@@ -172,7 +175,7 @@ class ConnectionFloodTest {
         return count;
     }
 
-    /** A connection that leaves no state in the system when it is closed. */
+    /** Opens a connection that leaves no state in the operating system when it is closed. */
     private static Socket knock(InetSocketAddress server) throws IOException {
         var socket = new Socket();
         try {

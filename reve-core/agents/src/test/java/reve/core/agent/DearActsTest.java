@@ -31,7 +31,7 @@ class DearActsTest {
 
     private static final int IN_FLIGHT = 60;
 
-    /** About 900 rounds. */
+    /** An expression that takes about 900 rounds. */
     private static final String DEAR =
             IntStream.range(0, 30)
                             .mapToObj(Integer::toString)
@@ -42,7 +42,7 @@ class DearActsTest {
                             .collect(Collectors.joining(",", "[", "]"))
                     + ".all(b, a + b + a * b >= 0))";
 
-    /** Texts of 8,000 characters together. */
+    /** Texts that have 8,000 characters together. */
     private static final List<String> PAGES =
             IntStream.range(0, 8).mapToObj(i -> "x".repeat(1000)).toList();
 

@@ -33,7 +33,10 @@ class EventBudgetTest {
     private static final int WORLD_BYTES = 1500;
     private static final Parameter WORDS = Parameter.text("words", "What to say.");
 
-    /** "said", "item" "bell", "action" "say", "actor" "ada" or "bob", and "words". */
+    /**
+     * Bytes of an event without its text: "said", "item" "bell", "action" "say", "actor" "ada" or
+     * "bob", and "words".
+     */
     private static final int OTHER_BYTES = 4 + 4 + 4 + 6 + 3 + 5 + 3 + 5;
 
     private AgentRoom room;
@@ -87,7 +90,7 @@ class EventBudgetTest {
         } while (room.loop.frame() % SECOND != 0);
     }
 
-    /** Sends that many letters and returns the result. */
+    /** Says a text of that many letters, and returns the result of the act. */
     private JsonNode say(TestClient client, int letters) throws IOException {
         client.say(
                         "{'t':'act','id':%d,'item':'bell','action':'say','arguments':{'words':'%s'}}"
@@ -97,7 +100,7 @@ class EventBudgetTest {
         return client.skipTo("result");
     }
 
-    /** Returns the last text of the bell. */
+    /** Returns the last text that was said to the bell. */
     private String rung() {
         return (String) room.item("bell").semantic().get("rung").orElseThrow();
     }

@@ -85,7 +85,10 @@ class EventRoutingTest {
         room.close();
     }
 
-    /** The first agent has no sensors, the second only a camera; the others sense some items. */
+    /**
+     * The first agent has no sensors, and the second agent has only a camera. The other agents
+     * sense some items.
+     */
     private ItemDefinition body(String name, int i) {
         ItemDefinition.Builder body =
                 place(ItemDefinition.named(name))

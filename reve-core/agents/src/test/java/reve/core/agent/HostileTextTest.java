@@ -25,10 +25,10 @@ import java.io.IOException;
 import java.util.List;
 import java.util.Random;
 
-/** No text of a client forges a log line or hides part of the output. */
+/** A text of a client can neither forge a log line nor hide a part of the output. */
 class HostileTextTest {
 
-    /** Number of texts; a hundred thousand in a long run. */
+    /** Number of texts. A long run uses a hundred thousand. */
     private static final int TEXTS = Integer.getInteger("reve.hostile.texts", 3_200);
 
     private static final int HELLOS = 200;

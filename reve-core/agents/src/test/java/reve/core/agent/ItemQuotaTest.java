@@ -107,7 +107,7 @@ class ItemQuotaTest {
         }
     }
 
-    /** Returns its oldest leaf that exists. */
+    /** Returns the oldest leaf of an agent that still exists. */
     private String leaf(String agent) {
         return room.world.items().stream()
                 .filter(item -> item.maker().filter(agent::equals).isPresent())

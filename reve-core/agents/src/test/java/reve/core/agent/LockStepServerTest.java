@@ -25,7 +25,7 @@ import java.util.Random;
 import java.util.concurrent.CopyOnWriteArrayList;
 import java.util.concurrent.locks.LockSupport;
 
-/** Agents in lock-step, over the wire; the world runs as fast as possible. */
+/** Agents in lock-step, over the wire. The world runs as fast as possible. */
 class LockStepServerTest {
 
     private static final String HELLO =
@@ -51,7 +51,7 @@ class LockStepServerTest {
         }
     }
 
-    /** An agent that joined before the world runs, and has its first perception. */
+    /** Returns an agent that joined before the world runs, and that has its first perception. */
     private TestClient join(String name, String time) throws IOException {
         TestClient client = room.connect().say(HELLO.formatted(name, time)).sync();
         room.step();
@@ -111,7 +111,7 @@ class LockStepServerTest {
                                                 + "'frame':4,'type':'away','fields':{'agent':'ada','body':'ada'}}"));
             }
             while (room.loop.frame() < 1000) {
-                Thread.onSpinWait(); // within 300 s, if each waited for ada
+                Thread.onSpinWait(); // takes 300 s if each frame waits for ada
             }
             ada.say("{'t':'ready','frame':3}");
             JsonNode back = boss.expect("event");
@@ -156,7 +156,7 @@ class LockStepServerTest {
                     .isEqualTo(
                             TestClient.json("{'longest':%s}".formatted(1_000_000_000L / 60 / 1e9)));
             for (long frame = 0; frame < 1000; ) {
-                frame = bob.skipTo("perception").get("frame").longValue(); // in hours, else
+                frame = bob.skipTo("perception").get("frame").longValue(); // else this takes hours
             }
             ada.say("{'t':'bye'}").skipToBye("goodbye");
             try (TestClient again = room.connect().say(HELLO.formatted("eve", ""))) {
@@ -350,7 +350,8 @@ class LockStepServerTest {
 
     /**
      * Counts the events that a client receives about agents that are late three times and then
-     * away: by agent, with all of them under "told", and missed ones under "".
+     * away. The keys are the names of the agents. The key "told" has the number of all these
+     * events, and the key "" has the number of missed events.
      */
     private static Map<String, Integer> absences(TestClient client, int agents) throws IOException {
         var counts = new HashMap<String, Integer>(Map.of("", 0, "told", 0));
@@ -499,7 +500,8 @@ class LockStepServerTest {
     }
 
     /**
-     * The same acts make the same world, frame by frame, however long each of two agents thinks.
+     * The same acts make the same world in each frame. The time that each of the two agents thinks
+     * has no effect.
      */
     @Test
     void theSameActsMakeTheSameWorldHoweverLongTheAgentsThink() throws Exception {
@@ -528,7 +530,7 @@ class LockStepServerTest {
             play(ada, 1, ~seedOfDelays);
             other.join();
         }
-        // those of the present: the world continues without them
+        // Later frames do not count, because the world continues after the agents have left.
         return hashes.stream().limit(FRAMES).toList();
     }
 

@@ -33,7 +33,10 @@ import java.util.Optional;
 
 import javax.net.SocketFactory;
 
-/** With so many clients that two threads write, each client receives the same as a single one. */
+/**
+ * Two threads write if there are many clients. Then each client receives the same data as a client
+ * that is alone.
+ */
 class LongRowTest {
 
     private static final int AGENTS = 180;
@@ -123,7 +126,7 @@ class LongRowTest {
         return new AgentRoom(config, new AgentPolicy(bodies, Optional.empty()), 1024, items);
     }
 
-    /** A frame in which each item except the last is where no item was before. */
+    /** Makes a frame in which each item except the last is at a place where no item was before. */
     private static void move(AgentRoom room) {
         long next = room.loop.frame() + 1;
         for (int i = 0; i < THINGS - 1; i++) {
@@ -200,12 +203,12 @@ class LongRowTest {
         /** Requests perceptions, and returns when the server has read the request. */
         void ask() throws IOException {
             while (!type(read()).equals("welcome")) {
-                // The events of others.
+                // Skips events about other agents.
             }
             say(Map.of("t", "perceive", "every", every), encoding);
             say(Map.of("t", "ping"), encoding);
             while (!type(read()).equals("pong")) {
-                // So far the world was empty.
+                // Skips perceptions. Until now, the world was empty.
             }
         }
 

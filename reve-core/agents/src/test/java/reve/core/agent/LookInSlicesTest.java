@@ -64,7 +64,7 @@ class LookInSlicesTest {
         private final PerceptionRequests requests =
                 new PerceptionRequests(new Outbox(2, 1000, () -> {}), served);
 
-        /** The frame that was read, at each look. */
+        /** The frame that each look has read. */
         private final List<Long> looks = new ArrayList<>();
 
         /** Number of slices that the next look needs. */

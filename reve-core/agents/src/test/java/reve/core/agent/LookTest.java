@@ -26,7 +26,7 @@ import java.util.EnumSet;
 import java.util.List;
 import java.util.Optional;
 
-/** Requests for camera pictures; the test replaces the renderer. */
+/** Requests for camera pictures. The test replaces the renderer. */
 class LookTest {
 
     private static final Sensor EYE =

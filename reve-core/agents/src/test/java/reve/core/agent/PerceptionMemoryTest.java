@@ -18,14 +18,20 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 
-/** Garbage of the event loop: much of it would stop the world for collections. */
+/**
+ * The amount of garbage of the event loop. If there were much garbage, its collection would stop
+ * the world.
+ */
 class PerceptionMemoryTest {
 
     private static final int AGENTS = 20;
     private static final int ITEMS = 50;
     private static final int MOVING = 5;
 
-    /** Bytes of a view of 50 items are 200 of them; a view lives until the next one. */
+    /**
+     * Most bytes of garbage of a perception. 200 of them belong to a view of 50 items, which lives
+     * until the next view.
+     */
     private static final long MOST_BYTES = 1536;
 
     @Test

@@ -20,7 +20,7 @@ import java.util.Optional;
 import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 
-/** Rewinds of a world, with the agents that are in it at that time. */
+/** Rewinds of a world while agents are in it. */
 class RewindTest {
 
     private AgentRoom room;
@@ -89,7 +89,7 @@ class RewindTest {
         try (var _ = new Running(room)) {
             boss.say("{'t':'pause','id':1}").skipTo("result");
             boss.say("{'t':'perceive','id':2,'every':1}").sync();
-            // The frame in progress at the pause may be perceived, too.
+            // The client may also perceive the frame that was in progress at the pause.
             long first = boss.say("{'t':'step','id':3}").skipTo("result").get("frame").longValue();
             for (long seen = 0; seen < first; ) {
                 seen = boss.skipTo("perception").get("frame").longValue();

@@ -49,7 +49,7 @@ import java.util.TreeSet;
  */
 class RightsModelTest {
 
-    /** Number of operations; a million in a long run. */
+    /** Number of operations. A long run uses a million. */
     private static final int OPERATIONS = Integer.getInteger("reve.abuse.operations", 10_000);
 
     private static final Parameter IMPULSE =
@@ -159,7 +159,7 @@ class RightsModelTest {
 
     private record Holder(String name, String secret, Rights rights) {}
 
-    /** A client in the model; without a body it is no agent. */
+    /** A client in the model. A client without a body is no agent. */
     private final class Client {
         private final Holder holder;
         private final Role role;
@@ -181,7 +181,9 @@ class RightsModelTest {
                     || Math.abs(body.get().x - thing.x) <= NEAR;
         }
 
-        /** Returns the result of an act: a code, or empty if it is executed. */
+        /**
+         * Returns the expected result of an act: a code, or an empty text if the act is executed.
+         */
         String verdict(String item, String action, String other) {
             Thing thing = BY_NAME.get(item);
             if (thing == null || !senses(thing)) {
@@ -351,8 +353,8 @@ class RightsModelTest {
     }
 
     /**
-     * Returns the result of a hello: a code, or empty if it is accepted; the model's client then
-     * has its body.
+     * Returns the expected result of a hello: a code, or an empty text if the hello is accepted.
+     * After an accepted hello, the model's client has its body.
      */
     private String verdict(
             Holder holder,
@@ -398,7 +400,8 @@ class RightsModelTest {
     }
 
     /**
-     * Wrong tokens come from a separate address, so that their limit does not affect the others.
+     * Wrong tokens come from a separate address. Therefore the limit of wrong tokens does not
+     * affect the other clients.
      */
     private Socket connected(boolean fromElsewhere) throws IOException {
         var socket = new Socket();

@@ -38,7 +38,7 @@ import java.util.Set;
 import java.util.TreeSet;
 import java.util.stream.IntStream;
 
-/** Data that no sensor of a body reaches is never sent, and cannot be acted on. */
+/** Data that no sensor of a body reaches is never sent, and the agent cannot act on its item. */
 class SensorsTest {
 
     private static final double QUARTER_TURN = Math.sqrt(0.5);
@@ -274,7 +274,10 @@ class SensorsTest {
         }
     }
 
-    /** Data that one sensor senses now does not reveal what another has not sensed yet. */
+    /**
+     * The data that a sensor senses now does not reveal data that another sensor has not sensed
+     * yet.
+     */
     @ParameterizedTest
     @CsvSource({"1, 3", "3, 1", "3, 2"})
     void whatASlowSensorShowsIsAsItSensedItThoughAnotherIsFaster(int placesEvery, int symbolsEvery)
@@ -417,8 +420,8 @@ class SensorsTest {
     }
 
     /**
-     * Returns the complete data of a frame without a change: the next frame is equal except for its
-     * number.
+     * Returns the complete data of a frame in a world that does not change. The next frame is equal
+     * except for its number.
      */
     private static JsonNode perceiveSame(AgentRoom room, TestClient ada, JsonNode update)
             throws IOException {
@@ -632,7 +635,7 @@ class SensorsTest {
                         .noneMatch(other -> crosses(eye, way, other));
     }
 
-    /** q v q*, by two cross products. */
+    /** Returns q v q*, computed by two cross products. */
     private static double[] rotate(double[] q, double[] v) {
         double[] t = cross(q, v);
         double[] u = cross(q, t);
@@ -649,7 +652,9 @@ class SensorsTest {
         };
     }
 
-    /** Face by face: the line crosses the box if it passes through one of its six sides. */
+    /**
+     * Returns whether a line crosses a box. It does so if it passes through one of the six sides.
+     */
     private static boolean crosses(double[] eye, double[] way, Item box) {
         double[] low = box.physical().boundsMin();
         double[] high = box.physical().boundsMax();
@@ -692,7 +697,7 @@ class SensorsTest {
             perceive(room, ada)
                     .get("items")
                     .forEach(item -> names.add(item.get("name").stringValue()));
-            // the body was created last
+            // The body comes last, because it was created last.
             names.sort((a, b) -> a.equals("ada") ? -1 : b.equals("ada") ? 1 : 0);
             return names;
         }

@@ -18,7 +18,7 @@ import java.nio.charset.StandardCharsets;
 import java.util.ArrayDeque;
 import java.util.Deque;
 
-/** A client by hand: raw lines over a real socket. */
+/** A client that sends and receives raw lines over a real socket. */
 public final class TestClient implements AutoCloseable {
 
     private static final int PATIENCE_MILLIS = 20_000;
@@ -68,7 +68,7 @@ public final class TestClient implements AutoCloseable {
         return JSON.readTree(text.replace('\'', '"'));
     }
 
-    /** Sends a line; ' stands for ". */
+    /** Sends a line. The character ' stands for ". */
     public TestClient say(String line) throws IOException {
         return send((line.replace('\'', '"') + "\n").getBytes(StandardCharsets.UTF_8));
     }

@@ -45,7 +45,7 @@ import javax.net.ssl.SSLSocket;
 
 /** Encrypted connections. */
 class TlsTest {
-    /** Number of lines that are cut at random places; 200 in a long run. */
+    /** Number of lines that are cut at random places. A long run uses 200. */
     private static final int LINES = Integer.getInteger("reve.test.lines", 60);
 
     private static final int HANDSHAKES = 40;
@@ -122,7 +122,7 @@ class TlsTest {
         room.stepUntil("it is gone", () -> room.server.stats().open() == 0);
     }
 
-    /** Each change of keys costs the event loop as much as many messages. */
+    /** A change of keys takes as much time of the event loop as many messages. */
     @Test
     void aClientThatChangesItsKeysOverAndOverIsDisconnected() throws Exception {
         try (TestClient ada = join(room)) {
@@ -334,7 +334,7 @@ class TlsTest {
                 socket.shutdownOutput();
                 socket.getInputStream().readAllBytes();
             } catch (IOException e) {
-                // A reset: the server closed the connection first.
+                // The connection was reset, because the server closed it first.
             }
         }
         room.stepUntil("all are gone", () -> room.server.stats().open() == 0);
@@ -472,7 +472,7 @@ class TlsTest {
                 .hasMessageContaining("(EC)");
     }
 
-    /** The parser would take minutes. */
+    /** The parser would need minutes for such a file. */
     @Test
     void filesOfMegabytesAreRefusedBeforeTheyAreRead(@TempDir Path folder) throws Exception {
         Path large = Files.write(folder.resolve("large.pem"), new byte[1 << 20]);

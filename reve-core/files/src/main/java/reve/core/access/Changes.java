@@ -299,8 +299,8 @@ final class Changes {
     }
 
     /**
-     * Returns a change that first records the item as changed by an act. If a law fails at the item
-     * later, this change may be the cause.
+     * Returns a change that first records the item as changed by an act. The record shows a
+     * possible cause if a law fails at the item later.
      */
     private Runnable suspect(Item item, Runnable change) {
         return () -> {

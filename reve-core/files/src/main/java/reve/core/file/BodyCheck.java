@@ -20,8 +20,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Check of combinations of an item's values, for example of material and shape. Each value was
- * checked alone before.
+ * Check of combinations of an item's values, for example of material and shape. Each single value
+ * was checked before.
  */
 final class BodyCheck {
     /** Maximum absolute coordinate [m]. The limit keeps the cubes of distances finite. */

@@ -35,14 +35,17 @@ final class ObjMeshReader {
     private final int[] counts = new int[3];
 
     /**
-     * (corners of all faces x 3) indices of position, texture coordinates and normal; -1 if a
-     * corner has none.
+     * Indices of position, texture coordinates and normal of each corner (corners of all faces x
+     * 3); -1 if a corner has none.
      */
     private int[] corners = new int[0];
 
     private int cornerCount;
 
-    /** (faces x 2) number of corners, and index of the material in {@link #materialNames}. */
+    /**
+     * Number of corners of each face, and index of its material in {@link #materialNames} (faces x
+     * 2).
+     */
     private int[] faces = new int[0];
 
     private int faceCount;

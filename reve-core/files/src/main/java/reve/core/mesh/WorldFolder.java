@@ -34,7 +34,7 @@ public final class WorldFolder {
     private final Optional<Path> folder;
     private final Consumer<String> found;
 
-    /** True if files can be found only if the folder contains a world file. */
+    /** True if a folder without a world file must give no files. */
     private final boolean needsWorld;
 
     private volatile boolean hasWorld;

@@ -273,7 +273,7 @@ class ActionsTest {
         assertThat(refused).hasMessageContaining("tray");
     }
 
-    /** Another agent cannot prevent a creation by taking the name first. */
+    /** Another agent cannot prevent that an item is created by using its name first. */
     @Test
     void createdItemsHaveANameThatIsFree() throws Exception {
         long id = world.lastId() + 2;
@@ -299,7 +299,7 @@ class ActionsTest {
                 .hasMessageContaining("1000 of at most 1000");
         assertThat(world.forces().active()).hasSize(ForceBudget.OF_AGENT);
         blow(budget, "bob", 1);
-        blow(budget, "ann", 2); // they last for a frame
+        blow(budget, "ann", 2); // forces last for one frame
     }
 
     private void blow(ForceBudget budget, String agent, long frame) throws ActionRefused {

@@ -25,7 +25,7 @@ import java.nio.charset.StandardCharsets;
 import java.util.Map;
 import java.util.Optional;
 
-/** What other threads read of the work of the world's thread. */
+/** The texts that other threads read about the work of the world's thread. */
 @Timeout(20)
 class ActivityTest {
     private static final String FILE =

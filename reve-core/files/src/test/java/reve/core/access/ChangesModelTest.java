@@ -28,8 +28,9 @@ import java.util.Optional;
 import java.util.Random;
 
 /**
- * Random actions, compared with a model that applies the effects one by one through the world's
- * methods and starts over when one throws: an action takes effect completely, or not at all.
+ * An action takes effect completely or not at all. The test compares random actions with a model,
+ * which applies the effects one by one through the world's methods and starts again when a method
+ * throws.
  */
 @Tag("slow")
 class ChangesModelTest {
@@ -80,7 +81,10 @@ class ChangesModelTest {
         return "i" + random.nextInt(6);
     }
 
-    /** Six bodies: some with mass, some scenery, some attached to others, and a spring. */
+    /**
+     * Returns a world of six bodies. Some of them have mass, and some are scenery. If possible, one
+     * is attached to another, and a spring joins two.
+     */
     private static World world(long seed, OffHeapArena arena) {
         var random = new Random(seed);
         World world = new World("test", PROTOTYPE, arena);
@@ -102,7 +106,7 @@ class ChangesModelTest {
                             .reference("end2", "i3")
                             .build());
         } catch (IllegalArgumentException impossible) {
-            // some worlds lack both
+            // Some worlds have no attached body and no spring.
         }
         return world;
     }

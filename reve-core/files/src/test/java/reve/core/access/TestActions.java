@@ -40,7 +40,7 @@ public final class TestActions {
         }
     }
 
-    /** Breaks every rule, one for each way of calling it. */
+    /** Breaks every rule of actions. Each way of calling it breaks one rule. */
     public static final class Broken implements ActionProvider {
         @Override
         public String name() {

@@ -12,7 +12,9 @@ import reve.core.world.WorldPrototype;
 
 import java.nio.charset.StandardCharsets;
 
-/** The keys of bodies that touch: terrains, and the properties that only some worlds have. */
+/**
+ * The keys of bodies that touch. They include terrains, and properties that only some worlds have.
+ */
 class ContactKeysTest {
     private static WorldDescription parse(String items) throws WorldFileException {
         return WorldFile.parse(

@@ -21,9 +21,9 @@ import java.util.stream.Collectors;
 import java.util.stream.IntStream;
 
 /**
- * Short files that could occupy a reader for long: a file that is too large is refused before
- * anything is built from it, and content that many items share is read once. The tests count work,
- * or compare the processor time of a large file with that of a small one.
+ * Short files that could occupy a reader for a long time. The reader refuses a file that is too
+ * large before it builds anything from it, and it reads content that many items share only once.
+ * The tests count work, or compare the processor time of a large file with that of a small one.
  */
 @Tag("slow")
 class CostlyWorldsTest {
@@ -43,7 +43,9 @@ class CostlyWorldsTest {
         return IntStream.range(0, count).mapToObj(line).collect(Collectors.joining());
     }
 
-    /** Each declaration is also wrong, which a reader of the declarations would report. */
+    /**
+     * Each declaration also has a mistake. A reader that reads the declarations would report it.
+     */
     @ParameterizedTest
     @CsvSource(
             delimiter = '!',
@@ -90,7 +92,7 @@ class CostlyWorldsTest {
                         "w:1002:3: properties: found 1001 in all files, expected at most 1000");
     }
 
-    /** The name's formula is also wrong in each repetition, which an evaluation would report. */
+    /** The name's formula also has a mistake in each repetition. An evaluation would report it. */
     @Test
     void formulasAreCountedBeforeAnyIsWorkedOut() {
         assertThat(
@@ -230,7 +232,7 @@ class CostlyWorldsTest {
                 .endsWith("d48", "d49");
     }
 
-    /** Each family would have 20 million values or more. */
+    /** Each family of repetitions would have 20 million values or more. */
     @ParameterizedTest
     @CsvSource(
             delimiter = '!',
@@ -305,7 +307,7 @@ class CostlyWorldsTest {
                 .hasSize(10_000);
     }
 
-    /** Formerly, a mapping that is built again counted as one value, whatever its size. */
+    /** In an earlier version, a mapping of any size that was built again counted as one value. */
     @Test
     void whatRepetitionsCopyIsCounted() {
         assertThat(
@@ -321,8 +323,8 @@ class CostlyWorldsTest {
     }
 
     /**
-     * An item's own values are not shared, and neither are values that resemble the other's in part
-     * only.
+     * An item's own values are not shared. Values that are only partly equal to those of the prefab
+     * are not shared either.
      */
     @Test
     void whatAnItemAddsToAPrefabIsItsOwn() throws WorldFileException {
@@ -345,7 +347,10 @@ class CostlyWorldsTest {
                 .containsExactly(1.0, 1.0, 1.0, 2.0);
     }
 
-    /** Formerly, a million repetitions of 300 actions took 25 times as long as those of 3. */
+    /**
+     * In an earlier version, a million repetitions of 300 actions took 25 times as long as a
+     * million repetitions of 3 actions.
+     */
     @Test
     void actionsOfRepetitionsCostNothing() throws WorldFileException {
         assertThat(nanoseconds(repeated(300))).isLessThan(8 * nanoseconds(repeated(3)));
@@ -389,8 +394,8 @@ class CostlyWorldsTest {
     }
 
     /**
-     * One value, comment or line of punctuation, which a scanner could copy for each piece that it
-     * reads.
+     * Each text is one value, comment or line of punctuation. A scanner could copy it for each
+     * piece that it reads.
      */
     @ParameterizedTest
     @CsvSource(
@@ -417,7 +422,9 @@ class CostlyWorldsTest {
                 .isLessThan(30);
     }
 
-    /** For each bracket, the scanner formerly read the indentation of its line again. */
+    /**
+     * In an earlier version, the scanner read the indentation of the line again for each bracket.
+     */
     @Test
     void timeOfAnUnclosedBracketGrowsAsTheFile() {
         String line = START + "doc:\n" + " ".repeat(30_000);
@@ -429,7 +436,7 @@ class CostlyWorldsTest {
         return least(() -> problems(text));
     }
 
-    /** With a number, or with one of 2^16 names that have the same hash. */
+    /** Returns a piece with a number in it, or with one of 2^16 names that have the same hash. */
     private static String piece(String piece, int number) {
         return piece.formatted(
                 number,
@@ -443,7 +450,7 @@ class CostlyWorldsTest {
         return least(() -> problems(text));
     }
 
-    /** Returns the processor time of this thread, the least of three. */
+    /** Returns the least of three measurements of the processor time of this thread. */
     private static long least(Runnable work) {
         var threads = ManagementFactory.getThreadMXBean();
         long least = Long.MAX_VALUE;

@@ -18,22 +18,22 @@ import java.util.Map;
 import java.util.Random;
 
 /**
- * Worlds of the project in which keys and values of all types are at wrong places: refused with
- * places and reasons, or valid and buildable. Some 94 % are refused; a check that refused more
- * would refuse valid worlds. The seed is fixed, so that the bound may be close; {@code
- * -Dreve.test.seed=N} gives others.
+ * Worlds of the project in which keys and values of all types are at wrong places. Each world is
+ * refused with a place and a reason, or it is valid and can be built. About 94 % are refused. A
+ * check that refuses more would refuse valid worlds. The seed is fixed, so that the bound can be
+ * close to this number. {@code -Dreve.test.seed=N} gives other worlds.
  */
 @Tag("slow")
 class DamagedWorldsTest {
     private static final int MUTANTS = Integer.getInteger("reve.world.mutants", 300);
 
     /**
-     * One mutant in that many is a valid world: both answers must occur, or the test proves
-     * nothing.
+     * At least one mutant in that many must be a valid world. The test proves nothing if only one
+     * of the two answers occurs.
      */
     private static final int LEAST_BUILT = 30;
 
-    /** Larger files would test nothing new, slowly. */
+    /** Larger files would test nothing new and would take more time. */
     private static final int MAX_LENGTH = 6000;
 
     @Test

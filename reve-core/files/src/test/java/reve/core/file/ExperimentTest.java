@@ -18,7 +18,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 
-/** The reader of experiments: the runs, and the worlds that they build from one world file. */
+/** The reader of experiments, with the runs and the worlds that they build from one world file. */
 class ExperimentTest {
     private static final String HEAD =
             """

@@ -23,7 +23,10 @@ import java.util.stream.Stream;
 class HostileFileTest {
     private static final String START = "reve: 1\nname: w\n";
 
-    /** Far more than a refusal takes, and far less than the attacks aim at (minutes, gigabytes). */
+    /**
+     * Far more time than a refusal takes, and far less than the attackers want (minutes,
+     * gigabytes).
+     */
     private static final Duration PATIENCE = Duration.ofSeconds(30);
 
     static Stream<Arguments> attacks() {
@@ -202,7 +205,7 @@ class HostileFileTest {
         assertThat(refused).hasMessage("w:" + message);
     }
 
-    /** The YAML library reads pieces of 1,025 characters, and such a character is two of them. */
+    /** The YAML library reads pieces of 1,025 characters, and it counts such a character as two. */
     @Test
     void charactersBeyond16BitsMayStandAnywhere() throws WorldFileException {
         for (int before = 1000; before < 1050; before++) {

@@ -246,7 +246,10 @@ class IncludeTest {
                                 + "read from a file has no folder to find it in");
     }
 
-    /** Messages would quote its lines; a file that the user names may be a link. */
+    /**
+     * A link in the folder is refused, because messages would quote lines of its target. A file
+     * that the user names may be a link.
+     */
     @Test
     void theWorldFileOfAFolderIsInTheFolder(@TempDir Path other) throws Exception {
         Path outside = Files.writeString(other.resolve("w.yaml"), START);

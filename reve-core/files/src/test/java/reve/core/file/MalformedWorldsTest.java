@@ -24,7 +24,10 @@ import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 
-/** Every malformed world is refused at the right place, briefly, quickly and in plain words. */
+/**
+ * Every malformed world is refused quickly, with the right place and a short message in plain
+ * words.
+ */
 class MalformedWorldsTest {
     private static final int MOST_PROBLEMS = 3;
     private static final long MOST_NANOSECONDS = 100_000_000;
@@ -67,7 +70,10 @@ class MalformedWorldsTest {
                                     "reve: 1\nname: w\nitems:\n- name: b{i}\n  repeat: 3\n  ",
                                     "\n")));
 
-    /** Names of classes and packages, stack traces, and folders of a build. */
+    /**
+     * Names of classes and packages, stack traces, and folders of a build. No message may have
+     * them.
+     */
     private static final String INNARDS =
             "(?i)\\b(java|javax|reve|de|com|org|tools|dev)\\.[a-z]+\\.[\\w.]*[A-Z]|\\w+Exception|\\bat"
                     + " [a-z]+\\.|build/|\\.java\\b|\\bnull\\b";
@@ -272,7 +278,7 @@ class MalformedWorldsTest {
                 .doesNotContainPattern(INNARDS);
     }
 
-    /** Honest names of all scripts, and emoji; a name stays as it was written. */
+    /** Names in all scripts that do not deceive, and emoji. A name stays as it was written. */
     @ParameterizedTest
     @ValueSource(
             strings = {
@@ -350,7 +356,7 @@ class MalformedWorldsTest {
         assertThat(world.warnings()).isEmpty();
     }
 
-    /** Two names on lines 4 and 5. */
+    /** The world has two similar names on lines 4 and 5. */
     @ParameterizedTest(name = "{0} {1}")
     @CsvSource({
         "scope, ѕсоре",
@@ -421,7 +427,7 @@ class MalformedWorldsTest {
                                 + "mass 0");
     }
 
-    /** Values that laws wrote into a world are no reason to refuse it. */
+    /** A world is not refused because of values that laws wrote into it. */
     @Test
     void aWorldThatRanIsOnlyWarnedOf() throws WorldFileException {
         WorldDescription world =

@@ -23,7 +23,7 @@ import java.util.regex.Pattern;
 class MutatedFilesTest {
     private static final int MUTANTS = Integer.getInteger("reve.test.mutants", 400);
 
-    /** Larger files would test nothing new, slowly. */
+    /** Larger files would test nothing new and would take more time. */
     private static final int MAX_LENGTH = 4000;
 
     private static final String INNARDS =

@@ -11,7 +11,7 @@ import reve.core.world.World;
 
 import java.util.List;
 
-/** Cameras of world files: how they are read and written, and their curves. */
+/** Cameras of world files. The tests read them, write them and check their curves. */
 class NamedCameraTest {
     private static final double EXACT = 1e-12;
 

@@ -169,7 +169,7 @@ final class RandomItems {
         };
     }
 
-    /** Returns whether two lists of numbers are equal to the bit. */
+    /** Returns whether two lists of numbers have the same bits. */
     static boolean bits(double[] a, double[] b) {
         return Arrays.equals(
                 Arrays.stream(a).mapToLong(Double::doubleToRawLongBits).toArray(),

@@ -18,8 +18,8 @@ import java.util.Map;
 import java.util.Random;
 
 /**
- * The problems that an editor finds with nothing but the shipped schema, by a validator that shares
- * no code with the reader of world files: it reads a whole file at once, with its items.
+ * The problems that an editor finds if it has only the shipped schema. The validator of this test
+ * shares no code with the reader of world files. It reads a whole file with its items at once.
  */
 class SchemaAgreementTest {
     private static final int MUTANTS = Integer.getInteger("reve.schema.mutants", 1500);

@@ -27,7 +27,7 @@ import javax.tools.JavaFileObject;
 import javax.tools.SimpleJavaFileObject;
 import javax.tools.ToolProvider;
 
-/** The examples of {@code docs/semantics.md} and {@code docs/actions.md} work. */
+/** The examples of {@code docs/semantics.md} and {@code docs/actions.md} are correct. */
 class SemanticsDocumentTest {
     private static List<String> blocks(String page, String language) throws IOException {
         Matcher block =

@@ -29,7 +29,10 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
-/** Edits of a running world: what each does, and that a refused one changes nothing. */
+/**
+ * Edits of a running world. The tests check the effect of each edit, and that a refused edit
+ * changes nothing.
+ */
 class WorldEditTest {
     private static final String WORLD =
             """
@@ -73,7 +76,7 @@ class WorldEditTest {
         return reader.change(item, item(item).kind(), to);
     }
 
-    /** Returns everything that can be said of the world. */
+    /** Returns the complete state of the world. */
     private List<Object> state() {
         List<Object> state = new ArrayList<>();
         for (Item each : world.items()) {
@@ -93,7 +96,7 @@ class WorldEditTest {
         return state;
     }
 
-    /** An agent may remove its own body, which the world then still keeps for the agent. */
+    /** An agent may remove its own body. Then the world still keeps the body for the agent. */
     @Test
     void aBodyThatIsGoneHindersNoEdit() throws Exception {
         ItemId gone = world.find("c").orElseThrow().id();
@@ -382,7 +385,10 @@ class WorldEditTest {
                 .hasMessageStartingWith("rule x: ");
     }
 
-    /** The order is checked once for all changes, so a rule may read one that follows it. */
+    /**
+     * The order of the rules is checked once for all changes. Therefore a rule may read a rule that
+     * follows it.
+     */
     @Test
     void rulesOfOneMessageChangeTogetherUpToALimit() throws Exception {
         Map<String, Optional<String>> many = new LinkedHashMap<>();

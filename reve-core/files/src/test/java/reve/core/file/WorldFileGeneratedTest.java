@@ -19,9 +19,8 @@ import java.util.Random;
 import java.util.TreeMap;
 
 /**
- * Random valid files build the intended world; random damage is refused properly or is harmless,
- * and a file that is not refused can be built. The seed is printed; {@code -Dreve.test.seed=N}
- * repeats it.
+ * Random valid files build the intended world. A file with random damage is refused with a message,
+ * or it can be built. The seed is printed. {@code -Dreve.test.seed=N} repeats it.
  */
 class WorldFileGeneratedTest {
     private static final int FILES = 200;
@@ -139,7 +138,7 @@ class WorldFileGeneratedTest {
         }
     }
 
-    /** Two roundings apart at most. */
+    /** Returns a tolerance of two roundings. */
     private static org.assertj.core.data.Offset<Double> within(double value) {
         return org.assertj.core.api.Assertions.within(2 * Math.ulp(value));
     }

@@ -275,7 +275,7 @@ class WorldFileProblemsTest {
                                 + "both halves, as in `\\uD83D\\uDE00`");
     }
 
-    /** The messages of the server, and of the tools that read its events. */
+    /** The names of these events belong to the server, and to the tools that read its events. */
     @ParameterizedTest
     @ValueSource(
             strings = {
@@ -322,7 +322,7 @@ class WorldFileProblemsTest {
                                 + "removed");
     }
 
-    /** It becomes part of file names. */
+    /** The name of a world becomes a part of file names. */
     @ParameterizedTest
     @ValueSource(strings = {"../up", "a/b", "..", ".hidden", "-x", " x", "é", "a:b", "a*"})
     void refusesAWorldNameThatCannotBePartOfAFileName(String name) {

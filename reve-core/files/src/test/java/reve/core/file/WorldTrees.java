@@ -110,7 +110,9 @@ final class WorldTrees {
 
     private WorldTrees() {}
 
-    /** Changes a random place: another value, one key less, one more, or another name. */
+    /**
+     * Changes a random place. The place then has another value or name, or one key more or less.
+     */
     @SuppressWarnings("unchecked") // by construction
     static void mutate(Object world, Random random) {
         Object at = world;
@@ -236,7 +238,8 @@ final class WorldTrees {
     }
 
     /**
-     * World files of the project, and blocks of its documents that are whole worlds, as written.
+     * World files of the project, and blocks of its documents that are whole worlds, as they are
+     * written.
      */
     static List<String> sources() throws IOException {
         return Stream.concat(texts().values().stream(), blocks().values().stream())

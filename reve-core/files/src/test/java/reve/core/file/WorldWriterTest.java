@@ -227,7 +227,7 @@ class WorldWriterTest {
         world.attach(child.id(), world.find("late 1").orElseThrow().id());
     }
 
-    /** Rows that laws use must be the same; scenery may be in another order. */
+    /** Rows that laws use must be in the same order. Scenery may be in another order. */
     private static void requireSameColumns(World world, World expected, String what) {
         for (Table table : expected.tables()) {
             Table other = world.table(table.kind());

@@ -39,7 +39,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
 
-/** Images and changes that are encoded and decoded are the same worlds. */
+/** Images and changes describe the same world after they are encoded and decoded. */
 class WorldCodecTest {
 
     private static final WorldPrototype PROTOTYPE =
@@ -117,7 +117,7 @@ class WorldCodecTest {
         }
     }
 
-    /** Columns of zeros have no section, so only the number of items bounds their length. */
+    /** Columns of zeros have no section. Therefore only the number of items bounds their length. */
     @Test
     void anImageThatClaimsMoreRowsThanItemsTakesNoMemory() {
         World world = empty();
@@ -213,7 +213,10 @@ class WorldCodecTest {
                 : null;
     }
 
-    /** Returns the last changes of a frame; at its end the rows contain the written values. */
+    /**
+     * Makes the last changes of a frame. Therefore the rows still have the written values at its
+     * end.
+     */
     private static void editDirectly(World world, Random random) {
         if (random.nextInt(4) == 0 && world.table("body").rowCount() > 0) {
             Column column = world.table("body").column("temperature");

@@ -34,7 +34,9 @@ class AssetsTest {
         return new Assets(new WorldFolder(folder));
     }
 
-    /** A recording or store may be the work of a stranger, who names a folder. */
+    /**
+     * A stranger may have made a recording or store, and may have chosen the folder that it names.
+     */
     @Test
     void aFolderThatARecordingNamesIsReadOnlyIfItContainsAWorldFile() throws Exception {
         Files.writeString(folder.resolve("t.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -168,7 +168,7 @@ class BrokenAssetsTest {
                 "expected a PNG or JPEG image");
     }
 
-    /** The two thirds of a model that random damage can reach: binary, JSON and image. */
+    /** Random damage reaches the binary data, the JSON and the image of a model. */
     @Test
     void mutantsAreReadOrRefusedInOneLine() throws IOException {
         long seed = Seed.of("broken assets");
@@ -233,7 +233,10 @@ class BrokenAssetsTest {
                 .getBytes(StandardCharsets.UTF_8);
     }
 
-    /** Flips bits, swaps digits, truncates, doubles or mixes; most leave the file almost valid. */
+    /**
+     * Flips bits, swaps digits, truncates, doubles or mixes. Most of these changes leave the file
+     * almost valid.
+     */
     private static byte[] mutate(byte[] model, byte[][] others, Random random) {
         byte[] mutant = model.clone();
         for (int changes = 1 + random.nextInt(4); changes > 0; changes--) {
@@ -259,7 +262,9 @@ class BrokenAssetsTest {
         return mutant;
     }
 
-    /** JSON with another number is still JSON: that is how damage passes the parser. */
+    /**
+     * Changes a digit. JSON with another number is still JSON, so this damage passes the parser.
+     */
     private static void changeDigit(byte[] bytes, int from, Random random) {
         for (int at = from; at < bytes.length; at++) {
             if (bytes[at] >= '0' && bytes[at] <= '9') {

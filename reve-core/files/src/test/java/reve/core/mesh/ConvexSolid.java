@@ -9,7 +9,7 @@ import java.util.Comparator;
 import java.util.List;
 import java.util.Random;
 
-/** The convex hull of random points, as a mesh, and its integrals by cutting it into slices. */
+/** The convex hull of random points as a mesh. Its integrals are computed from slices. */
 final class ConvexSolid {
 
     /** Nodes and weights of Gauss and Legendre on -1 to 1, exact for polynomials of degree 5. */
@@ -55,7 +55,7 @@ final class ConvexSolid {
         }
     }
 
-    /** Positive where (a, b, c) runs counter-clockwise as seen from d. */
+    /** Returns a positive number if (a, b, c) is counter-clockwise as seen from d. */
     private static double side(double[] a, double[] b, double[] c, double[] d) {
         double[] u = minus(b, a);
         double[] v = minus(c, a);
@@ -69,7 +69,7 @@ final class ConvexSolid {
         return new double[] {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     }
 
-    /** Of its corners only: points inside belong to no triangle. */
+    /** Returns a mesh of the corners. Points inside the hull belong to no triangle. */
     Mesh mesh() {
         float[] vertices = new float[3 * points.length];
         for (int i = 0; i < vertices.length; i++) {
@@ -79,9 +79,9 @@ final class ConvexSolid {
     }
 
     /**
-     * Integrals over the solid of 1, x, y, z, xx, yy, zz, yz, zx, xy, about a place: between two
-     * heights at which there are corners, those over a cut are polynomials of the height, of degree
-     * 4 at most.
+     * Returns the integrals of 1, x, y, z, xx, yy, zz, yz, zx and xy over the solid, about a place.
+     * Between two neighbouring heights of corners, the integral over a cut is a polynomial of the
+     * height. Its degree is at most 4.
      */
     double[] integrals(double[] about) {
         double[] sums = new double[10];
@@ -123,7 +123,10 @@ final class ConvexSolid {
         }
     }
 
-    /** Where edges go through a height: the corners of a convex polygon, counter-clockwise. */
+    /**
+     * Returns the points at which edges pass through a height. They are the corners of a convex
+     * polygon, in counter-clockwise order.
+     */
     private List<double[]> cut(double z, double[] about) {
         List<double[]> corners = new ArrayList<>();
         for (int[] face : faces) {

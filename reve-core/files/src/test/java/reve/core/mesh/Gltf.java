@@ -11,7 +11,10 @@ import java.util.Collections;
 import java.util.List;
 import java.util.Locale;
 
-/** Writes glTF files for tests, independently of the reader: accessors by hand, JSON as text. */
+/**
+ * Writes glTF files for tests. It shares no code with the reader, and writes accessors and JSON
+ * itself.
+ */
 final class Gltf {
 
     static final String TRIANGLE_MESH =
@@ -117,7 +120,7 @@ final class Gltf {
         return gltf;
     }
 
-    /** A scene of all these nodes. */
+    /** Returns a scene of all these nodes. */
     static String scene(String... nodes) {
         List<String> numbers = new ArrayList<>();
         for (int i = 0; i < nodes.length; i++) {

@@ -129,7 +129,10 @@ final class HeavyAssets {
         }
     }
 
-    /** Time of all threads of this process, so that other work on the machine does not matter. */
+    /**
+     * Returns the processor time of all threads of this process. Other work on the machine does not
+     * change it.
+     */
     private static long cpuNanoseconds() {
         return ((OperatingSystemMXBean) ManagementFactory.getOperatingSystemMXBean())
                 .getProcessCpuTime();
@@ -140,7 +143,7 @@ final class HeavyAssets {
         return List.of(name);
     }
 
-    /** A file of 64 MiB: a beginning, a repeated text, an end. */
+    /** A file of 64 MiB, which has a beginning, a repeated text and an end. */
     private static Writer text(String name, String begin, String again, String end) {
         return folder -> {
             byte[] part =
@@ -173,7 +176,7 @@ final class HeavyAssets {
         return List.of("x.obj");
     }
 
-    /** 4 MB in which each face is in thousands of groups. */
+    /** A file of 4 MB in which each face is in thousands of groups. */
     private static List<String> groupsTimesFaces(Path folder) throws IOException {
         var text = new StringBuilder(OBJ_TRIANGLE).append('g');
         for (int i = 0; i < 60_000; i++) {
@@ -268,7 +271,7 @@ final class HeavyAssets {
                 + "}], \"nodes\": [{\"mesh\": 0}]";
     }
 
-    /** 2,000 materials, each with an image of its own, which are one file. */
+    /** 2,000 materials, each with an image of its own. All images are the same file. */
     private static List<String> images(Path folder) throws IOException {
         var image = new ByteArrayOutputStream();
         ImageIO.write(new BufferedImage(1024, 1024, BufferedImage.TYPE_INT_RGB), "png", image);
@@ -277,7 +280,10 @@ final class HeavyAssets {
         return write(folder, "x.glb", gltf.glb(manyImages(2000, i -> "{\"uri\": \"x.png\"}")));
     }
 
-    /** 2,000 parts of one file that begin at one place, each with one huge image of one pixel. */
+    /**
+     * 2,000 views of one file that begin at the same place. Each has the same image, which has one
+     * pixel and is large.
+     */
     private static List<String> viewsOfAnImage(Path folder) throws IOException {
         byte[] image = chunks(31 * MIB, "teXt", 0);
         var gltf = Gltf.triangle();
@@ -326,7 +332,7 @@ final class HeavyAssets {
                 + "}], \"nodes\": [{\"mesh\": 0}]";
     }
 
-    /** Nodes times primitives that are no triangles. */
+    /** Many nodes with many primitives that are no triangles. */
     private static List<String> points(Path folder) throws IOException {
         var gltf = Gltf.triangle();
         String mesh =
@@ -339,7 +345,7 @@ final class HeavyAssets {
                 gltf.glb(mesh + ", \"nodes\": [" + Gltf.list("{\"mesh\": 0}", 50_000) + "]"));
     }
 
-    /** A JPEG behind as many comments as fit. */
+    /** A JPEG image that follows as many comments as fit into the file. */
     private static byte[] commented(int size) throws IOException {
         byte[] image = Jpegs.progressive(8);
         ByteBuffer file = ByteBuffer.allocate(size + image.length);

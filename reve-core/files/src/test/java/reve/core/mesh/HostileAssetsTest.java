@@ -19,8 +19,8 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.zip.CRC32;
 
 /**
- * Malicious files: by sizes, nesting, cycles, counts, references to themselves, and early ends.
- * Each is read, or refused in one line that names a file and a reason.
+ * Malicious files. They have extreme sizes, nesting, cycles or counts, refer to themselves, or end
+ * early. Each file is read, or is refused in one line that names a file and a reason.
  */
 class HostileAssetsTest {
 
@@ -28,7 +28,10 @@ class HostileAssetsTest {
 
     @TempDir private Path folder;
 
-    /** The cases by name: the file and its bytes; the first word of the name is the file's name. */
+    /**
+     * Returns the bytes of each case by its name. The first word of the name is the name of the
+     * file.
+     */
     private static Map<String, byte[]> corpus() throws IOException {
         Map<String, byte[]> corpus = new LinkedHashMap<>();
         addValues(corpus);

@@ -35,7 +35,10 @@ final class Jpegs {
         return bytes.toByteArray();
     }
 
-    /** The same image with its last scan, which refines all, many times more. */
+    /**
+     * Returns the same image, in which the last scan occurs {@code more} times more. This scan
+     * refines all values.
+     */
     static byte[] withScans(int side, int more) throws IOException {
         byte[] image = progressive(side);
         byte[] scan = Arrays.copyOfRange(image, lastScan(image), image.length - 2);

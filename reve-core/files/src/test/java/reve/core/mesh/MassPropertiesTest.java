@@ -25,7 +25,8 @@ class MassPropertiesTest {
     };
 
     /**
-     * A box that begins at a corner; bits 0, 1, 2 of a vertex's number select the end of x, y, z.
+     * Returns a box with this corner. Bits 0, 1 and 2 of a vertex's number select the end of x, y
+     * and z.
      */
     private static Mesh box(double x, double y, double z, double... size) {
         float[] vertices = new float[24];
@@ -68,7 +69,7 @@ class MassPropertiesTest {
         assertThat(lens.moments()[0] / rod.moments()[0]).isCloseTo(1, within(5e-3));
     }
 
-    /** The moments of a capsule by adding thin discs. */
+    /** The expected moments of a capsule are sums over thin discs. */
     @Test
     void aCapsuleHasTheMomentsOfItsDiscs() {
         double radius = 0.3;
@@ -241,8 +242,8 @@ class MassPropertiesTest {
     }
 
     /**
-     * An octahedron, each triangle divided in four that many times, with its vertices at distance
-     * 1.
+     * Returns an octahedron whose triangles are divided into four, {@code level} times. All
+     * vertices are at the distance 1.
      */
     private static Mesh icosphere(int level) {
         List<double[]> points =

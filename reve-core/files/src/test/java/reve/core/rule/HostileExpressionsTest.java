@@ -33,7 +33,9 @@ class HostileExpressionsTest {
     private static final double MAX_MILLISECONDS_TO_COMPILE = 250;
     private static final double MAX_MEBIBYTES = 16;
 
-    /** The compiler, or other work on the machine, may slow down an attempt. */
+    /**
+     * Number of attempts. The compiler, or other work on the machine, may slow down some of them.
+     */
     private static final int ATTEMPTS = 50;
 
     /** Operations that enlarge a value. */

@@ -342,7 +342,7 @@ class RulesTest {
         assertThat(all(items, "after")).containsOnly(201.0);
     }
 
-    /** A large world is complete in its first frame. */
+    /** In a large world, all symbols are complete after the first frame. */
     @Test
     void firstFrameAndTheFirstAfterARestorationMayTakeMoreSteps() throws Exception {
         List<Item> items = bodies(10);
@@ -375,7 +375,7 @@ class RulesTest {
         rules.update(1);
         assertThat(world.charges().take()).isEmpty();
 
-        items.get(0).physics().set("temperature", 1); // by nobody
+        items.get(0).physics().set("temperature", 1); // by no agent
         world.charges().begin("ann");
         items.get(1).physics().set("temperature", 2);
         world.charges().end();
@@ -393,7 +393,7 @@ class RulesTest {
         assertThat(world.charges().take()).isEmpty();
     }
 
-    /** The result does not depend on the number of frames until the item's turn. */
+    /** The result is the same for any number of frames until the rule of the item is evaluated. */
     @Test
     void stepsAreChargedAlsoIfTheEvaluationHasToWait() throws Exception {
         List<Item> items = bodies(20);
@@ -408,7 +408,7 @@ class RulesTest {
             charged += world.charges().take().getOrDefault("ann", 0L);
         }
 
-        // A result from before the change is computed again.
+        // A result that was computed before the change is computed again.
         assertThat(charged).isBetween(20 * 200L, 20 * 500L);
     }
 
@@ -459,7 +459,7 @@ class RulesTest {
         assertThat(Collections.frequency(all(items, "warm"), "none")).isEqualTo(6);
     }
 
-    /** Kept results must equal those of a world that keeps none, whatever happened before. */
+    /** The kept results must always equal those of a world that keeps no results. */
     @Test
     void keptSymbolsAreThoseOfAWorldWithoutMemory() throws Exception {
         long seed = Seed.of("rules");

@@ -104,7 +104,7 @@ class MjcfImportTest {
         assertThat(items.get("trunk shape").colour()).hasToString("#ff0000ff");
         assertThat(items.get("trunk look").colour()).hasToString("#00ff0080");
         assertThat(items.get("trunk look").hasPhysics()).isFalse();
-        // The scenery collides; the sign in the air does not.
+        // The scenery collides, but the sign in the air does not.
         assertThat(items.get("ground").shape()).isEqualTo(Shape.plane(200, 10));
         assertThat(items.get("ground").hasPhysics()).isFalse();
         assertThat(items.get("world look").hasPhysics()).isFalse();
@@ -166,7 +166,9 @@ class MjcfImportTest {
                         "not imported: damping of joints of type free");
     }
 
-    /** Types and affinities of the parts match the floor, not each other. */
+    /**
+     * The types and affinities of the parts match those of the floor, and not those of each other.
+     */
     @Test
     void typesAndAffinitiesBecomeLayers() throws Exception {
         Map<String, ItemDefinition> items = items(imported(ROBOT));

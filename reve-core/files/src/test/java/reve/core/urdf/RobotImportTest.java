@@ -29,7 +29,10 @@ import java.util.Map;
 import java.util.Random;
 import java.util.stream.Collectors;
 
-/** Robots as worlds: bodies, joints and meshes against closed forms, and files that are wrong. */
+/**
+ * Robots as worlds. Bodies, joints and meshes are compared with closed forms, and wrong files are
+ * refused.
+ */
 class RobotImportTest {
     private static final RobotImport.Options USUAL =
             new RobotImport.Options(RobotImport.Base.AUTOMATIC, true, false, false, Map.of());
@@ -58,7 +61,7 @@ class RobotImportTest {
         return world.items().stream().collect(Collectors.toMap(ItemDefinition::name, item -> item));
     }
 
-    /** A device would fill the memory, and a pipe would block. */
+    /** The content of a device would fill the memory, and reading a pipe would block. */
     @Test
     void onlyARegularFileIsRead() throws Exception {
         Path zeros = Files.createSymbolicLink(folder.resolve("x.urdf"), Path.of("/dev/zero"));
@@ -76,7 +79,7 @@ class RobotImportTest {
                 .formatted(origin, mass, moments[0], moments[1], moments[2]);
     }
 
-    /** Two cubes of 1 m and 3 kg side by side are a box of 2 m and 6 kg. */
+    /** Two neighbouring cubes of 1 m and 3 kg are a box of 2 m and 6 kg. */
     @Test
     void rigidJointsMakeOneBodyWithTheInertiaOfBoth() throws Exception {
         String cube = inertial("xyz=\"0 0 0\"", 3, 0.5, 0.5, 0.5);
@@ -99,7 +102,9 @@ class RobotImportTest {
                 .containsExactly(box.moments(), within(1e-9));
     }
 
-    /** The moments and axes of an item are those of the inertia, which the file may give turned. */
+    /**
+     * The moments and axes of an item are those of the inertia, which may be rotated in the file.
+     */
     @Test
     void itemsHaveThePrincipalAxesOfTheirInertia() throws Exception {
         Random random = new Random(Seed.of("inertia"));
@@ -193,7 +198,8 @@ class RobotImportTest {
         assertThat(items.get("shoulder").physics("angleFriction").orElseThrow())
                 .containsExactly(0.5);
         assertThat(items.get("base").physics("mass").orElseThrow()).containsExactly(0);
-        // The file's x is the robot's -z after the turn about +Z, and its z is +Y.
+        // After the turn about +Z, the x axis of the file is the -z axis of the robot, and the z
+        // axis of the file is +Y.
         assertThat(items.get("upper").location())
                 .containsExactly(new double[] {0, 1, -0.2}, within(1e-12));
         ItemDefinition cylinder = items.get("upper shape");
@@ -465,7 +471,7 @@ class RobotImportTest {
                         "robot.urdf:1: the robot has 1001 links, expected at most 1000");
     }
 
-    /** The bytes of a robot with one byte changed are imported or refused. */
+    /** Files of a robot in which one byte is changed are imported or refused. */
     @Test
     void damagedFilesAreImportedOrRefused() throws Exception {
         Random random = new Random(Seed.of("damaged robots"));

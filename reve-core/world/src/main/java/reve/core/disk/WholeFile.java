@@ -26,7 +26,7 @@ public final class WholeFile implements AutoCloseable {
      * @throws IOException if it cannot be created, or a folder, pipe or device is at the place
      */
     public WholeFile(Path place) throws IOException {
-        if (Files.exists(place) && !Files.isRegularFile(place)) { // as /dev/null
+        if (Files.exists(place) && !Files.isRegularFile(place)) { // for example /dev/null
             throw new IOException("it is no regular file, expected a file or nothing");
         }
         this.place = place;

@@ -57,7 +57,10 @@ class BoundingBoxesTest {
         }
     }
 
-    /** Around the mesh's own box, turned; after quarter turns that is as close as can be. */
+    /**
+     * The bounds enclose the rotated box of the mesh. After quarter turns, these are the smallest
+     * possible bounds.
+     */
     @ParameterizedTest
     @CsvSource({"si-f64, 1e-12", "si-f32, 1e-5"})
     void holdEveryVertexOfATurnedMeshAndTouchThemAfterQuarterTurns(
@@ -96,7 +99,10 @@ class BoundingBoxesTest {
         }
     }
 
-    /** Up to three quarter turns, about any of the axes: {@code (1, 0, 0, 1)} is one about x. */
+    /**
+     * Returns the orientation after up to three quarter turns about random axes. {@code (1, 0, 0,
+     * 1)} is one about x.
+     */
     private static double[] quarterTurns(Random random) {
         double[] q = {0, 0, 0, 1};
         for (int turn = random.nextInt(4); turn > 0; turn--) {
@@ -113,7 +119,7 @@ class BoundingBoxesTest {
         return q;
     }
 
-    /** Off centre, of points that are no corners of its own box. */
+    /** Returns a mesh that is not at its centre. Its points are no corners of its own box. */
     private static Shape mesh(Random random) {
         float[] vertices = new float[3 * (3 + random.nextInt(30))];
         for (int i = 0; i < vertices.length; i++) {
@@ -122,7 +128,10 @@ class BoundingBoxesTest {
         return Shape.mesh(vertices, new int[] {0, 1, 2});
     }
 
-    /** Lowest and highest coordinates of all vertices, turned and placed one by one. */
+    /**
+     * Returns the lowest and highest coordinates of all vertices. Rotates and moves each vertex
+     * separately.
+     */
     private static double[][] verticesInWorld(Item item) {
         double[] low = {Double.MAX_VALUE, Double.MAX_VALUE, Double.MAX_VALUE};
         double[] high = {-Double.MAX_VALUE, -Double.MAX_VALUE, -Double.MAX_VALUE};
@@ -210,7 +219,10 @@ class BoundingBoxesTest {
         return random.nextDouble(-1, 1);
     }
 
-    /** Lowest and highest coordinates of the eight turned corners (of a sphere: not turned). */
+    /**
+     * Returns the lowest and highest coordinates of the eight rotated corners. The corners of a
+     * sphere are not rotated.
+     */
     private static double[][] turnedCorners(Item item) {
         double[] at = item.physical().location();
         Shape shape = item.physical().shape();
@@ -236,7 +248,7 @@ class BoundingBoxesTest {
         return new double[][] {low, high};
     }
 
-    /** v + 2 u x (u x v + w v), the definition of turning by a unit quaternion (u, w). */
+    /** v + 2 u x (u x v + w v), the definition of the rotation by a unit quaternion (u, w). */
     private static double[] turn(double[] q, double[] v) {
         double[] u = {q[0], q[1], q[2]};
         double[] inner = cross(u, v);

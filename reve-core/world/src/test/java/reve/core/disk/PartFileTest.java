@@ -13,7 +13,7 @@ import java.nio.file.Path;
 class PartFileTest {
     @TempDir private Path folder;
 
-    /** A link could otherwise lead to a file that the program empties. */
+    /** Otherwise the program could follow a link and empty a file of someone else. */
     @Test
     void filesAndLinksOfOthersStayAsTheyAre() throws IOException {
         Path precious = Files.writeString(folder.resolve("precious.txt"), "precious");

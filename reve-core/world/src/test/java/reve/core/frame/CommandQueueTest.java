@@ -133,7 +133,7 @@ class CommandQueueTest {
                                         .containsEntry("message", "no such thing"));
     }
 
-    /** Executed once a frame. */
+    /** A command that is executed once per frame. */
     private final class Slow implements Command {
         private final String origin;
         private final long sequence;
@@ -184,7 +184,7 @@ class CommandQueueTest {
         assertThat(done).containsExactly("a6", "a@3");
     }
 
-    /** Advances the time of the queue when it is executed. */
+    /** A command that advances the time of the queue when it is executed. */
     private record Costly(
             String origin,
             long sequence,

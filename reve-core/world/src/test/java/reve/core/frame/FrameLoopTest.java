@@ -25,7 +25,7 @@ class FrameLoopTest {
     private final ManualClock clock = new ManualClock();
     private final List<Long> starts = new ArrayList<>();
 
-    /** Time passes only in waits and work. */
+    /** A clock on which time passes only during waits and work. */
     private static final class ManualClock implements FrameClock {
         private long now = 123_456_789;
         private long divisor = 1;
@@ -306,7 +306,7 @@ class FrameLoopTest {
         assertThat(loop.frame()).isEqualTo(3);
     }
 
-    /** Otherwise clients that ask much would stop the world. */
+    /** Otherwise clients that send many requests would stop the world. */
     @Test
     void manyErrandsDelayAFrameByTheirTimeOnly() {
         FrameLoop loop = loop(new Timing(60, 1), Pacing.REAL_TIME);

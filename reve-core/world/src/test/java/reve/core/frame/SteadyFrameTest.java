@@ -23,7 +23,10 @@ class SteadyFrameTest {
     private static final int WARM_UP = 5000;
     private static final int MEASURED = 1000;
 
-    /** Bounds, snapshot, command queue, bus and profile together, when nothing changes any more. */
+    /**
+     * The bounds, the snapshot, the command queue, the bus and the profile work together in a world
+     * that no longer changes.
+     */
     @ParameterizedTest
     @ValueSource(strings = {"si-f64", "si-f32"})
     void allocatesNothing(String prototype) {

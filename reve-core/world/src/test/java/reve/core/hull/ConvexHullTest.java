@@ -70,7 +70,10 @@ class ConvexHullTest {
                 .isEqualTo(2);
     }
 
-    /** Requires that the core touches each face's plane, moved inwards by the rounding. */
+    /**
+     * Requires that the core touches the plane of each face after this plane was moved inwards by
+     * the rounding.
+     */
     private static void requireCore(ConvexHull hull, double tolerance) {
         double rounding = ConvexHull.ROUNDING * hull.thickness();
         for (int f = 0; f < hull.faces().length; f++) {
@@ -128,7 +131,10 @@ class ConvexHullTest {
         }
     }
 
-    /** Every triple of points whose plane has all others on one side gives three corners. */
+    /**
+     * The search tries all triples of points. If all other points are on one side of the plane of a
+     * triple, its points are corners.
+     */
     @Test
     void theCornersAreThoseOfAnIndependentSearch() {
         Random random = new Random(7);
@@ -199,7 +205,7 @@ class ConvexHullTest {
                 .withMessageContaining("0.000100 m thick and 1.00 m long");
     }
 
-    /** Points on lines, planes and grids, with copies and small errors. */
+    /** Points on lines, planes and grids. Some are copies, and some have small errors. */
     @Test
     void degeneratePointsGiveAHullOrAReason() {
         Random random = new Random(11);

@@ -35,7 +35,7 @@ class BoxIndexTest {
     private Random random = new Random();
     private int rows;
 
-    /** Boxes that move a little between most rounds; some are nowhere or far away. */
+    /** Boxes that move a little between most rounds. Some have no place, and some are far away. */
     @ParameterizedTest
     @CsvSource({"41, 3000", "42, 40", "43, 9", "44, 1", "0, 700"})
     void findsWhatLookingAtEveryBoxFinds(long givenSeed, int most) {
@@ -180,7 +180,9 @@ class BoxIndexTest {
         assertThat(keys()).as("nearest %d, %s", most, when).isEqualTo(nearest(x, y, z, most));
     }
 
-    /** Clips the line at one face of the box after the other. */
+    /**
+     * Returns whether a line meets the box. Clips the line at one face of the box after the other.
+     */
     private boolean meetsLine(int row, double[] from, double[] to) {
         double begin = 0;
         double end = 1;

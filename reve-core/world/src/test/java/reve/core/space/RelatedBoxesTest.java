@@ -23,9 +23,9 @@ class RelatedBoxesTest {
     private double[] lows = {};
     private double[] highs = {};
 
-    /** Boxes in which each relation occurs, and more often than the limit of results. */
+    /** Sets of boxes. Each relation occurs in them more often than the limit of results. */
     private enum Scene {
-        /** Sizes of a kind, some on a grid, so that faces meet. */
+        /** Cubes of a few sizes on a grid, so that faces meet. */
         GRID {
             @Override
             void place(Random random, int i, double[] middle, double[] size) {
@@ -36,7 +36,7 @@ class RelatedBoxesTest {
                 }
             }
         },
-        /** One inside the other, most of them with a common corner or centre. */
+        /** Boxes inside each other. Most of them have a common corner or centre. */
         NESTED {
             @Override
             void place(Random random, int i, double[] middle, double[] size) {
@@ -46,7 +46,7 @@ class RelatedBoxesTest {
                 }
             }
         },
-        /** All at almost one place, in no order. */
+        /** Boxes that are almost at the same place, in no order. */
         CROWD {
             @Override
             void place(Random random, int i, double[] middle, double[] size) {
@@ -56,7 +56,7 @@ class RelatedBoxesTest {
                 }
             }
         },
-        /** Each long along one axis: they cross, and none contains another. */
+        /** Boxes that are each long along one axis. They cross, and none contains another. */
         RODS {
             @Override
             void place(Random random, int i, double[] middle, double[] size) {
@@ -67,7 +67,7 @@ class RelatedBoxesTest {
                 size[i % 3] = 5 + random.nextDouble();
             }
         },
-        /** From tiny to far away, where doubles are coarse. */
+        /** Boxes from tiny ones to boxes that are so far away that doubles are coarse. */
         FAR {
             @Override
             void place(Random random, int i, double[] middle, double[] size) {

@@ -17,7 +17,9 @@ import java.util.Random;
 /** Random histories of attaching, moving and removing, compared with 4 x 4 matrices. */
 class HierarchyModelTest {
 
-    /** A body in the oracle: an affine matrix (row-major 4 x 4) in its parent's frame. */
+    /**
+     * A body in the oracle. It has an affine matrix (row-major 4 x 4) in the frame of its parent.
+     */
     private static final class Node {
         private final Item item;
         private Node parent;

@@ -115,7 +115,10 @@ class SnapshotRingTest {
         return snapshot.table("body").column(property).segment().address();
     }
 
-    /** A snapshot that is not lost equals its frame, whatever it shares. */
+    /**
+     * A snapshot that is not lost always equals its frame, even if it shares memory with other
+     * snapshots.
+     */
     @ParameterizedTest
     @ValueSource(longs = {61, 0})
     void heldSnapshotsStayAsTheyWere(long givenSeed) {
@@ -264,7 +267,10 @@ class SnapshotRingTest {
         }
     }
 
-    /** Meanwhile this thread may not read the world, so the copy fails half-way. */
+    /**
+     * Runs a task while this thread may not read the world. Therefore the copy fails before it is
+     * complete.
+     */
     private void ownedByAnother(Runnable meanwhile) throws InterruptedException {
         Thread other = new Thread(world.guard()::claim);
         other.start();
@@ -274,7 +280,8 @@ class SnapshotRingTest {
     }
 
     /**
-     * Every row contains the frame of its last write; rows come and go, so memory is replaced, too.
+     * Every row contains the number of the frame of its last write. Rows are added and removed, so
+     * memory is also replaced.
      */
     @Test
     void readersOnOtherThreadsSeeWholeFramesOrLoseThem() throws Exception {

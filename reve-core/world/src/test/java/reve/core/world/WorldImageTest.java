@@ -108,7 +108,10 @@ class WorldImageTest {
         return new World("test", PROTOTYPE, new OffHeapArena());
     }
 
-    /** Adds, edits and removes items; the same for the same world and numbers. */
+    /**
+     * Adds, edits and removes items. The changes are the same if the world and the random numbers
+     * are the same.
+     */
     private static void change(World world, Random random, int times) {
         for (int i = 0; i < times; i++) {
             List<Item> items = world.items();
@@ -145,7 +148,10 @@ class WorldImageTest {
         }
     }
 
-    /** Attaches to a younger body with no mass, so that no two can move with each other. */
+    /**
+     * Attaches an item only to a younger body with no mass. Therefore no two items can move with
+     * each other.
+     */
     private static void attach(World world, Random random, Item parent) {
         List<Item> younger =
                 world.items().stream()
@@ -187,7 +193,10 @@ class WorldImageTest {
         }
     }
 
-    /** The complete state: rows in their order with their bits, symbols, and the next id. */
+    /**
+     * Returns the complete state, which has the rows in their order with their bits, the symbols,
+     * and the next id.
+     */
     private static Map<String, Object> everything(World world) {
         Map<String, Object> all = new LinkedHashMap<>();
         all.put("symbols", Map.copyOf(world.symbols()));

@@ -24,12 +24,15 @@ import java.util.Optional;
 import java.util.TreeMap;
 
 /**
- * A copy of a world by a listener that receives changes and nothing else: plain values, no columns.
- * It reads a column only for direct writes to that column, as their change prescribes.
+ * A copy of a world by a listener that receives only changes. It has plain values and no columns.
+ * It reads a column only after direct writes to this column, as their change prescribes.
  */
 final class WorldMirror {
 
-    /** An item, with its pose in its parent's frame if it has one, else in the world's. */
+    /**
+     * An item. If it has a parent, its pose is in the frame of the parent, and otherwise in the
+     * frame of the world.
+     */
     static final class Mirrored {
         final String kind;
         String name;
@@ -103,7 +106,7 @@ final class WorldMirror {
         }
     }
 
-    /** Where an item is in the world's frame. */
+    /** Returns the pose of an item in the frame of the world. */
     Pose place(Mirrored item) {
         return item.parent == null ? item.pose : item.pose.within(place(item(item.parent)));
     }

@@ -25,8 +25,8 @@ import java.util.TreeMap;
 import java.util.stream.Collectors;
 
 /**
- * Random histories, in ACT, between frames and in PUBLISH: the changes of each frame alone
- * reproduce the world. Seeds are printed; 0 stands for a new one.
+ * The changes of each frame alone reproduce the world. The random histories change the world in
+ * ACT, between frames and in PUBLISH. Seeds are printed. The seed 0 stands for a new seed.
  */
 class WorldMirrorTest {
     private static final int FRAMES = 150;

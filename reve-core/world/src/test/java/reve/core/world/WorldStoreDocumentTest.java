@@ -20,7 +20,7 @@ import java.util.regex.Pattern;
 
 import javax.tools.ToolProvider;
 
-/** {@code docs/world-store.md}: all of its code together, compiled and run. */
+/** {@code docs/world-store.md}: the test compiles and runs all of its code together. */
 class WorldStoreDocumentTest {
 
     private static final String PROGRAM =

@@ -40,8 +40,8 @@ import java.util.concurrent.Callable;
         description = "Draws force and energy of a law over distance, speed or place.")
 public final class LawPlotCommand implements Callable<Integer> {
     /**
-     * Fraction of the values, beginning with the smallest, that determines the range of an axis.
-     * Larger values may be outside of the chart.
+     * Fraction of the values that determines the range of an axis, beginning with the smallest
+     * value. Larger values may be outside of the chart.
      */
     private static final double USUAL = 0.7;
 

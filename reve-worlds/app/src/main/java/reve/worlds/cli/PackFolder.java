@@ -26,8 +26,8 @@ import java.time.Instant;
 /**
  * The private folder into which a pack (a world in one file) is unpacked. Only this account can
  * read the folder. The process removes it when it ends. The process holds a lock while it uses the
- * folder. By the missing lock, a later process recognizes and removes the folders of killed
- * processes.
+ * folder. A later process recognizes the folders of killed processes by the missing lock, and
+ * removes them.
  */
 final class PackFolder {
     private static final String PREFIX = "reve-pack-";

@@ -306,7 +306,7 @@ public final class ServeCommand implements Callable<Integer> {
             try {
                 return server(plans(), agents, events);
             } catch (JournalSink.InUseException faster) {
-                // Another server in standby has taken the world. This one waits for that one.
+                // Another server in standby has taken the world. This server continues to wait.
             }
         }
     }

@@ -45,7 +45,7 @@ final class SwapOptions {
     /**
      * Returns the plan.
      *
-     * @throws ParameterException if an option has no meaning
+     * @throws ParameterException if an option has an invalid value
      */
     SwapPlan plan(CommandSpec spec) {
         Optional<LawSwap> how =

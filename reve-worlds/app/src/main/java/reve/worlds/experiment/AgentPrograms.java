@@ -262,8 +262,8 @@ final class AgentPrograms implements AutoCloseable {
             Files.deleteIfExists(tokenFile());
             Files.deleteIfExists(secrets);
         } catch (IOException remains) {
-            // The exception is ignored. The folder is private, and its tokens are valid only for a
-            // server that has ended.
+            // The exception is ignored, because the folder is private and its tokens are valid only
+            // for a server that has ended.
         }
     }
 }

@@ -149,7 +149,8 @@ public final class ResultFolder {
     private static Optional<Difference> inRuns(
             JsonNode before, Experiment experiment, List<RunResult> results) {
         for (int i = 0; i < results.size(); i++) {
-            // Written and read, so that numbers have the same form as those in the file.
+            // The new results are written as JSON and read again, so that their numbers have the
+            // same form as those in the file.
             JsonNode now =
                     MAPPER.readTree(
                             MAPPER.writeValueAsString(runFields(experiment, results.get(i))));

@@ -136,7 +136,7 @@ public final class Gif implements FrameSink {
                 bottom = Math.max(bottom, i / width);
             }
         }
-        if (right < 0) { // nothing moved: one pixel, which stays as it is
+        if (right < 0) { // no pixel differs: writes one pixel again
             left = 0;
             right = 0;
             top = 0;

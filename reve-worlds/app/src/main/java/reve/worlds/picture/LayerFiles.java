@@ -53,9 +53,9 @@ public final class LayerFiles {
 
     /**
      * Writes the distances along the view direction. A file in NumPy's format contains (height x
-     * width) f32 [m]. A PNG contains 16-bit grey values. One step of grey is a power of ten metres,
-     * the smallest with which the farthest surface fits. The value 0 means that there is no
-     * surface.
+     * width) f32 [m]. A PNG contains 16-bit grey values. One step of grey is the smallest power of
+     * ten [m] with which the distance of the farthest surface fits. The value 0 means that there is
+     * no surface.
      *
      * @return the length of a step of the PNG [m]; 1 for NumPy's format
      * @throws IOException if the file cannot be written

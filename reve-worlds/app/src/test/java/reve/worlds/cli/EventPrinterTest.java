@@ -32,7 +32,7 @@ class EventPrinterTest {
                     "removed",
                     "left");
 
-    /** Returns the names of the printed events. */
+    /** Returns the names of the events that were printed. */
     private static List<String> printed(Printed printed) {
         var out = new StringWriter();
         try (var printer =

@@ -35,7 +35,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 
-/** Foreign text in output for people: events, results, log lines. */
+/** Foreign text in output for people, which is events, results and log lines. */
 class HostileOutputTest {
     private static final int TEXTS = 100_000;
     private static final int LOGGED = 10_000;

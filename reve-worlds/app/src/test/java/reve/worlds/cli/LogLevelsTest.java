@@ -11,7 +11,7 @@ class LogLevelsTest {
 
     @Test
     void clientsOfTheWebPortCannotFillTheLog() {
-        // Warns of requests with two hosts, with both values.
+        // This logger warns about requests that name two hosts, and prints both values.
         var jetty = LoggerFactory.getLogger("org.eclipse.jetty.http.HttpParser");
         assertThat(jetty.isWarnEnabled()).isFalse();
         assertThat(jetty.isErrorEnabled()).isTrue();

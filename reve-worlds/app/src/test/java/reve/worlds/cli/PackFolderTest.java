@@ -15,7 +15,10 @@ import java.nio.file.attribute.FileTime;
 import java.time.Duration;
 import java.time.Instant;
 
-/** What a process removes of the folders into which earlier processes unpacked packs. */
+/**
+ * Earlier processes unpacked packs into folders. The tests check which of these folders a process
+ * removes.
+ */
 class PackFolderTest {
     @TempDir private Path folder;
 
@@ -43,7 +46,7 @@ class PackFolderTest {
                 .isDirectoryContaining(path -> path.equals(link));
     }
 
-    /** Creates a folder as a process leaves it that was killed {@code age} after its start. */
+    /** Creates the folder of a process that was killed {@code age} after its start. */
     private Path place(String name, Duration age) throws IOException {
         Path place = Files.createDirectory(folder.resolve(name));
         Path lock = Files.createFile(place.resolve("in-use"));

@@ -20,7 +20,7 @@ import java.util.Optional;
 /** The checks for bodies that fall through an item or a floor below them. */
 final class ContactChecks {
     /**
-     * Height above which a law's own floor counts as in use [m]. Bodies do not reach lower floors.
+     * Height below which a law's own floor counts as unused [m], because bodies do not reach it.
      */
     private static final double LOWEST_FLOOR = -1e8;
 

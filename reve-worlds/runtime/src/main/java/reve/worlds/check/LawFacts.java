@@ -31,8 +31,8 @@ final class LawFacts {
     static final String FLOOR = "floorHeight";
 
     /**
-     * Properties of the state or the rest shape of a body. For them 0 is a usual value, so it is no
-     * sign of a mistake.
+     * Properties of the state or the rest shape of a body. The value 0 is usual for these
+     * properties, so it is no sign of a mistake.
      */
     private static final Set<String> STATE =
             Set.of(

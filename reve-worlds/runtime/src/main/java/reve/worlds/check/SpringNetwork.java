@@ -11,8 +11,9 @@ import java.util.Optional;
 /**
  * The fastest oscillation of bodies that springs join, at their positions in the world file.
  * Springs act along their directions; springs without a direction are ignored. The estimate is the
- * largest eigenvalue of M^-1/2 (dt² K + 2 dt C) M^-1/2. It is computed by power iteration, which
- * approaches the eigenvalue from below.
+ * largest eigenvalue of M^-1/2 (dt² K + 2 dt C) M^-1/2, with the length of a step dt and the
+ * matrices of mass M, stiffness K and damping C. Power iteration computes the eigenvalue and
+ * approaches it from below.
  */
 final class SpringNetwork {
     private static final int ITERATIONS = 60;
@@ -20,7 +21,7 @@ final class SpringNetwork {
     /**
      * The fastest oscillation.
      *
-     * @param stiffness the eigenvalue: (ω dt)² + 2 γ dt
+     * @param stiffness the eigenvalue (ω dt)² + 2 γ dt, see {@link StepChecks}
      * @param seconds length of a step at which the eigenvalue would be 1 [s]
      * @param spring the spring with the largest share in this oscillation
      */

@@ -32,7 +32,7 @@ import java.util.function.Consumer;
  * images at a fixed interval of frames. Between images it contains, for each frame, a digest and
  * all changes that laws did not cause. The world's thread copies data and computes digests; the
  * journal's threads write. A frame is published only after the previous frame was written.
- * Therefore a crash of the process loses at most one frame, unless the disk is slower than
+ * Therefore a crash of the process loses at most one frame, unless a write takes longer than
  * FRAME_PATIENCE_NANOSECONDS. If a write fails, the world continues, and the journal resumes with
  * the next image. If the journal's own thread fails, the world stops with an IOError. The world's
  * thread creates and closes the journal, between frames.

@@ -78,13 +78,13 @@ public interface JournalSink extends AutoCloseable {
      * it.
      */
     default void whenLost(Consumer<String> listener) {
-        // This sink cannot be lost.
+        // No other server can take this sink, so the listener is never called.
     }
 
     @Override
     void close() throws IOException;
 
-    /** Thrown if a server that works has the store. */
+    /** Thrown if another running server has the store. */
     final class InUseException extends IOException {
         private static final long serialVersionUID = 1L;
 
@@ -95,8 +95,8 @@ public interface JournalSink extends AutoCloseable {
     }
 
     /**
-     * Thrown if another server has taken the store of this sink. The sink accepts nothing any more,
-     * so the world must stop.
+     * Thrown if another server has taken the store of this sink. The sink accepts no further
+     * records, so the world must stop.
      */
     final class LostException extends IOException {
         private static final long serialVersionUID = 1L;

@@ -18,10 +18,11 @@ import java.util.zip.CRC32C;
 /**
  * The file STORE-manifest. It lists the minimum content of the other files of a store. After each
  * frame and each image, one small write updates it in place, so it never claims data that is not
- * yet written. If files contain less than the manifest claims, data was lost. The manifest names a
- * file of frames before the file contains a frame, and is flushed before the image that begins the
- * file is committed. Therefore a manifest that does not name the newest file of frames is an older
- * copy, which does not show whether the newest frames are complete. For any thread.
+ * yet written. If files contain less than the manifest claims, data was lost. The store writes the
+ * name of each file of frames to the manifest before it writes a frame to the file. It flushes the
+ * manifest before it commits the image that begins the file. Therefore a manifest that does not
+ * name the newest file of frames is an older copy. An older copy does not show whether the newest
+ * frames are complete. For any thread.
  */
 final class Manifest implements AutoCloseable {
     private static final byte[] MARK =

@@ -13,15 +13,15 @@ import java.sql.Statement;
 import java.util.Properties;
 
 /**
- * A connection to a database, which is opened at the first use, and again at the next use after it
- * was lost. For any thread; one at a time uses the connection.
+ * A connection to a database. It is opened at the first use. If it was lost, it is opened again at
+ * the next use. For any thread; one thread at a time uses the connection.
  */
 final class PostgresSession implements AutoCloseable {
     private static final String CONNECT_SECONDS = "5";
 
     /**
-     * Limits of the database for this connection. A transaction whose client is silent ends, so
-     * that a paused server does not keep a lock.
+     * Limits of the database for this connection. The database ends a transaction whose client is
+     * silent, so that a paused server does not keep a lock.
      */
     private static final String LIMITS =
             "SET lock_timeout = '10s'; SET idle_in_transaction_session_timeout = '5s';"
@@ -55,10 +55,10 @@ final class PostgresSession implements AutoCloseable {
     }
 
     /**
-     * Runs work of one statement, which is a transaction by itself.
+     * Runs a single statement, which is a transaction by itself.
      *
      * @param what the operation for messages, as a participle such as "read"
-     * @throws IOException if the database refuses it or is away
+     * @throws IOException if the database refuses the statement or cannot be reached
      */
     synchronized <T> T run(String what, Work<T> work) throws IOException {
         try {
@@ -69,7 +69,7 @@ final class PostgresSession implements AutoCloseable {
         }
     }
 
-    /** Runs work in a transaction: all of it or nothing is done. */
+    /** Runs work in a transaction. Either all of its changes take effect, or none. */
     synchronized <T> T transaction(String what, Work<T> work) throws IOException {
         try {
             Connection used = open();
@@ -107,7 +107,7 @@ final class PostgresSession implements AutoCloseable {
         return opened;
     }
 
-    /** Closes the connection after a failure. The database then undoes an open transaction. */
+    /** Closes the connection after a failure. The database then rolls back an open transaction. */
     private void drop(Exception failure) {
         Connection failed = connection;
         connection = null;

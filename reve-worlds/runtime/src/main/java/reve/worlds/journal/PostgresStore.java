@@ -93,8 +93,8 @@ public final class PostgresStore implements JournalSink {
                     + " WHERE name = ? AND epoch = ? AND owner = ?";
 
     /**
-     * Adds the frame that follows the last one. One statement, so that no lock is kept while the
-     * database waits for this process.
+     * Adds the frame that follows the last one. This is a single statement, so that the database
+     * keeps no lock while it waits for this process.
      */
     private static final String ADD_FRAME =
             "WITH owned AS ("
@@ -142,7 +142,10 @@ public final class PostgresStore implements JournalSink {
     private Consumer<String> lostListener = _ -> {};
     private volatile boolean toldAway;
 
-    /** The owner of a world and the end of the lease, to see whether the owner extends it. */
+    /**
+     * The owner of a world and the end of its lease. A later end shows that the owner extends the
+     * lease.
+     */
     private record Owner(long epoch, String name, String until, double seconds) {
         private boolean isStill(Owner before) {
             return epoch == before.epoch && until.equals(before.until);
@@ -188,7 +191,7 @@ public final class PostgresStore implements JournalSink {
      * present owner ends.
      *
      * @param problems receives a message while this method waits
-     * @throws IOException if the database is away, or another server extends its lease
+     * @throws IOException if the database cannot be reached, or another server extends its lease
      */
     static TakenStore take(
             StoreAddress.InDatabase address,
@@ -299,10 +302,10 @@ public final class PostgresStore implements JournalSink {
 
     /**
      * Waits until no server has a world: until the lease of its owner has ended, or the owner has
-     * given the world back. While the database is away, waits too.
+     * given the world back. Also waits while the database cannot be reached.
      *
      * @param owners receives the present owner when the wait begins, and each later owner
-     * @param problems receives a message when the database goes away
+     * @param problems receives a message when the database cannot be reached any more
      * @throws IOException if the thread is interrupted
      */
     public static void awaitFree(
@@ -770,7 +773,9 @@ public final class PostgresStore implements JournalSink {
         confirm(before);
     }
 
-    /** Undoes a transaction of a server whose epoch has ended. */
+    /**
+     * Reports that the epoch of this server has ended. The exception rolls back the transaction.
+     */
     private static final class StrangerException extends IOException {
         private static final long serialVersionUID = 1L;
     }
@@ -787,7 +792,7 @@ public final class PostgresStore implements JournalSink {
         toldAway = false;
     }
 
-    /** Extends the lease while no frame does so, for example because the world is paused. */
+    /** Extends the lease while no frame is written, for example because the world is paused. */
     private void extendLease() {
         while (!closed && lost == null) {
             LockSupport.parkNanos(RENEWAL_NANOSECONDS / 4);
@@ -814,8 +819,8 @@ public final class PostgresStore implements JournalSink {
     }
 
     /**
-     * Records that another server has the world. Reports this once, before any other thread learns
-     * of it by an exception.
+     * Records that another server has the world. Notifies the listener once, before any thread
+     * receives the exception.
      */
     private LostException lose() {
         synchronized (loss) {
@@ -881,7 +886,8 @@ public final class PostgresStore implements JournalSink {
 
     @Override
     public void sync() {
-        // Each commit of the database flushes what has to survive a power failure.
+        // This method does nothing, because each commit of the database flushes the data that must
+        // survive a power failure.
     }
 
     /** Ends the lease, so that the next server need not wait, and disconnects. Idempotent. */

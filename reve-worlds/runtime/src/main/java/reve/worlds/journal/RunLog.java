@@ -55,8 +55,8 @@ public final class RunLog {
     static final int MAX_BYTES = 1_000_000_000;
 
     /**
-     * Size of a content from which its checksum is verified before memory is allocated for the
-     * content [bytes].
+     * Minimum size of a large content [bytes]. The checksum of a large content is verified before
+     * memory is allocated for it.
      */
     private static final int LARGE_BYTES = 1 << 20;
 
@@ -128,7 +128,7 @@ public final class RunLog {
                         Math.min(start.length, MARK.length));
     }
 
-    /** Writer that appends each record by one write. One thread, except {@link #force}. */
+    /** Writer that appends each record by one write. For one thread, except {@link #force}. */
     static final class Writer implements AutoCloseable {
         private final Path file;
         private final FileChannel channel;

@@ -27,7 +27,7 @@ public final class SimulationImage implements AutoCloseable {
     }
 
     /**
-     * Like {@link #SimulationImage(World)}.
+     * Allocates an image like {@link #SimulationImage(World)}.
      *
      * @param whenClosed called when the image is closed
      */

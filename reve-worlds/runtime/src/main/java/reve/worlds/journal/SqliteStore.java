@@ -23,8 +23,9 @@ import java.util.stream.Stream;
 /**
  * A durable store of one world. An SQLite database in write-ahead-log mode contains the last three
  * images and the law libraries. Files beside it contain the frames since the oldest image, and a
- * manifest that lists the expected content. One thread at a time, except for {@link #sync} and
- * {@link JournalSink.Place}. The database is locked, so that one process at a time has it open.
+ * manifest that lists the expected content. For one thread at a time, except {@link #sync} and
+ * {@link JournalSink.Place}. The database is locked, so that only one process at a time has it
+ * open.
  *
  * <p>If the database's path leads to a different file than before, that file may belong to another
  * server. In this case the file and the files beside it are not changed, and the store continues

@@ -64,7 +64,8 @@ public sealed interface StoreAddress {
 
                 @Override
                 public void close() {
-                    // Reading a store opens nothing.
+                    // There is nothing to close, because no file stays open after the store was
+                    // read.
                 }
             };
         }

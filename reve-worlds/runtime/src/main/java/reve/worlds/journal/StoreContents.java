@@ -58,8 +58,8 @@ public final class StoreContents implements StoreReading {
      *
      * @param why the reason why the frames end there, or why the image was not read from the
      *     expected place
-     * @param isTail whether all damage may be data at the end that the disk did not have yet when
-     *     power failed
+     * @param isTail whether a power failure may explain all damage, because only the newest data is
+     *     missing
      */
     private record Start(
             StoreDatabase.ImageRow row,

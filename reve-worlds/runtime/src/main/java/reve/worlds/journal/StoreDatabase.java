@@ -301,8 +301,8 @@ final class StoreDatabase {
     }
 
     /**
-     * Forbids functions and attached databases, because the file may be untrusted, and so may its
-     * schema.
+     * Forbids functions and attached databases, because the file and its schema may come from an
+     * untrusted author.
      */
     private static void restrict(Connection connection, Statement statement) throws SQLException {
         var limited = connection.unwrap(SQLiteConnection.class);

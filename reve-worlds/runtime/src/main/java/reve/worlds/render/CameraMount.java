@@ -124,8 +124,8 @@ public final class CameraMount {
     }
 
     /**
-     * Returns a camera that shows something. Uses another target if the given one is too near to
-     * the eye, and another up direction if the given one is parallel to the line of sight.
+     * Returns a camera with a valid line of sight. Replaces a target that is too near to the eye,
+     * and an up direction that is parallel to the line of sight.
      */
     private static Camera sighted(Point eye, Point target, Point up, double fov) {
         Point aim = target;

@@ -20,18 +20,18 @@ import java.util.Optional;
 /**
  * Builder of a scene from the state of a world at the end of a frame. Bodies are drawn by shape and
  * material, springs as lines. Surfaces are drawn as triangles in the colours of the bodies at their
- * corners. Items that are larger than {@link #FARTHEST}, or farther than it from the origin, are
- * omitted, so that one item cannot prevent all pictures. The number of a drawn item is the value of
- * its {@link ItemId}. A body whose colour has alpha 0 is hidden. A surface is hidden if all its
- * corners are hidden bodies. Planes have a grid. In a world without planes, a faint ground that
- * fades with distance is added, so that depth and motion are visible.
+ * corners. Items whose size or distance from the origin exceeds {@link #FARTHEST} are omitted, so
+ * that one item cannot prevent all pictures. The number of a drawn item is the value of its {@link
+ * ItemId}. A body whose colour has alpha 0 is hidden. A surface is hidden if all its corners are
+ * hidden bodies. Planes have a grid. In a world without planes, a faint ground that fades with
+ * distance is added, so that depth and motion are visible.
  *
  * @param image size and quality
  * @param environment background and light
  * @param camera viewpoint; if empty, all bodies except planes are fitted into the picture. This
  *     needs their bounding boxes, which are computed in DERIVE (the frame's phase for derived
  *     properties).
- * @param without a body that is not drawn, for example the one that carries the camera
+ * @param without a body that is not drawn, for example the body that carries the camera
  */
 public record SceneBuilder(
         ImageFormat image,

@@ -18,8 +18,8 @@ final class Closing implements AutoCloseable {
     }
 
     /**
-     * Closes all resources because of a failure. Exceptions while closing are added to it as
-     * suppressed.
+     * Closes all resources because of a failure. Exceptions while closing are added to this failure
+     * as suppressed exceptions.
      */
     void closeAfter(Throwable failure) {
         while (!open.isEmpty()) {

@@ -322,8 +322,9 @@ final class HostedWorld implements AutoCloseable {
     }
 
     /**
-     * Reports the events of the frame so far if a law was loaded, before the law's first step: a
-     * law that does not return would delay the report. Runs after all changes of ACT.
+     * Reports the events of the frame so far if a law was loaded. This method runs after all
+     * changes of ACT and before the law's first step, because a law that does not return would
+     * delay the report.
      */
     private void reportLoaded(FrameEvent frame) {
         List<WorldEvent> soFar = frame.world().events();

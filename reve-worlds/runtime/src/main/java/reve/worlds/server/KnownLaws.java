@@ -28,7 +28,7 @@ import java.util.function.Predicate;
  * in the folder. A store that contains the old bytes still opens without {@code --trust}. For a
  * library of a folder, the operator must name the same folder again.
  *
- * <p>library of a folder of untrusted laws, this permits a sandbox only.
+ * <p>A known library of a folder of untrusted laws runs in a sandbox only.
  *
  * <p>A line contains the SHA-256, the name and, for a library of a folder, the folder. The file
  * belongs to the account; stores and recordings cannot add to it. It keeps at most {@link
@@ -145,7 +145,7 @@ final class KnownLaws {
         if (!Files.isRegularFile(FILE) || Files.size(FILE) > MOST_BYTES) {
             throw new IOException("it is no regular file of at most " + MOST_BYTES + " bytes");
         }
-        // A line with a damaged byte is no reason to forget the others.
+        // A damaged byte in one line must not invalidate the other lines.
         return new String(Files.readAllBytes(FILE), StandardCharsets.UTF_8).lines().toList();
     }
 

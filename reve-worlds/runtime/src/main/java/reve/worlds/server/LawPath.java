@@ -35,9 +35,10 @@ import java.util.stream.Stream;
  * The search path of laws, and the decision which native code may be opened. A name is searched
  * among the shipped laws, then in the operator's folder, then in {@code laws/} beside the world
  * file. Code from {@code laws/} beside the world file, from a store or from a recording came with
- * the world. It is opened only if the operator trusts the world, if its bytes equal a library of
- * the first two places, or in a sandbox. The operator may also name a folder of untrusted laws,
- * which is searched after the first two places. Its laws always run in a sandbox. For any thread.
+ * the world. Such code is opened only in one of three cases: the operator trusts the world, the
+ * bytes equal those of a library of the first two places, or the code runs in a sandbox. The
+ * operator may also name a folder of untrusted laws, which is searched after the first two places.
+ * Its laws always run in a sandbox. For any thread.
  *
  * @param shipped folder of the shipped laws
  * @param folder the operator's folder
@@ -226,8 +227,8 @@ public record LawPath(
     }
 
     /**
-     * Returns a message if the found law hides a library in the world's own folder. It hides a
-     * library that has the same name and other bytes.
+     * Returns a message if the found law hides a library in the world's own folder, that is, a
+     * library with the same name and other bytes.
      */
     Optional<String> hidden(String name, Found found) {
         try {

@@ -47,9 +47,15 @@ final class LawTrust {
     }
 
     /**
-     * Returns {@code untrusted} for a library that runs in a sandbox, {@code shipped} for the bytes
-     * of a law that ships, {@code text} for another law as text, and {@code operator} for native
-     * code or Python that the operator lets run with the rights of the account.
+     * Returns why the server executes a library:
+     *
+     * <ul>
+     *   <li>{@code untrusted}: the library runs in a sandbox;
+     *   <li>{@code shipped}: its bytes are those of a law that ships;
+     *   <li>{@code text}: it is another law as text;
+     *   <li>{@code operator}: it is native code or Python, and the operator permits it to run with
+     *       the rights of the account.
+     * </ul>
      */
     String of(LawLibrary library, boolean apart) {
         if (apart) {

@@ -24,8 +24,8 @@ import java.util.Set;
 final class ShadowClaims {
     /**
      * Maximum sum as a fraction of a reference value. The reference value is the sum of the
-     * magnitudes of the impulses plus the momentum of all bodies at 1 m/s. The momentum is included
-     * because forces may cancel each other at each body.
+     * magnitudes of the impulses, plus the momentum that all bodies would have at 1 m/s. The
+     * momentum is included because forces may cancel each other at each body.
      */
     private static final double LIMIT = 1e-3;
 

@@ -18,10 +18,16 @@ import java.util.Optional;
 
 /**
  * The energy that the laws of a copy add to its bodies. It consists of the kinetic energy and of
- * the potential energy that laws report. The gain is compared with a sum of three energies. They
- * are the largest kinetic energy of the world in the same frames, the potential energy of the copy
- * at the beginning, and the energy of all bodies at 1 m/s. The last one gives a world at rest a
- * limit, too. For the copy's thread only.
+ * the potential energy that laws report. The gain is compared with the sum of three energies:
+ *
+ * <ul>
+ *   <li>the largest kinetic energy of the world in the same frames;
+ *   <li>the potential energy of the copy at the beginning;
+ *   <li>the kinetic energy that all bodies would have at 1 m/s, so that the limit of a world at
+ *       rest is not 0.
+ * </ul>
+ *
+ * <p>For the copy's thread only.
  */
 final class ShadowEnergy {
     static final String MASS = "mass";
@@ -62,8 +68,8 @@ final class ShadowEnergy {
     }
 
     /**
-     * Records the energy before the laws of a frame act, and after all changes that laws do not
-     * make.
+     * Records the energy before the laws of a frame act. At this time, all changes that laws do not
+     * make are done.
      */
     void before() {
         if (known) {

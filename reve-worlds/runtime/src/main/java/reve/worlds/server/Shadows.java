@@ -41,11 +41,11 @@ import java.util.stream.Collectors;
  * The world never waits for a copy. For the world's thread only.
  *
  * <p>A copy cannot continue to make the frames of the world after a change of laws, after a rewind,
- * or if too many frames wait. In these cases a new copy begins. A trial is refused if it has not
- * ended after {@link #MOST_TIMES} times its world time, and as much time of the clock but at least
- * a minute. There is at most one copy at a time. A copy begins at the earliest when the previous
- * copy could have made all its frames. Therefore repeated new versions or rewinds cost no more than
- * one copy.
+ * or if too many frames wait. In these cases a new copy begins. A trial is refused as too slow if
+ * it takes more than {@link #MOST_TIMES} times the world time that it covers. This limit applies
+ * both to world time and to wall-clock time, and the limit of wall-clock time is at least a minute.
+ * There is at most one copy at a time. A new copy does not begin before the previous copy could
+ * have made all its frames. Therefore repeated new versions or rewinds cost no more than one copy.
  */
 final class Shadows implements Trials, AutoCloseable {
     /** Type of the events. */

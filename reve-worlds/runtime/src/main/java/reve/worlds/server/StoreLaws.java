@@ -45,7 +45,8 @@ public record StoreLaws(
     /**
      * A loaded library.
      *
-     * @param library without bytes if the store's are damaged or missing and no folder has them
+     * @param library the library; it has no bytes if those in the store are damaged or missing and
+     *     no folder contains them
      * @param kind {@code native}, {@code text}, {@code python} or {@code missing}
      */
     public record Law(LawLibrary library, String kind) {
@@ -128,7 +129,10 @@ public record StoreLaws(
                 List.copyOf(problems));
     }
 
-    /** Returns the bytes of a library; none if they are nowhere. */
+    /**
+     * Returns the bytes of a library; an empty array if neither the store nor a folder contains
+     * them.
+     */
     private static byte[] bytes(String sha256, Map<String, byte[]> libraries, LawFiles found) {
         byte[] bytes = libraries.get(sha256);
         return Optional.ofNullable(bytes == null ? found.find(sha256) : bytes).orElse(new byte[0]);

@@ -34,7 +34,7 @@ import java.util.function.Consumer;
  */
 record StoredWorld(Simulation simulation, JournalSink store, long stateHash, OptionalLong epoch) {
 
-    /** Returns what the problems of a store have cost, as the end of a message. */
+    /** Returns the loss that the problems of a store have caused, as the end of a message. */
     private static String cost(StoreReading contents) {
         long lost = contents.knownFrame() - contents.frame();
         return lost <= 0

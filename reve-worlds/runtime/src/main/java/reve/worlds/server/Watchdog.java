@@ -62,8 +62,8 @@ final class Watchdog implements AutoCloseable {
         while (!closed) {
             LockSupport.parkNanos(periodNanos);
             long now = System.nanoTime();
-            // One check counts at most two periods. The whole process may have been stopped, or
-            // have got no processor; the worlds could not run in that time either.
+            // One check counts at most two periods. In a longer interval, the whole process was
+            // stopped or had no processor, so the worlds could not run either.
             long seen = Math.min(now - last, 2 * periodNanos);
             last = now;
             for (Watched world : worlds) {

@@ -30,9 +30,9 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Worlds that would do nothing, fall for ever or diverge are warned of, at the line and with the
- * reason; worlds that work are not. Each world also runs, which shows that the warning is true and
- * that its remedy holds.
+ * The check warns about worlds that would do nothing, fall for ever or diverge. A warning has the
+ * line and the reason. There is no warning about worlds that work. Each world also runs, which
+ * shows that the warning is true and that its remedy works.
  */
 class WorldCheckNativeTest {
     private static final int SECOND = 60;
@@ -41,7 +41,7 @@ class WorldCheckNativeTest {
     private static final Pattern REMEDY =
             Pattern.compile("write (frame: \\{rate: \\d+, steps: (\\d+)\\})");
 
-    /** A world of a resource; the name is that of its world file. */
+    /** A world of a resource. It has the name of its world file. */
     private record Sample(String text) {
         WorldDescription world() throws WorldFileException {
             return WorldFile.parse("w", text.getBytes(StandardCharsets.UTF_8));

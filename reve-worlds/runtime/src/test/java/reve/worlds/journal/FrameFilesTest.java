@@ -75,7 +75,7 @@ class FrameFilesTest {
                 .withMessageContaining("my.db-frames-1 could not be written: Is a directory");
     }
 
-    /** Six frames in three files. */
+    /** Writes six frames into three files. */
     private void fill() throws IOException {
         FrameFiles files = files(0);
         for (int frame = 1; frame <= 6; frame++) {

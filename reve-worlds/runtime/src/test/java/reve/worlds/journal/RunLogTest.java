@@ -83,7 +83,7 @@ class RunLogTest {
             reader.forEachRemaining(read -> {});
         }
         try (FileChannel channel = FileChannel.open(file, StandardOpenOption.WRITE)) {
-            channel.truncate(channel.size() - 1); // as after a crash
+            channel.truncate(channel.size() - 1); // like a crash
             channel.write(ByteBuffer.allocate(1), channel.size() + MEBIBYTE);
         }
         try (RunLog.Reader reader = RunLog.open(file)) {

@@ -98,7 +98,7 @@ class SqliteStoreTest {
         }
     }
 
-    /** Another program has made it while the store is open. */
+    /** Another program made the link while the store was open. */
     @Test
     void theNextFileOfFramesIsNotWrittenThroughALink() throws Exception {
         Path other = Files.writeString(folder.resolve("other"), "precious");
@@ -143,7 +143,7 @@ class SqliteStoreTest {
         open(folder.resolve("a".repeat(237))).close();
     }
 
-    /** The files that a process leaves that was killed while it created the store. */
+    /** The store has the files of a process that was killed while it created the store. */
     @Test
     void aDatabaseWithoutContentIsAnEmptyStore() throws Exception {
         update("PRAGMA journal_mode = WAL");
@@ -179,7 +179,7 @@ class SqliteStoreTest {
         assertThat(read()).contains("image 22", "frame 24");
     }
 
-    /** SQLite reverts a write itself when there is no room for it. */
+    /** SQLite itself reverts a write when there is no room for it. */
     @Test
     void imagesAreWrittenAgainWhenThereIsRoomAgain() throws Exception {
         try (SqliteStore store = open(file)) {
@@ -205,7 +205,7 @@ class SqliteStoreTest {
         }
     }
 
-    /** As after a regular end: the image contains the edits after the last frame. */
+    /** After a regular end, the last image contains the edits after the last frame. */
     @Test
     void aDamagedLastImageIsRefusedAlthoughAllFramesAreThere() throws Exception {
         fill();
@@ -216,7 +216,7 @@ class SqliteStoreTest {
         refused("the last image, of frame 24, cannot be used");
     }
 
-    /** The store names the file, and the last frame before the cut. */
+    /** The message names the file, and the last frame before the cut. */
     @Test
     void aFileOfFramesThatIsCutAnywhereIsRefusedByTheFrameThatIsLost() throws IOException {
         fill();
@@ -232,7 +232,9 @@ class SqliteStoreTest {
         assertThat(read()).contains("frame 24");
     }
 
-    /** The manifest is written after the frame: it never announces a torn record. */
+    /**
+     * The manifest is written after the frame. Therefore it never announces an incomplete record.
+     */
     @Test
     void anUnfinishedLastRecordIsLostInSilence() throws IOException {
         fill();
@@ -299,7 +301,7 @@ class SqliteStoreTest {
         assertThat(read()).endsWith("frame 24");
     }
 
-    /** Two runs that continue from copies of one store share an identity, and diverge. */
+    /** Two runs that continue from copies of one store have the same identity but diverge. */
     @Test
     void aFileOfAnotherCopyOfTheStoreIsRefusedByName() throws IOException {
         fill();
@@ -334,7 +336,10 @@ class SqliteStoreTest {
         assertThat(read()).endsWith("frame 27");
     }
 
-    /** The manifest names less than there was, so the newest frames may be missing. */
+    /**
+     * The manifest names fewer frames than the store had. Therefore the newest frames may be
+     * missing.
+     */
     @Test
     void anOlderManifestIsRefusedAsAMissingOneIs() throws Exception {
         fill();
@@ -406,7 +411,7 @@ class SqliteStoreTest {
                 .contains("my.db-frames-5 ends at frame 23 of 24", "started again");
     }
 
-    /** The directory entry of the new file, its content, or the end of the file before it. */
+    /** The file can lack its directory entry, its content, or the end of the file before it. */
     @Test
     void afterAPowerFailureAFileThatWasJustBegunMayBeMissing() throws IOException {
         fill();
@@ -458,7 +463,7 @@ class SqliteStoreTest {
                 .close();
     }
 
-    /** As version 2 wrote them: without identity, manifest and links. */
+    /** Version 2 wrote stores without identity, manifest and links. */
     @Test
     void anOldStoreIsReadAsBeforeAndGetsAnIdentityWhenItIsWritten() throws Exception {
         fill();
@@ -502,7 +507,10 @@ class SqliteStoreTest {
         assertThat(read()).containsExactly("image 61", "frame 62");
     }
 
-    /** While a server runs: one message for each file, and the next image repairs the loss. */
+    /**
+     * This happens while a server runs. There is one message for each file, and the next image
+     * repairs the loss.
+     */
     @Test
     void filesThatAreRemovedReplacedOrCutAreToldAndMadeUpForByTheNextImage() throws Exception {
         interface Act {
@@ -555,7 +563,7 @@ class SqliteStoreTest {
         }
     }
 
-    /** A file system that is unmounted and mounted again, for example. */
+    /** An example is a file system that is unmounted and mounted again. */
     @Test
     void aFolderThatIsAwayForAnImageCostsTheFramesUntilItIsBack() throws Exception {
         Path home = Files.createDirectory(folder.resolve("home"));
@@ -643,7 +651,10 @@ class SqliteStoreTest {
         refused("my.db holds no image that can be read");
     }
 
-    /** Found, reported, or without effect: never other records without a report. */
+    /**
+     * A flipped bit is found, or is reported, or has no effect. The store never returns other
+     * records without a report.
+     */
     @Test
     void noFlippedBitChangesWhatIsReadInSilence() throws IOException {
         fill();
@@ -665,7 +676,10 @@ class SqliteStoreTest {
         }
     }
 
-    /** Read completely, reported, or refused by name. */
+    /**
+     * A store that is cut is read completely, or the loss is reported, or the store is refused by
+     * name.
+     */
     @Test
     void aStoreThatIsCutIsNeverReadAsAnotherInSilence() throws IOException {
         fill();
@@ -696,7 +710,10 @@ class SqliteStoreTest {
         assertThat(query("SELECT count(*) FROM diary")).isEqualTo("0");
     }
 
-    /** Endless views, other objects that run SQL, and objects that this program does not create. */
+    /**
+     * The schema has endless views, other objects that run SQL, or objects that this program does
+     * not create.
+     */
     @Test
     void aDatabaseWithAnotherSchemaIsRefusedBeforeItIsRead() throws Exception {
         fill();
@@ -750,7 +767,7 @@ class SqliteStoreTest {
         }
     }
 
-    /** A sparse file can have any size: it must not be read. */
+    /** A sparse file can have any size, so it must not be read. */
     @Test
     void aManifestOfAnotherSizeIsRefusedWithoutBeingRead() throws IOException {
         fill();
@@ -801,7 +818,7 @@ class SqliteStoreTest {
                 .withMessageContaining(message);
     }
 
-    /** The state that a whole store restores, and its reports. */
+    /** Returns the state that a whole store restores, and its reports. */
     private List<String> read() throws IOException {
         return describe(records());
     }
@@ -830,7 +847,7 @@ class SqliteStoreTest {
         fill(file, SEED);
     }
 
-    /** Images of the frames 10, 13, 16, 19 and 22 and the frames 11 to 24. */
+    /** Writes images of the frames 10, 13, 16, 19 and 22, and the frames 11 to 24. */
     private static void fill(Path file, long seed) throws IOException {
         Random random = new Random(seed);
         assertThat(StoreContents.read(file).isEmpty()).isTrue();
@@ -849,7 +866,10 @@ class SqliteStoreTest {
         }
     }
 
-    /** As of a world that was restarted: an image of the next frame, and two more. */
+    /**
+     * Writes what a world writes that was started again. This is an image of the next frame, and
+     * two more frames.
+     */
     private static void goOn(Path file) throws IOException {
         try (SqliteStore store = open(file)) {
             byte[] other = new byte[100];
@@ -879,7 +899,10 @@ class SqliteStoreTest {
                 .toList();
     }
 
-    /** The SHA-256 of libraries is checked when they are loaded. */
+    /**
+     * Returns the contents of records. Libraries are omitted, because their SHA-256 is checked when
+     * they are loaded.
+     */
     private static List<String> contents(List<JournalRecord> records) {
         return records.stream()
                 .filter(record -> !(record instanceof JournalRecord.Library))

@@ -13,7 +13,10 @@ import java.util.Random;
 
 class CameraTest {
 
-    /** Largest share of half the picture's width or height that a corner of the box needs. */
+    /**
+     * Returns the largest distance of a corner of the box from the middle of the picture, as a
+     * share of half the picture's width or height.
+     */
     private static double fill(Camera camera, Bounds bounds, double aspect) {
         Point forward = camera.target().plus(-1, camera.eye()).normalized();
         Point right = forward.cross(camera.up()).normalized();

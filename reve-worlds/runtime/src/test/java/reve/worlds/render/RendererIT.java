@@ -45,7 +45,7 @@ class RendererIT {
         renderer.close();
     }
 
-    /** 40 pixels per metre, looking along -z, on black. */
+    /** A scene with 40 pixels per metre on a black background. The camera looks along -z. */
     private static Scene scene() {
         return new Scene(
                 new ImageFormat(160, 120, 0, false),

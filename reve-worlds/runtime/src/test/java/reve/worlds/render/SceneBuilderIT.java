@@ -33,7 +33,7 @@ class SceneBuilderIT {
                     Colour.parse("#000000"), Colour.parse("#000000"), new Point(0, 0, 1), 0, 1);
     private static final ImageFormat SMALL = new ImageFormat(200, 200, 0, false);
 
-    /** Looks along -z at 20 x 20 m, 10 pixels per metre. */
+    /** A camera that looks along -z. It shows 20 x 20 m with 10 pixels per metre. */
     private static final Camera FRONT =
             Camera.orthographic(new Point(0, 0, 50), new Point(0, 0, 0), new Point(0, 1, 0), 20);
 

@@ -23,7 +23,10 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Decisions that the clock made, in a recording and in its replay, which has no clock. */
+/**
+ * Decisions that depended on the clock. The test compares them in a recording and in its replay,
+ * which has no clock.
+ */
 class BudgetReplayNativeTest {
     private static final int FRAMES = 60;
     private static final int SET = 20;
@@ -78,7 +81,7 @@ class BudgetReplayNativeTest {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(log)) {
             while (records.hasNext() && replay.take(records.next())) {
-                // until the end
+                // Replays until the end.
             }
             assertThat(replay.divergence()).isEmpty();
             assertThat(replay.frames()).isEqualTo(FRAMES);

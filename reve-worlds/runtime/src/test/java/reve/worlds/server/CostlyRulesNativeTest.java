@@ -35,7 +35,7 @@ class CostlyRulesNativeTest {
                       [0,1,2,3,4,5,6,7,8].all(c,physics.mass>=0.0)))', cheap: 'physics.mass'}
                     """);
 
-    /** 45,000,000 steps once, and none while nothing changes. */
+    /** A world whose rules take 45,000,000 steps once, and no steps while nothing changes. */
     private static final String MANY =
             world(
                     """
@@ -79,7 +79,10 @@ class CostlyRulesNativeTest {
                 .toList();
     }
 
-    /** The first frame takes 40,000,000 steps, and each later one 200,000: less than 100 ms. */
+    /**
+     * Makes frames. The first frame takes 40,000,000 steps. Each later frame takes 200,000 steps,
+     * which need less than 100 ms.
+     */
     private static void makesFrames(String text) throws Exception {
         try (Simulation simulation = simulation(text)) {
             simulation.loop().run(1);

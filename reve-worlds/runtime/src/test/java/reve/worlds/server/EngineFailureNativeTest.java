@@ -46,7 +46,7 @@ class EngineFailureNativeTest {
     private final Queue<String> problems = new ConcurrentLinkedQueue<>();
     private WorldDescription description;
 
-    /** The method of the engine that fails, and with what. */
+    /** The name of the engine's method that fails with {@code failure}. */
     private String failing = "";
 
     private RuntimeException failure = new IllegalStateException("no process can be started");
@@ -56,7 +56,7 @@ class EngineFailureNativeTest {
         description = WorldFile.load(WORLD);
     }
 
-    /** Without a process for the engine: no law is the cause. */
+    /** The engine has no process in these frames. No law is the cause. */
     @Test
     void framesWithoutPhysicsAreRepeatedWithoutIt() throws IOException {
         long hash =
@@ -79,7 +79,7 @@ class EngineFailureNativeTest {
         }
     }
 
-    /** Journals of earlier versions lack releases. */
+    /** Journals of earlier versions have no releases of laws. */
     @Test
     void aLibraryThatWasLoadedWasReleased() throws IOException {
         long hash = run(0, this::failTwice);
@@ -88,7 +88,7 @@ class EngineFailureNativeTest {
         repeated(hash).close();
     }
 
-    /** More images than there are slots fail to be copied. */
+    /** The number of images that cannot be copied is larger than the number of slots. */
     @Test
     void imagesThatCannotBeCopiedLeaveAWholeStore() throws IOException {
         long hash =
@@ -167,7 +167,7 @@ class EngineFailureNativeTest {
         }
     }
 
-    /** Returns an engine that fails as {@link #failing} says; a law fails once. */
+    /** Returns an engine that fails as {@link #failing} says. A law fails only once. */
     private PhysicsEngine failing(PhysicsEngine engine) {
         return (PhysicsEngine)
                 Proxy.newProxyInstance(

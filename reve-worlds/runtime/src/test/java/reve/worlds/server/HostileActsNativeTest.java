@@ -33,7 +33,9 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** No value that an agent may choose for an action takes a law from the others. */
+/**
+ * No value that an agent can choose for an action causes the loss of a law for the other agents.
+ */
 class HostileActsNativeTest {
     private static final int FRAMES = 60;
     private static final int WHEN = 2;
@@ -71,7 +73,10 @@ class HostileActsNativeTest {
 
     @TempDir private Path folder;
 
-    /** Bodies of a law; before and behind them one body named evil for each action. */
+    /**
+     * Returns a world of bodies with these laws. For each action it also has a body with a name
+     * that begins with evil.
+     */
     private static WorldDescription world(String laws, String... evil) throws WorldFileException {
         var text =
                 new StringBuilder(
@@ -153,7 +158,7 @@ class HostileActsNativeTest {
                 .perform(action);
     }
 
-    /** The result of a run in which agents act with a value in one frame. */
+    /** Returns the faults of a run in which agents act with a value in one frame. */
     private static List<WorldEvent> run(Simulation simulation, double value, String... actions) {
         var faults = new ArrayList<WorldEvent>();
         simulation
@@ -209,7 +214,7 @@ class HostileActsNativeTest {
         }
     }
 
-    /** Its numbers are 0 already, except its place. */
+    /** The numbers of the item are already 0, except those of its place. */
     @ParameterizedTest
     @ValueSource(
             strings = {

@@ -37,7 +37,7 @@ class LawPythonNativeTest {
     private static final double OMEGA = 0.5;
     private static final double DT = 1.0 / 60;
 
-    /** A law, of which tests replace the last line or a declaration. */
+    /** A law. Some tests replace its last line or a declaration. */
     private static final String SPIN =
             """
             import numpy
@@ -127,8 +127,8 @@ class LawPythonNativeTest {
     }
 
     /**
-     * In each step newton_motion multiplies vz + i vx, which turns about y, by 1 - 2 i Ω dt; its
-     * power is the closed form.
+     * The velocity vz + i vx rotates about y. In each step, newton_motion multiplies it by 1 - 2 i
+     * Ω dt. The closed form is a power of this factor.
      */
     @Test
     void aFreeBodyTurnsAsTheClosedFormSays() throws Exception {
@@ -200,7 +200,9 @@ class LawPythonNativeTest {
         }
     }
 
-    /** The columns move when their kind grows, and the arrays with them. */
+    /**
+     * The columns move in memory when the number of their rows grows. The arrays move with them.
+     */
     @Test
     void theArraysFollowTheColumns() throws Exception {
         write("spin.py", SPIN.replace(LINE, "force[:, 1] = 0.001 * mass * len(mass)"));
@@ -278,7 +280,7 @@ class LawPythonNativeTest {
         }
     }
 
-    /** What a text may be called must not make it a program. */
+    /** The name of a text must not make the text a program. */
     @Test
     void aTextWithTheNameOfAFileInPythonStaysAText() throws Exception {
         try (Simulation simulation = simulate("[newton_motion]")) {
@@ -294,7 +296,7 @@ class LawPythonNativeTest {
         assertThat(PreparedLibrary.isText(TWIN.getBytes())).isTrue();
     }
 
-    /** From the frame of the fault on, the world is, to the bit, one without the law. */
+    /** From the frame of the fault on, the world has the same bits as a world without the law. */
     @ParameterizedTest
     @CsvSource(
             delimiter = '¦',
@@ -331,7 +333,7 @@ class LawPythonNativeTest {
         }
     }
 
-    /** A wrong file is refused when it is loaded, with its line. */
+    /** A wrong file is refused when it is loaded. The message has the line. */
     @ParameterizedTest
     @CsvSource(
             delimiter = '¦',

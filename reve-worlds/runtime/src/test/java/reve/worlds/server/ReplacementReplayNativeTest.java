@@ -98,7 +98,10 @@ class ReplacementReplayNativeTest {
         }
     }
 
-    /** The file of the library changes while the world runs, and then the client names it again. */
+    /**
+     * The file of the library changes while the world runs. Then the client loads the library again
+     * by its name.
+     */
     @Test
     void aFileOfNativeCodeReplacesTheLoadedLibraryOfItsNameAlsoInAReplay() throws Exception {
         Path laws = Files.createDirectory(folder.resolve("laws"));

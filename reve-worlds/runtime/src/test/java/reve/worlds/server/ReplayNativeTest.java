@@ -81,7 +81,7 @@ class ReplayNativeTest {
         }
     }
 
-    /** A contact that lasts is a memory of surface_contact: the spring of its static friction. */
+    /** surface_contact remembers a contact that lasts, as the spring of its static friction. */
     @Test
     void lawsKeepWhatTheyRememberWhenParametersChange() throws IOException {
         long undisturbed = record(FRAMES, (simulation, frame) -> {});
@@ -166,7 +166,7 @@ class ReplayNativeTest {
         }
     }
 
-    /** With valid checksums, as another program can write them. */
+    /** The record has a valid checksum, because another program can write such a record. */
     @Test
     void aFrameThatCannotBeReadIsNamedWithWhatWasExpected() throws IOException {
         record(
@@ -308,7 +308,10 @@ class ReplayNativeTest {
         }
     }
 
-    /** A process that ends after any record loses what followed, and nothing before. */
+    /**
+     * If a process ends after any record, the later records are lost, and the earlier ones are
+     * kept.
+     */
     @Test
     void whateverRecordIsTheLastTheWorldIsAsItWasAtItsLastFrame() throws IOException {
         List<Long> hashes = new ArrayList<>();
@@ -365,7 +368,7 @@ class ReplayNativeTest {
         }
     }
 
-    /** An image of an earlier frame that is still being written does not make a store whole. */
+    /** If an image of an earlier frame is still being written, it does not make a store whole. */
     @Test
     void aStoreIsWholeAgainFromTheNextImageOn() throws Exception {
         Queue<String> problems = new ConcurrentLinkedQueue<>();
@@ -391,7 +394,7 @@ class ReplayNativeTest {
                                                         + " frame 40 on"));
     }
 
-    /** Refuses frame 25. The image of frame 20 is written meanwhile. */
+    /** Returns a sink that refuses frame 25 while the image of frame 20 is being written. */
     private static JournalSink failingDuringSecondImage() {
         return new ListSink(new ArrayList<>()) {
             private final CountDownLatch refused = new CountDownLatch(1);
@@ -426,7 +429,10 @@ class ReplayNativeTest {
         }
     }
 
-    /** As without memory; wherever the error occurs, it costs the same as a disk that refuses. */
+    /**
+     * Such an error can occur if there is no memory. In each place it costs the same frames as a
+     * disk that refuses a write.
+     */
     @ParameterizedTest
     @ValueSource(strings = {"frame", "place", "image"})
     void anErrorWhileItWritesCostsTheJournalUpToTheNextImage(String where) throws Exception {
@@ -482,7 +488,9 @@ class ReplayNativeTest {
                 .containsExactly(0L, 20L, 40L, 50L);
     }
 
-    /** Reports a file once, and starts again with its third image. */
+    /**
+     * Returns a sink that reports the loss of a file once, and starts again with its third image.
+     */
     private static JournalSink losingItsFile(List<List<JournalRecord>> kept) {
         return new ListSink(kept) {
             private int images;
@@ -530,7 +538,7 @@ class ReplayNativeTest {
         }
     }
 
-    /** Throws an Error for the second frame, place or image. */
+    /** Returns a sink that throws an Error for the second frame, place or image. */
     private static JournalSink breakingAtSecond(String where, List<List<JournalRecord>> kept) {
         return new ListSink(kept) {
             private final Map<String, Integer> asked = new ConcurrentHashMap<>();
@@ -626,7 +634,10 @@ class ReplayNativeTest {
         };
     }
 
-    /** Keeps records in memory; images and the records after them are lists of their own. */
+    /**
+     * A sink that keeps records in memory. Each image starts a new list, which has the image and
+     * the records after it.
+     */
     private static class ListSink implements JournalSink {
         private final List<List<JournalRecord>> kept;
 

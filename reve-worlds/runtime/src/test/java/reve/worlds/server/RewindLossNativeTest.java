@@ -46,7 +46,7 @@ class RewindLossNativeTest {
     private static final String NAME = "my.db";
     private static final int IMAGE_FRAMES = 3;
 
-    /** The frame of the rewind; the images of frames 3 and 6 still wait then. */
+    /** The frame of the rewind. At this frame the images of frames 3 and 6 still wait. */
     private static final long BACK = 8;
 
     private static final long END = 16;
@@ -54,7 +54,9 @@ class RewindLossNativeTest {
     @TempDir private Path folder;
     private final Queue<String> problems = new ConcurrentLinkedQueue<>();
 
-    /** The files that a kill leaves just after a frame was published, by frame. */
+    /**
+     * The files that remain if the process is killed just after a frame was published, by frame.
+     */
     private final Map<Long, Path> copies = new LinkedHashMap<>();
 
     private WorldDescription description;
@@ -105,9 +107,9 @@ class RewindLossNativeTest {
     }
 
     /**
-     * Makes all frames; laws change before and after the rewind.
+     * Makes all frames. Laws change before and after the rewind.
      *
-     * @param isReleased when images after the first one may be written
+     * @param isReleased whether images after the first one may be written
      */
     private void run(boolean waits, BooleanSupplier isReleased) throws IOException {
         StoredWorld stored =
@@ -170,7 +172,7 @@ class RewindLossNativeTest {
         private final JournalSink store;
         private final BooleanSupplier isReleased;
 
-        /** Any number of threads write, or one thread copies. */
+        /** Either any number of threads write the files, or one thread copies them. */
         private final ReadWriteLock files = new ReentrantReadWriteLock();
 
         private boolean begun;
@@ -222,7 +224,7 @@ class RewindLossNativeTest {
             store.close();
         }
 
-        /** The files as they are between two writes. */
+        /** Returns a copy of the files between two writes. */
         Path copy() throws IOException {
             return holding(
                     files.writeLock(),

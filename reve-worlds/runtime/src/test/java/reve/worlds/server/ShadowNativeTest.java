@@ -50,7 +50,7 @@ import java.util.Optional;
 class ShadowNativeTest {
     private static final double DT = 1.0 / 60;
 
-    /** Frames of a trial. */
+    /** Number of frames of a trial. */
     private static final int TRIAL = 30;
 
     private static final SwapPlan PLAN = new SwapPlan(Optional.of(LawSwap.SHADOW), 0.5, 10);
@@ -76,7 +76,10 @@ class ShadowNativeTest {
               physics: {mass: 4, velocity: [0, 0, 1]}
             """;
 
-    /** Not finite for the stone as soon as it is faster, in the sixth frame of a trial. */
+    /**
+     * A force that is not finite for the stone when it moves faster. This is the case in the sixth
+     * frame of a trial.
+     */
     private static final String NOT_FINITE =
             "f * (1 + exp(1e5 * (velocity.x - 3.09 m/s) / (1 m/s))) * (1, 0, 0)";
 
@@ -139,7 +142,7 @@ class ShadowNativeTest {
         shadows.begin(simulation.loop().frame(), List.of(version("push", text)));
     }
 
-    /** Makes frames, each after the copy has made those before. */
+    /** Makes frames. Each frame waits until the copy has made all frames before. */
     private void run(int frames) throws InterruptedException {
         for (int i = 0; i < frames; i++) {
             simulation.loop().step();
@@ -212,7 +215,7 @@ class ShadowNativeTest {
         assertThat(shadows.report()).isEmpty();
     }
 
-    /** Then the copy is the world, to the bit. */
+    /** If the copy receives these changes, it has the same bits as the world. */
     @Test
     void theCopyReceivesAllChangesThatLawsDoNotMake() throws Exception {
         start(WORLD, PLAN);
@@ -331,7 +334,8 @@ class ShadowNativeTest {
     void aVersionThatDoesNotConserveTheMomentumThatItClaimsIsRefused() throws Exception {
         start();
         tryWind("balanced_wind");
-        // 1 N on each of two bodies, in the first of 30 frames
+        // The force is 1 N on each of two bodies. The new version is refused in the first of 30
+        // frames.
         assertThat(stages("refused"))
                 .singleElement()
                 .satisfies(
@@ -347,7 +351,7 @@ class ShadowNativeTest {
         assertThat(changes).isEmpty();
     }
 
-    /** The force along X acts at a height of 5 m and 9 m. */
+    /** The force along X acts at the heights of 5 m and 9 m. */
     @Test
     void aVersionThatTurnsBodiesAlthoughItClaimsOtherwiseIsRefused() throws Exception {
         start();
@@ -364,7 +368,7 @@ class ShadowNativeTest {
         assertThat(changes).isEmpty();
     }
 
-    /** Its claims are derived from its text. */
+    /** The claims of this version are derived from its text. */
     @Test
     void aVersionThatKeepsItsClaimsIsAccepted() throws Exception {
         start();
@@ -403,7 +407,7 @@ class ShadowNativeTest {
                 .isCloseTo(DT, within(1e-12));
     }
 
-    /** One fails: none of them has proved itself, so none takes over. */
+    /** One of the versions fails. Then none of them has passed the trial, and none takes over. */
     @Test
     void versionsThatAreTriedTogetherAreRefusedTogether() throws Exception {
         start();
@@ -466,7 +470,10 @@ class ShadowNativeTest {
         return watched;
     }
 
-    /** Two scans find a changed file complete. */
+    /**
+     * Scans the folder twice, because a changed file counts as complete in the second scan. Then
+     * makes frames.
+     */
     private void lookAndRun(LawFolder watched, int frames) throws InterruptedException {
         watched.look();
         watched.look();
@@ -531,7 +538,7 @@ class ShadowNativeTest {
         }
     }
 
-    /** The values of the file are those that act again, so there is nothing left to try. */
+    /** The file has the current values again. Therefore there is nothing to try. */
     @Test
     void aFileOfParametersThatIsPutBackEndsItsTrial() throws Exception {
         start(WITHOUT_PUSH, PLAN);
@@ -580,7 +587,7 @@ class ShadowNativeTest {
         }
     }
 
-    /** The copy that runs no longer has the laws of the world, or its past. */
+    /** In these cases the running copy no longer has the laws or the past of the world. */
     @Test
     void aTrialBeginsAgainIfLawsChangeOrTheWorldIsRewound() throws Exception {
         start();
@@ -624,7 +631,7 @@ class ShadowNativeTest {
         assertThat(vector("stone", "velocity")[0] - before).isCloseTo(4 * DT, within(1e-12));
     }
 
-    /** It cannot take over any more; the next trial begins. */
+    /** The new version can no longer take over. The next trial begins. */
     @Test
     void aTrialEndsIfItsLawFailsInTheWorldBeforeItTakesOver() throws Exception {
         start();
@@ -672,7 +679,7 @@ class ShadowNativeTest {
         assertThat(stages("refused")).isEmpty();
     }
 
-    /** Each would cost the memory and the processor time of a world. */
+    /** Each copy needs the memory and the processor time of a world. */
     @Test
     void newVersionsInARowMakeOneCopyAtATime() throws Exception {
         start();
@@ -704,7 +711,7 @@ class ShadowNativeTest {
         assertThat(stages("refused")).hasSize(1);
     }
 
-    /** The copy and the clock decide; the recording contains what they decided. */
+    /** The decisions depend on the copy and the clock. The recording contains the decisions. */
     @Test
     void aReplayNeedsNoCopy() throws Exception {
         Path log = folder.resolve("run.log");
@@ -762,7 +769,7 @@ class ShadowNativeTest {
         }
     }
 
-    /** To the bit, the world is one in which the old version acted from that frame on. */
+    /** The world has the same bits as a world in which the old version acted from that frame on. */
     @Test
     void aVersionThatFailsSoonIsRolledBackAndReplayed() throws Exception {
         Path log = folder.resolve("run.log");

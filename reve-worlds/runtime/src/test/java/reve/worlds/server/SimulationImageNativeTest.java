@@ -133,7 +133,10 @@ class SimulationImageNativeTest {
         }
     }
 
-    /** The image precedes the edit, and the rule read the same number last. */
+    /**
+     * The image is taken before the rule reads the new number. After the rewind, the world has the
+     * number that the rule read last.
+     */
     @Test
     void whatARuleSaysFollowsFromWhatTheRewoundWorldIs() throws Exception {
         byte[] text =
@@ -211,7 +214,7 @@ class SimulationImageNativeTest {
         return simulation.physics().laws().loaded().stream().map(law -> law.name()).toList();
     }
 
-    /** Height of corner c3 in the last snapshot [m]. */
+    /** Returns the height of corner c3 in the last snapshot [m]. */
     private static double height(Simulation simulation) {
         try (WorldSnapshot snapshot = simulation.snapshots().acquireLatest().orElseThrow()) {
             var bodies = snapshot.table("body");

@@ -41,15 +41,16 @@ import java.util.stream.Stream;
 import java.util.zip.CRC32C;
 
 /**
- * A store of a killed server, damaged in every way in which files can be damaged: it resumes
- * unchanged, or names the damaged file and stays unchanged until its repair is requested.
+ * A store of a killed server is damaged in every way in which files can be damaged. The store
+ * resumes unchanged, or it names the damaged file and stays unchanged until its repair is
+ * requested.
  */
 class StoreDamageNativeTest {
     private static final Path WORLD =
             Path.of(System.getProperty("reve.root"), "worlds", "spring-orbit", "world.yaml");
     private static final long SEED = Long.getLong("reve.test.seed", 20261122);
 
-    /** 1000 in a long run. */
+    /** Number of damages. A long run uses 1000. */
     private static final int DAMAGES = Integer.getInteger("reve.test.damages", 12);
 
     private static final int FLIPS = Math.max(6, DAMAGES / 10);
@@ -61,7 +62,10 @@ class StoreDamageNativeTest {
     private final Map<String, Integer> counts = new TreeMap<>();
     private WorldDescription description;
 
-    /** The damages of a store's files, by name; null removes a file. */
+    /**
+     * A damage of a store, with the contents of the damaged files by name. The content null removes
+     * a file.
+     */
     private record Damage(String what, List<String> files, Map<String, byte[]> content) {}
 
     /** The state in which a store resumed. */
@@ -143,7 +147,7 @@ class StoreDamageNativeTest {
         description = WorldFile.load(WORLD);
         byte[] shipped =
                 Files.readAllBytes(Product.nativeFolder().resolve("laws/libvesper_law_drag.so"));
-        byte[] bytes = Arrays.copyOf(shipped, shipped.length + 8); // works alike
+        byte[] bytes = Arrays.copyOf(shipped, shipped.length + 8); // works the same
         Path own =
                 Files.write(
                         Files.createDirectory(folder.resolve("laws"))
@@ -452,7 +456,7 @@ class StoreDamageNativeTest {
     }
 
     /**
-     * Continues a store up to a frame and ends without a last image, as if killed.
+     * Continues a store up to a frame. Ends without a last image, as a killed process does.
      *
      * @param run the push of the bodies
      */
@@ -504,7 +508,10 @@ class StoreDamageNativeTest {
         return sink.left;
     }
 
-    /** The files that a kill leaves of a store: everything except the image at the end. */
+    /**
+     * A sink that leaves the files of a killed process. They have everything except the image at
+     * the end.
+     */
     private static final class Killed implements JournalSink {
         private final JournalSink store;
         private final Path place;

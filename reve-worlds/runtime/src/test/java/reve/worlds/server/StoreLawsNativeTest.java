@@ -179,7 +179,7 @@ class StoreLawsNativeTest {
                 .contains("library=broken", "status=LAW_FAILED");
     }
 
-    /** The laws are those at the frame that is left. */
+    /** The laws are those of the last frame that is left. */
     @Test
     void aStoreThatLostFramesShowsTheLawsOfTheLastOneThatIsLeft() throws Exception {
         makeStore();

@@ -50,7 +50,8 @@ class WorldServerNativeTest {
     }
 
     /**
-     * The recording cannot be written and no report is possible, which is an Error of the journal.
+     * The recording cannot be written, and the journal cannot report it. This is an Error of the
+     * journal.
      */
     @Test
     void aWorldWhoseJournalEndsIsReportedAsFailedAndTheOthersGoOn() throws Exception {
@@ -98,7 +99,7 @@ class WorldServerNativeTest {
                                                 "OutOfMemoryError: while it was told"));
     }
 
-    /** An action of a world file may give an event any fields. */
+    /** An action of a world file may set any fields of an event. */
     @Test
     void anEventCannotSpeakForAnotherWorld() throws Exception {
         Queue<Object> worlds = new ConcurrentLinkedQueue<>();

@@ -40,7 +40,7 @@ final class MeteredEndPoint extends SocketChannelEndPoint {
     @Override
     public int fill(ByteBuffer buffer) throws IOException {
         if (budget.waitNanos() > 0) {
-            return 0; // as if nothing had arrived; needsFillInterest() waits
+            return 0; // pretends that no data arrived; needsFillInterest() waits
         }
         int count = super.fill(buffer);
         budget.spend(Math.max(0, count));

@@ -21,7 +21,7 @@ import java.util.concurrent.LinkedBlockingQueue;
 import java.util.concurrent.TimeUnit;
 import java.util.function.Predicate;
 
-/** A WebSocket client that speaks as the page does, without drawing. */
+/** A WebSocket client that sends the same messages as the page and draws nothing. */
 final class PageClient implements WebSocket.Listener, AutoCloseable {
 
     static final JsonMapper JSON = new JsonMapper();
@@ -43,7 +43,7 @@ final class PageClient implements WebSocket.Listener, AutoCloseable {
             JsonNode structure,
             Map<Integer, Map<Integer, float[]>> columns) {}
 
-    /** Opens the WebSocket of a page at this address, as a page of that origin. */
+    /** Opens the WebSocket of a page at this address, like a page of that origin. */
     PageClient(String page, String origin) throws IOException {
         try {
             socket =
@@ -62,7 +62,7 @@ final class PageClient implements WebSocket.Listener, AutoCloseable {
         this(page, page.substring(0, page.length() - 1));
     }
 
-    /** Stops reading from the socket, as a page that hangs. */
+    /** Stops reading from the socket, like a page that hangs. */
     void hang() {
         reads = false;
     }

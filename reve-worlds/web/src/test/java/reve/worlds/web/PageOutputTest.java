@@ -18,7 +18,7 @@ import java.util.List;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.TimeUnit;
 
-/** Pages that read nothing, and pages that read all. */
+/** Pages that read nothing, and pages that read everything. */
 class PageOutputTest {
 
     private static final int LIMIT_BYTES = 100;
@@ -30,7 +30,7 @@ class PageOutputTest {
         pages.close();
     }
 
-    /** A WebSocket whose page reads all or nothing. */
+    /** A WebSocket whose page reads everything or nothing. */
     private static final class Page {
         private final boolean reads;
         private final List<String> texts = Collections.synchronizedList(new ArrayList<>());

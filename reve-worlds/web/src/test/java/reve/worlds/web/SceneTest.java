@@ -44,7 +44,9 @@ class SceneTest {
         }
     }
 
-    /** Otherwise a world whose shapes change would fill the memory of its server. */
+    /**
+     * Otherwise a world whose shapes change again and again would fill the memory of its server.
+     */
     @Test
     void meshesThatNoItemHasAreDropped() {
         Mesh first = triangle(1);

@@ -391,7 +391,7 @@ class WebServerNativeTest {
             for (int id = 1; page.connections() > 0; id++) {
                 assertThat(System.nanoTime()).as("the page is still connected").isLessThan(end);
                 try {
-                    client.say("{\"t\":\"laws\",\"id\":" + id + "}"); // ends the silence, too
+                    client.say("{\"t\":\"laws\",\"id\":" + id + "}"); // also ends the silence
                 } catch (java.util.concurrent.CompletionException disconnected) {
                     // The next look at the connections shows it.
                 }

@@ -38,7 +38,7 @@ import java.util.regex.Pattern;
  * Secrets are omitted, and pixels of pictures are replaced by a hash (SHA-256). A file that reaches
  * the maximum size is rotated. While the file cannot be written, this class only counts messages
  * and tries to write once per second. The first record after such a gap contains the number of
- * missing records. For one thread, which waits as long as the disk does not answer.
+ * missing records. For one thread, which blocks while the disk does not answer.
  */
 final class AuditFile implements Closeable {
 
@@ -400,7 +400,7 @@ final class AuditFile implements Closeable {
         try {
             out = open();
             rotationFailure = null;
-        } catch (IOException e) { // continues in the full file, whatever its name is now
+        } catch (IOException e) { // the full file stays in use, under any name
             out = full;
             rotationFailed(e);
             return;

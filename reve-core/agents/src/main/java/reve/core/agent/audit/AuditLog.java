@@ -49,7 +49,7 @@ public final class AuditLog implements Closeable {
     /** The task after which the thread ends. */
     private static final Task END = new Task(() -> {}, 0);
 
-    /** What the thread does if no task waits: it examines the file. */
+    /** Runs if the queue is empty. The thread may examine the file after each task. */
     private static final Task NONE = new Task(() -> {}, 0);
 
     private final AuditPlan plan;
@@ -69,14 +69,17 @@ public final class AuditLog implements Closeable {
     private volatile String solved;
     private volatile boolean serving = true;
 
-    /** Whether the last result of an examination was taken, so that the next one may follow. */
+    /**
+     * True if a caller has read the result of the last examination of the file. The thread then
+     * examines the file again.
+     */
     private volatile boolean asked = true;
 
     private volatile boolean closed;
 
     private final Object skipping = new Object();
 
-    /** Number of messages that did not wait for the disk and are not in the record yet. */
+    /** Number of messages that were sent without a record and that the file does not count yet. */
     private long skipped; // guarded by skipping
 
     private Instant skippedSince = Instant.EPOCH; // guarded by skipping
@@ -84,7 +87,7 @@ public final class AuditLog implements Closeable {
     /** Whether a message was skipped since the last report of problems. */
     private boolean hasSkipped; // guarded by skipping
 
-    /** Work of the writing thread, and how many bytes wait for it. */
+    /** A task of the writing thread, and the number of bytes that wait for it. */
     private record Task(Runnable work, long bytes) {}
 
     /**
@@ -144,7 +147,7 @@ public final class AuditLog implements Closeable {
                 return true;
             }
         } catch (ExecutionException | TimeoutException e) {
-            // Not recorded in time: the same as not recorded.
+            // A message that is not recorded in time counts as not recorded.
         } catch (InterruptedException ending) {
             Thread.currentThread().interrupt();
         }
@@ -160,7 +163,7 @@ public final class AuditLog implements Closeable {
         synchronized (skipping) {
             if (skipped++ == 0) {
                 skippedSince = clock.instant();
-                tasks.add(new Task(this::recordSkipped, 0)); // behind the messages that wait
+                tasks.add(new Task(this::recordSkipped, 0)); // runs after the waiting messages
             }
             hasSkipped = true;
         }
@@ -187,8 +190,8 @@ public final class AuditLog implements Closeable {
     /**
      * Returns why the record cannot be written or rotated, or what another program did to the file;
      * empty if there is no problem. If the file was moved, removed or cut, a new record begins at
-     * its path. Each problem is returned at least once. The answer is that of an examination after
-     * the last call.
+     * its path. Each problem is returned at least once. The result comes from an examination of the
+     * file after the previous call.
      */
     public Optional<String> problem() {
         if (isLate() || takeSkipped()) {
@@ -226,7 +229,7 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Writes what waits for the disk, and closes the file. Gives up after five seconds if the disk
+     * Writes the waiting messages, and closes the file. Gives up after five seconds if the disk
      * does not answer; {@link #unrecorded} then counts the messages that wait.
      */
     @Override
@@ -236,7 +239,7 @@ public final class AuditLog implements Closeable {
         try {
             if (!thread.join(Duration.ofMillis(CLOSE_MILLIS))) {
                 synchronized (skipping) {
-                    skipped += tasks.size(); // of these, END is none, but one more is being written
+                    skipped += tasks.size(); // END replaces the message being written
                 }
             }
         } catch (InterruptedException ending) {
@@ -285,7 +288,7 @@ public final class AuditLog implements Closeable {
             messages = skipped;
             since = skippedSince;
             skipped = 0;
-            unrecorded += messages; // file.unrecorded() counts them from now on
+            unrecorded += messages; // from now on, file.unrecorded() counts them
         }
         file.skipped(messages, since);
         solved = file.solved();

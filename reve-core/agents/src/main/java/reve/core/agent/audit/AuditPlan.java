@@ -31,7 +31,10 @@ public record AuditPlan(Path file, long maxBytes, int keep, boolean required) {
         }
     }
 
-    /** Returns what happens while messages cannot be recorded: the end of a report about it. */
+    /**
+     * Returns the end of a report to the operator. It states what happens while messages cannot be
+     * recorded.
+     */
     String consequence() {
         return required
                 ? "; clients are disconnected until it can"

@@ -13,19 +13,19 @@ import java.util.concurrent.TimeUnit;
 import java.util.concurrent.TimeoutException;
 
 /**
- * Reads a file on threads of its own. A file that gives no data, for example on a network disk that
- * does not answer, delays the caller once, by {@link #PATIENCE_MILLIS}. Until the file can be read
- * again, each further call fails at once. For one thread at a time.
+ * Reads a file on threads of its own. Such a thread may block, for example because a network disk
+ * does not answer. The caller then waits once, for {@link #PATIENCE_MILLIS}. Each further call
+ * fails at once until the file can be read again. For one thread at a time.
  */
 final class PatientReader {
 
     /** Time that a caller waits for a file [ms]. */
     static final long PATIENCE_MILLIS = 500;
 
-    /** Time after which a thread that still reads is given up, and another one may read [ns]. */
+    /** Time after which the reader abandons a blocked thread and may start another one [ns]. */
     private static final long GIVE_UP_NANOS = TimeUnit.SECONDS.toNanos(10);
 
-    /** Maximum number of threads that were given up and have not ended. */
+    /** Maximum number of abandoned threads that have not ended. */
     private static final int MOST_GIVEN_UP = 8;
 
     /** Reads files. */
@@ -58,13 +58,13 @@ final class PatientReader {
     private @Nullable Thread thread;
 
     /**
-     * @param path the file, for messages
+     * @param path the file, which error messages name
      */
     PatientReader(Path path) {
         this(path, GIVE_UP_NANOS);
     }
 
-    /** Creates a reader with another time until a thread is given up; for tests. */
+    /** Creates a reader that abandons blocked threads after another time; for tests. */
     PatientReader(Path path, long giveUpNanos) {
         this.path = path;
         this.giveUpNanos = giveUpNanos;
@@ -74,7 +74,7 @@ final class PatientReader {
      * Runs the reading on another thread and returns its result.
      *
      * @throws SlowException if the reading does not end in time, or an earlier one has not ended
-     * @throws IOException of the reading
+     * @throws IOException if the reading fails
      */
     <T> T read(Reading<T> reading) throws IOException {
         if (late != null && !late.isDone() && !isGivenUp()) {

@@ -222,7 +222,7 @@ public final class ServerTls {
             throw new FileSystemException(
                     file + " is a pipe or a device, expected a file in PEM; " + "name that file");
         }
-        if (Files.size(file) == 0) { // as a file of /proc that may never end
+        if (Files.size(file) == 0) { // for example a file of /proc, which may never end
             throw new FileSystemException(file + " is empty, expected a file in PEM");
         }
         if (Files.size(file) > MOST_BYTES) { // the parser takes minutes for megabytes

@@ -210,7 +210,7 @@ public final class TokenFile {
         if (version.isOpenToOthers()) {
             throw new FileSystemException(version.openToOthers(path));
         }
-        if (version.bytes() == 0) { // as a file of /proc that may never end
+        if (version.bytes() == 0) { // for example a file of /proc, which may never end
             throw new FileSystemException(path + " is no file of tokens: it is empty");
         }
         if (version.bytes() > MAX_BYTES) {
@@ -245,8 +245,8 @@ public final class TokenFile {
     }
 
     /**
-     * Gives a file the owner of another one, so that a server of that account can still read it,
-     * and its group if possible. Only root can change an owner.
+     * Gives a file the owner of another file, and its group if possible. The server, which runs
+     * under this account, can then still read the file. Only root can change an owner.
      *
      * @return whether the owners are the same now
      */
@@ -255,7 +255,8 @@ public final class TokenFile {
             try {
                 Files.setAttribute(to, attribute, Files.getAttribute(from, attribute));
             } catch (FileSystemException e) {
-                // Permission denied: the comparison below says whether this matters.
+                // The process may lack the permission. The comparison below shows whether the
+                // owners differ.
             }
         }
         return Files.getAttribute(from, "unix:uid").equals(Files.getAttribute(to, "unix:uid"));

@@ -202,8 +202,8 @@ public final class ControlDesk {
     }
 
     /**
-     * Queues the input which reports that an agent in lock-step was late or has returned. Drops the
-     * input if the queue for the next frame is full. Called on the thread of the frame loop.
+     * Queues an input that reports a late or returned agent in lock-step. Drops the input if the
+     * queue for the next frame is full. Called on the thread of the frame loop.
      */
     public void lockStep(AgentInput news) {
         port.commands()

@@ -40,8 +40,8 @@ final class HeapRoom {
     private final LongSupplier nanoTime;
 
     /**
-     * Bytes that the last garbage collection left in use [bytes]. The next field is the time of
-     * that collection [ns].
+     * Size of the objects that the last garbage collection did not remove [bytes]. The next field
+     * is the time of that collection [ns].
      */
     private long reachable;
 

@@ -45,12 +45,12 @@ final class SharedReports {
      */
     private static final long SLICE_NANOS = 1_000_000;
 
-    /** Reports take at most one part of the time out of this many parts. */
+    /** Divisor of the elapsed time: the quotient is the maximum time for reports. */
     private static final int SHARE = 10;
 
     /**
-     * Time by which reports may exceed their part before they must wait [ns], multiplied by {@link
-     * #SHARE}.
+     * Time by which reports may exceed their part of the elapsed time before they must wait [ns].
+     * The value is multiplied by {@link #SHARE}.
      */
     private static final long ADVANCE_NANOS = 500_000_000;
 

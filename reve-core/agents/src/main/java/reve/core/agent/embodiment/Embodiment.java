@@ -490,7 +490,7 @@ public final class Embodiment {
 
     /**
      * Chooses a body for an agent: the requested item, otherwise a free item, otherwise a new item.
-     * An agent whose name is the name of an item gets that item or none. Other agents could not
+     * If an item has the agent's name, the agent gets this item or no body. Other agents could not
      * distinguish an agent and a different item of the same name.
      */
     private Body take(World world, AgentInput.Join join) throws CloseReason {

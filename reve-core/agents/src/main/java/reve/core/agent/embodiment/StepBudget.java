@@ -13,7 +13,10 @@ import java.util.TreeMap;
  * so the same acts wait for the same frames on every machine. For the world's thread only.
  */
 final class StepBudget {
-    /** Maximum number of steps of all agents together in one frame. These steps take about 6 ms. */
+    /**
+     * Maximum number of steps of all agents together in one frame. Their evaluation takes a few
+     * milliseconds.
+     */
     static final int OF_FRAME = 60_000;
 
     /**

@@ -179,7 +179,7 @@ public final class Turn {
 
     /**
      * Returns whether the agent receives a perception of a frame. The argument {@code told} is the
-     * frame of its last perception.
+     * frame of the last perception that was sent to the agent.
      */
     public boolean isDue(long frame, long told) {
         Presence now = presence.get();
@@ -229,7 +229,7 @@ public final class Turn {
     }
 
     /**
-     * Lets a returning agent take part again from a frame that has not begun.
+     * Includes a returning agent in the rounds again, from a frame that has not begun.
      *
      * @param granted false if an agent that is away stays away until it is ready again
      * @return true if an event had informed other agents that this agent was away

@@ -225,7 +225,7 @@ final class ConnectionReader {
 
     private void drain() throws IOException {
         if (!connection.hasWrittenAll()) {
-            key.interestOpsAnd(~SelectionKey.OP_READ); // reads on when all messages are written
+            key.interestOpsAnd(~SelectionKey.OP_READ); // reading continues after all writes
             return;
         }
         int count = wire.read(connections.buffers().buffer());

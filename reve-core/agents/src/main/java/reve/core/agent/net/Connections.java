@@ -336,9 +336,10 @@ public final class Connections {
     }
 
     /**
-     * Creates daemon platform threads. Virtual threads would not do: they wake the event loop, and
-     * a world's thread that wakes it, too, would then wait until each virtual thread before it gets
-     * one of the few carrier threads. Tasks after {@link #stop} are dropped.
+     * Creates daemon platform threads. Virtual threads are not suitable, because they share a few
+     * carrier threads. A virtual thread that wakes the event loop may wait for a carrier thread,
+     * and a world's thread that also wakes the loop would then wait for it. Tasks after {@link
+     * #stop} are dropped.
      */
     private static ExecutorService threads(
             String name, int least, int most, BlockingQueue<Runnable> waiting) {

@@ -15,8 +15,9 @@ import java.util.Arrays;
 
 /**
  * Splits received bytes into messages: lines of JSON, or MessagePack with a length prefix. Enforces
- * limits of length and time. The buffer grows with the data received. A length that a client only
- * announces does not make it grow. For the event loop's thread only.
+ * limits of length and time. The buffer grows with the data received. A length prefix alone does
+ * not make the buffer grow, so a client cannot reserve memory without sending data. For the event
+ * loop's thread only.
  */
 final class MessageFramer {
 

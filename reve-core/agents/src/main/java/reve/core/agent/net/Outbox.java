@@ -15,8 +15,8 @@ import java.util.List;
  * The queue of outgoing messages of one client. Messages keep their order, and their number and
  * size are limited. Events are counted separately, because other clients cause them. If there are
  * too many events, all events of whole frames are dropped, and one message reports the loss. Only
- * the newest perception of a stream waits. Its difference from the perception written last is
- * computed when it is written. Any thread may add messages; the event loop removes them.
+ * the newest perception of a stream waits. It is encoded when it is written, as the difference from
+ * the perception written before. Any thread may add messages; the event loop removes them.
  */
 public final class Outbox {
 

@@ -2,11 +2,11 @@
 package reve.core.agent.net;
 
 /**
- * Shares of the event loop's time for decoding messages. The cost of a message is counted as its
- * size, because the messages that are slowest to decode take about 25 ns per byte. Each connection
- * has a small allowance, which suffices for an agent that acts in every frame. Longer messages and
- * faster agents share a pool, so that they leave most of the loop's time to others. For the event
- * loop's thread only.
+ * Shares of the event loop's time for decoding messages. The cost of a message is its size, because
+ * the time to decode a message is at most proportional to its size. Each connection has a small
+ * allowance, which suffices for an agent that acts in every frame. Longer messages and faster
+ * agents share a pool, so that they leave most of the loop's time to others. For the event loop's
+ * thread only.
  */
 final class ReadShares {
 

@@ -239,7 +239,7 @@ final class TlsWire implements Wire {
             throw new SSLException("the client has not shaken hands");
         }
         while ((bytes.hasRemaining() || isToWrap()) && wrap(bytes)) {
-            // One record at a time.
+            // Each call of wrap() encrypts and writes one record.
         }
         if (bytes.hasRemaining() && engine.isOutboundDone()) {
             throw new SSLException("the connection is closed");

@@ -50,7 +50,7 @@ interface Wire extends ByteChannel {
         return new Plain(channel, peer);
     }
 
-    /** See {@link #of}. */
+    /** The stream of a connection without TLS, see {@link #of}. */
     record Plain(SocketChannel channel, InetSocketAddress peer) implements Wire {
 
         /**

@@ -72,8 +72,8 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     }
 
     /**
-     * The debt of a token's sessions. The debt is the cost for which the sessions' shares of time
-     * have not paid yet.
+     * The account of a token's sessions. Its debt is the cost that the sessions' shares of time
+     * have not covered yet [ns].
      */
     private static final class Account {
         private double owedNanos;

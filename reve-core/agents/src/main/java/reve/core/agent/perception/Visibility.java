@@ -29,7 +29,8 @@ record Visibility(Set<Aspect> aspects, Optional<SortedSet<String>> symbols) {
     }
 
     /**
-     * Returns whether this visibility includes all symbols and actions that the other one includes.
+     * Returns whether this visibility includes all symbols and actions that the other visibility
+     * includes.
      */
     boolean isAllThatIsSymbolicOf(Visibility other) {
         return has(Aspect.SEMANTIC) == other.has(Aspect.SEMANTIC)
@@ -37,7 +38,7 @@ record Visibility(Set<Aspect> aspects, Optional<SortedSet<String>> symbols) {
                 && symbols.equals(other.symbols);
     }
 
-    /** Returns a visibility that includes the data of both. */
+    /** Returns a visibility that includes the data of both visibilities. */
     Visibility and(Visibility other) {
         if (equals(other)) {
             return this;

@@ -46,7 +46,7 @@ public interface WorldControl {
 
     /**
      * Prepares loading a library of laws. It replaces a loaded library of the same name if the
-     * bytes of its file are others now.
+     * content of its file has changed.
      *
      * @param library name without a folder; the program searches its law folders
      * @param parameters the parameters of the library's laws, by {@code parameter} or {@code

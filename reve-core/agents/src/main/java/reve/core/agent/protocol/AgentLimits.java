@@ -19,7 +19,8 @@ import reve.core.agent.session.Resumes;
  * @param kept maximum number of sessions without a token that wait for a new connection
  * @param resumes maximum number of resumes of one session in a burst; after the burst, {@value
  *     Resumes#PER_SECOND} per second
- * @param hellos maximum burst of clients that join; then 100 per second, and further ones wait
+ * @param hellos maximum number of clients that may join at once; after such a burst, 100 clients
+ *     per second may join, and the others wait
  */
 public record AgentLimits(
         int maxConnections,

@@ -101,8 +101,8 @@ public final class MessageReader {
     }
 
     /**
-     * Refuses values that JSON permits but the server does not. These are numbers beyond the range
-     * of doubles, and unpaired surrogates.
+     * Refuses values that are valid JSON but that the server does not accept: numbers beyond the
+     * range of doubles, and unpaired surrogates.
      */
     private static void requireSound(JsonNode node) throws BadMessage {
         if (node.isString()) {

@@ -54,8 +54,8 @@ public final class CameraRequests {
      */
     public void take(ClientMessage.Look look, ItemId body, Sensor camera) throws BadMessage {
         if (pending.equals(OptionalLong.of(look.id()))) {
-            return; // the client repeated its request over a new connection; the answer to the
-            // first one follows
+            return; // the client repeated its request over a new connection, and the answer to
+            // the first request follows
         }
         if (pending.isPresent()) {
             throw new BadMessage(

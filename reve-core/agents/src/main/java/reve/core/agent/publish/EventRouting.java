@@ -25,8 +25,8 @@ import java.util.Set;
 import java.util.stream.LongStream;
 
 /**
- * Preselection of the clients that may receive an event. Because of it, the cost of an event
- * depends on the number of clients that perceive its items and not on the number of agents. It
+ * Preselection of the clients that may receive an event. The cost of an event therefore depends on
+ * the number of clients that perceive its items, and not on the number of agents. This class
  * selects the clients whose last view contains one of the items, and those with a sensor that may
  * reach one of the items now. The selection may contain too many clients; {@link Senses} makes the
  * exact decision. For the event loop's thread only.

@@ -33,7 +33,7 @@ public final class Publisher {
 
     /**
      * Maximum number of frames whose events wait to be sent. Events of further frames are lost. At
-     * 60 frames per second, this number corresponds to 17 s.
+     * 60 frames per second, these are the frames of 17 s.
      */
     private static final int MAX_EVENT_FRAMES = 1024;
 
@@ -192,7 +192,7 @@ public final class Publisher {
         news = false;
         try {
             publish();
-        } catch (Throwable e) { // caught and logged: otherwise no agent would receive data any more
+        } catch (Throwable e) { // an error must not stop the sending of data to all agents
             log.error("telling agents about frame " + published + " failed", e);
         }
     }
@@ -351,8 +351,8 @@ public final class Publisher {
     }
 
     /**
-     * Returns whether the server itself raised the event for an absent agent. Listeners in Java may
-     * raise events of the same types, but with other fields.
+     * Returns whether the server itself raised the event to report an absent agent. Listeners in
+     * Java may raise events of the same types, but with other fields.
      */
     private static boolean isAbsence(WorldEvent event) {
         return ABSENCES.contains(event.type())
@@ -410,7 +410,8 @@ public final class Publisher {
                 shares.postpone(member);
             } else if (shares.isServedNow(member)) {
                 if (isCut && member.isInLockStep() && member.hasSensors()) {
-                    owesPerceptions = true; // at most one view of unknown duration in a slice
+                    owesPerceptions = true; // a slice computes at most one view whose duration is
+                    // unknown
                 } else {
                     serve(member, newest);
                     isCut |= longViews.contains(member);

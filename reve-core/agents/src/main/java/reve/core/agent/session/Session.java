@@ -311,7 +311,7 @@ public final class Session implements Client, Perceiver {
         }
         synchronized (this) {
             if (!welcomed || left) {
-                return; // before the welcome, which will contain it, or after the agent has left
+                return; // the welcome will contain this time, or the agent has left
             }
         }
         send(world.waiting(waitedFor, world.publisher().published()));
@@ -418,7 +418,7 @@ public final class Session implements Client, Perceiver {
 
     private void show(ServerMessage picture) {
         boolean room;
-        synchronized (this) { // not while another connection is resuming the session
+        synchronized (this) { // waits until no other connection is resuming the session
             room = output.offer(picture);
         }
         if (!room) {
@@ -522,7 +522,7 @@ public final class Session implements Client, Perceiver {
         }
         world.publisher().dismiss(this); // must happen before another client may take the name
         world.leave(this, reason);
-        pace.leave(); // last: the world waits for the agent until its leave is in the next frame
+        pace.leave(); // last, so the world waits until the leave command is queued
     }
 
     synchronized ServerMessage.@Nullable Ticket ticket() {

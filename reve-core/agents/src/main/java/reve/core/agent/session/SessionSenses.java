@@ -23,7 +23,7 @@ import java.util.Set;
 import java.util.function.BooleanSupplier;
 
 /**
- * The perception of a session's client. The client perceives everything, or the items that the
+ * The perception of a session's client. A client perceives either everything or the items that the
  * sensors of its body reach. For the event loop's thread only.
  */
 final class SessionSenses {

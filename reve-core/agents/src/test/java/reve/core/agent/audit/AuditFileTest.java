@@ -30,7 +30,7 @@ import java.util.concurrent.TimeUnit;
 import java.util.stream.IntStream;
 import java.util.stream.Stream;
 
-/** The file of the audit record, and failures of its disk. */
+/** The file of the audit record, and failures of the disk with this file. */
 class AuditFileTest {
     private static final Path FULL = Path.of("/dev/full");
 

@@ -29,8 +29,8 @@ class AuditLogTest {
     @TempDir private Path folder;
 
     /**
-     * A terminal whose other end reads only when it is told so. Writing to it waits like writing to
-     * a disk that does not answer.
+     * A terminal whose other end reads only when the test tells it to. A write to this terminal
+     * waits like a write to a disk that does not answer.
      */
     private static final class StuckFile implements AutoCloseable {
         private final Process reader;

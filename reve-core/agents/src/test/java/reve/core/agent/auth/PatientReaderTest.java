@@ -27,7 +27,7 @@ class PatientReaderTest {
                 answers.await();
                 return "late";
             } catch (InterruptedException ignored) {
-                // The thread waits on.
+                // Continues to wait.
             }
         }
     }
@@ -42,7 +42,7 @@ class PatientReaderTest {
         }
         assertThat(begun).hasValue(1);
         answers.countDown();
-        // The thread of the first reading ends at any time from here.
+        // From here on, the thread of the first reading may end at any time.
         String result = null;
         while (result == null) {
             try {
@@ -61,7 +61,7 @@ class PatientReaderTest {
             assertThatExceptionOfType(PatientReader.SlowException.class)
                     .isThrownBy(() -> reader.read(this::readSlowly));
         }
-        assertThat(begun).hasValue(9); // one reads, and eight were given up
+        assertThat(begun).hasValue(9); // one still reads, and the reader gave eight up
         answers.countDown();
     }
 

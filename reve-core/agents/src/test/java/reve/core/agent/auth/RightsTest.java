@@ -97,7 +97,7 @@ class RightsTest {
         return new Rights(Set.of(Role.AGENT), worlds, bodies, capabilities, false);
     }
 
-    /** Sends hello and waits for the answer. */
+    /** Sends a hello and waits for the answer. */
     private TestClient hello(String name, String rest) throws IOException {
         TestClient client =
                 room.connect().say("{'t':'hello','protocol':1,'name':'" + name + "'" + rest + "}");

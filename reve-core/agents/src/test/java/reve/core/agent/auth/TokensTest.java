@@ -29,7 +29,7 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.TimeUnit;
 
-/** Tokens and the file they are kept in. */
+/** Tokens and the file in which they are kept. */
 class TokensTest {
 
     private static final Instant NOW = Instant.parse("2030-01-01T00:00:00Z");
@@ -71,7 +71,7 @@ class TokensTest {
         assertThat(file).isSymbolicLink();
     }
 
-    /** Otherwise the server of that account would not see a token that root revokes. */
+    /** Otherwise the server of that account would not see that root has revoked a token. */
     @Test
     void aChangeByRootKeepsTheOwnerOfTheFile() throws IOException {
         add("ada");

@@ -9,7 +9,7 @@ import org.junit.jupiter.api.Test;
 
 import reve.core.world.ActionRefused;
 
-/** When changes are refused because of a full heap. */
+/** The cases in which changes are refused because the heap is full. */
 class HeapRoomTest {
     private static final long MIB = 1 << 20;
 
@@ -56,7 +56,7 @@ class HeapRoomTest {
     void changesContinueWhenItemsWereRemoved() throws ActionRefused {
         used = 960 * MIB;
         assertThatThrownBy(room::require).isInstanceOf(ActionRefused.class);
-        unreachable = 700 * MIB; // which only a collection finds
+        unreachable = 700 * MIB; // which only a garbage collection finds
         time = 9_000_000_000L;
         assertThatThrownBy(room::require).isInstanceOf(ActionRefused.class);
         assertThat(collections).isEqualTo(1);

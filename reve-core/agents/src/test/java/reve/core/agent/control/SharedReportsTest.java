@@ -32,7 +32,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Queries of many clients, with a clock by hand. */
+/** Queries of many clients, with a clock that the test sets. */
 class SharedReportsTest {
 
     private static final long MILLISECOND = 1_000_000;

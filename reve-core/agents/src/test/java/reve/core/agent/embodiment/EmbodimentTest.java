@@ -32,7 +32,9 @@ class EmbodimentTest {
         assertThat(world.find("ghost")).isEmpty();
     }
 
-    /** Designers' items, attached items, and another agent's body. */
+    /**
+     * The attached items are items of designers, items attached to them, and another agent's body.
+     */
     @Test
     void whatIsAttachedToABodyStaysWhereItIsWhenTheBodyLeaves() {
         World world = new World("w", WorldPrototype.standard("si-f64"), new OffHeapArena());
@@ -74,7 +76,10 @@ class EmbodimentTest {
         assertThat(events(world)).contains("removed spring");
     }
 
-    /** A spring needs both ends, and an agent's leave cannot be refused. */
+    /**
+     * A spring without one of its ends is removed, because a spring needs both ends and the server
+     * cannot refuse that an agent leaves.
+     */
     @Test
     void eachItemThatGoesWithABodyIsNamedInAnEvent() {
         World world = new World("w", WorldPrototype.standard("si-f64"), new OffHeapArena());

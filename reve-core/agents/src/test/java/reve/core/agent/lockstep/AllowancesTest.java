@@ -41,10 +41,13 @@ class AllowancesTest {
 
     /** The pace of an agent's rounds. */
     private interface Thinking {
-        /** Time at which its next round is complete [ns]; {@link #NEVER} if never. */
+        /** Returns the time at which its next round is complete [ns], or {@link #NEVER}. */
         long next();
 
-        /** Whether it leaves instead of being ready, and reconnects under another name. */
+        /**
+         * Returns whether the agent leaves instead of being ready, and reconnects under another
+         * name.
+         */
         default boolean leaves() {
             return false;
         }
@@ -83,8 +86,8 @@ class AllowancesTest {
         }
 
         /**
-         * Begins a frame; an agent that is about to leave is still present, and one that is away
-         * continues to think.
+         * Begins a frame. An agent that is about to leave is still present, and an agent that is
+         * away continues to think.
          */
         void perceive() {
             if (!thinking.leaves() && turn.isHere() || readyNanos == NEVER) {
@@ -174,7 +177,10 @@ class AllowancesTest {
         return () -> nanoseconds;
     }
 
-    /** Thinks for that long once in a number of rounds, and otherwise 5 ms. */
+    /**
+     * Returns a pace of an agent that thinks for that long once in a number of rounds, and for 5 ms
+     * in the other rounds.
+     */
     private static Thinking sometimes(int rounds, long nanoseconds) {
         return new Thinking() {
             private int round;
@@ -450,7 +456,7 @@ class AllowancesTest {
         assertThat(spent).isEmpty();
     }
 
-    /** The server was suspended for 22 s while it waited. */
+    /** In this test, the server is suspended for 22 s while it waits. */
     @Test
     void aTimeInWhichTheServerDidNotRunIsNotCharged() {
         allowances.addRealTime(1);

@@ -62,7 +62,7 @@ class LockStepTest {
         return new Allowance(Optional.empty(), 0);
     }
 
-    /** The state of one agent, known without the server. */
+    /** The state that one agent should have. The test computes it without the server. */
     private static final class Player {
         private final Turn turn;
         private final int every;
@@ -105,7 +105,7 @@ class LockStepTest {
         }
     }
 
-    /** Moves the clock to the end of a wait, unless an event ends it earlier. */
+    /** A clock that moves to the end of each wait, unless an event ends the wait earlier. */
     private final class Clock implements FrameClock {
         private long now = 1;
         private boolean woken;
@@ -118,7 +118,7 @@ class LockStepTest {
         @Override
         public void park(long nanoseconds) {
             if (!loop.isPaused()) {
-                takeBack(loop.frame() + 1); // the world has just asked the gate
+                takeBack(loop.frame() + 1); // the world just asked the gate
             }
             long end = now + nanoseconds;
             while (!woken && now < end) {
@@ -169,8 +169,8 @@ class LockStepTest {
     }
 
     /**
-     * Something that an agent or an operator does while the world waits; agents also act while it
-     * runs.
+     * Lets an agent or an operator do something while the world waits. Agents also act while the
+     * world runs.
      */
     private void happen() {
         if (loop.isPaused()) {
@@ -274,7 +274,7 @@ class LockStepTest {
                     for (Player player : players) {
                         if (player.roundsBegun(before) != player.judged) {
                             player.judged = player.roundsBegun(before);
-                            player.lateInRow = 0; // otherwise the server would have received it
+                            player.lateInRow = 0; // it was ready, because no Late came
                         }
                         assertThat(player.isMissing(before))
                                 .as("seed %d, frame %d", seed, event.frame())
@@ -389,7 +389,10 @@ class LockStepTest {
                                         && !late.away());
     }
 
-    /** From another thread, at the worst moment: while the third late round is detected. */
+    /**
+     * The message comes from another thread at the worst moment, which is while the server detects
+     * the third late round.
+     */
     @Test
     void aReadyThatComesAsTheWorldGivesUpIsNotLost() {
         var turn =

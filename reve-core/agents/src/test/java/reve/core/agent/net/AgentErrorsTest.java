@@ -142,7 +142,7 @@ class AgentErrorsTest {
         }
     }
 
-    /** A connection with data to read and data to write. */
+    /** Makes a connection with data to read and data to write. */
     private Connection connect(OddWire wire) throws Exception {
         var made = new CompletableFuture<Connection>();
         room.connections()
@@ -233,7 +233,7 @@ class AgentErrorsTest {
 
         @Override
         public void shutdownOutput() {
-            // nobody waits for it
+            // No thread waits for it.
         }
 
         @Override

@@ -23,7 +23,7 @@ import java.util.HexFormat;
 @Tag("slow")
 class DecoderFuzzIT {
 
-    /** Number of inputs; ten million in a long run. */
+    /** Number of inputs. A long run uses ten million. */
     private static final int RUNS = Integer.getInteger("reve.fuzz.runs", 20_000);
 
     /**

@@ -51,7 +51,7 @@ public final class DecoderFuzzer {
         }
     }
 
-    /** Every message is decoded, or refused with a code and a printable reason. */
+    /** Decodes a message. Throws if a refusal has no code or no printable reason. */
     private static void read(ByteBuffer bytes, Encoding encoding) {
         try {
             ClientMessage message = MessageReader.read(bytes, encoding);
@@ -65,7 +65,10 @@ public final class DecoderFuzzer {
         }
     }
 
-    /** The messages of a stream, and its end, are the same for all divisions into pieces. */
+    /**
+     * Returns the messages of a stream and the way in which it ends. Both must be the same for all
+     * divisions into pieces.
+     */
     private static List<String> cut(byte[] bytes, Encoding encoding, int piece) throws IOException {
         var found = new ArrayList<String>();
         var messages = new MessageFramer(CONFIG.limits(), CONFIG.timeouts(), () -> {});
@@ -91,7 +94,7 @@ public final class DecoderFuzzer {
         }
     }
 
-    /** Returns at most that many bytes at a time. */
+    /** A stream that returns at most {@code piece} bytes at a time. */
     private record Stream(ByteBuffer bytes, int piece) implements ReadableByteChannel {
 
         @Override
@@ -109,7 +112,7 @@ public final class DecoderFuzzer {
 
         @Override
         public void close() {
-            // nothing to let go of
+            // There is nothing to close.
         }
     }
 }

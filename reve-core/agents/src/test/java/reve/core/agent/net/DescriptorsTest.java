@@ -5,7 +5,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 
 import org.junit.jupiter.api.Test;
 
-/** How many file descriptors are left for connections. */
+/** The number of file descriptors that are left for connections. */
 class DescriptorsTest {
     private long open = 100;
 

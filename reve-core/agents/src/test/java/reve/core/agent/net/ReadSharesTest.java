@@ -9,7 +9,9 @@ import java.util.ArrayDeque;
 import java.util.Arrays;
 import java.util.Deque;
 
-/** The bytes that connections may have decoded, on a clock of the test. */
+/**
+ * The number of bytes that the server decodes for each connection, with a clock that the test sets.
+ */
 class ReadSharesTest {
     private static final int LONG_LINE = 59_000;
     private static final long MILLISECOND = 1_000_000;

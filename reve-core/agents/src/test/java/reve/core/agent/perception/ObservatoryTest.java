@@ -163,7 +163,7 @@ class ObservatoryTest {
         assertThat(items.get(2).get("symbols").has("on")).isFalse();
     }
 
-    /** All items drift or rest; at times one jumps, turns, is added or is removed. */
+    /** All items drift or rest. Sometimes an item jumps, turns, is added or is removed. */
     @Test
     void whatIsSensedDoesNotDependOnWhatWasAroundInEarlierFrames() {
         long seed = Seed.of("what drifts");
@@ -217,8 +217,8 @@ class ObservatoryTest {
     }
 
     /**
-     * A look that has time for a few items only. Between its slices others look, and at times a new
-     * frame comes before it is complete.
+     * Each slice of a look has time for only a few items. Other clients look between the slices,
+     * and sometimes a new frame comes before the look is complete.
      */
     @Test
     void aLookInSlicesSensesWhatAnUninterruptedOneSenses() {

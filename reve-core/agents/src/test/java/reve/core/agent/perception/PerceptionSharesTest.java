@@ -9,7 +9,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 
-/** Costs and times are inputs, so that each run is the same. */
+/** Costs and times are inputs of this test. Therefore each run has the same results. */
 class PerceptionSharesTest {
     private static final long MILLISECOND = 1_000_000;
 
@@ -33,7 +33,7 @@ class PerceptionSharesTest {
         return perceiver;
     }
 
-    /** Perceives and is written to, which takes that much time. */
+    /** Lets a client perceive and writes to it, which takes that much time in total. */
     private void serve(Perceiver client, long nanos) {
         shares.serve(client.perceptionCost(), nanos / 2);
         client.perceptionCost().wrote(nanos - nanos / 2);

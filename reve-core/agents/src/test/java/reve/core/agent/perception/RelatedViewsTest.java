@@ -28,7 +28,9 @@ import java.util.Optional;
 import java.util.Random;
 import java.util.Set;
 
-/** The clock advances 4 ms with each reading, so that a slice has time for a few items only. */
+/**
+ * The clock advances by 4 ms with each reading. Therefore a slice has time for only a few items.
+ */
 class RelatedViewsTest {
     private static final int ITEMS = 200;
 

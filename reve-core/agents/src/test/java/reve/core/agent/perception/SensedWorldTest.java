@@ -75,7 +75,9 @@ class SensedWorldTest {
         }
     }
 
-    /** At times on a grid, so that lines run along faces and through corners. */
+    /**
+     * Returns an item. Some items are on a grid, so that lines run along faces and through corners.
+     */
     private static ItemDefinition item(Random random, String name) {
         ItemDefinition.Builder item = ItemDefinition.named(name);
         if (random.nextBoolean()) {
@@ -99,8 +101,8 @@ class SensedWorldTest {
     }
 
     /**
-     * Tests the nearest point of the box, its middle and its corners: whether one is in reach and
-     * not hidden.
+     * Returns whether a point of the box is in reach and not hidden. The points are the nearest
+     * point, the middle and the corners.
      */
     private static boolean sees(Table bodies, int eye, int row) {
         double[] from = read(bodies, "position", eye);

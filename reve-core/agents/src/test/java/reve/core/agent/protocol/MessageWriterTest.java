@@ -20,7 +20,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 
-/** Independent libraries read encoded messages with the same content. */
+/** Independent libraries read the encoded messages, and find the same content. */
 class MessageWriterTest {
 
     private static final List<Object> EDGES =

@@ -12,7 +12,7 @@ import java.nio.file.Path;
 import java.util.List;
 import java.util.Objects;
 
-/** The protocol's page and test vectors, which clients use, too. */
+/** The protocol's page and test vectors. Clients also use them. */
 public final class Vectors {
 
     private static final JsonMapper JSON = new JsonMapper();

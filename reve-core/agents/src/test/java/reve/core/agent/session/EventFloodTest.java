@@ -29,7 +29,9 @@ import java.util.Optional;
 /** One agent raises events faster than another client reads them. */
 class EventFloodTest {
 
-    /** More than sockets and the reader's outbox hold together. */
+    /**
+     * Number of frames with events. The sockets and the reader's outbox together hold fewer events.
+     */
     private static final int FRAMES = 300;
 
     private static final int ACTS = 4;
@@ -74,7 +76,7 @@ class EventFloodTest {
         room.close();
     }
 
-    /** Another client sends as many events as permitted in each of some frames. */
+    /** Lets a client raise as many events as permitted in each of some frames. */
     private void flood(TestClient evil, int frames) throws IOException {
         for (int i = 0; i < frames; i++) {
             for (int act = 0; act < ACTS; act++) {
@@ -132,8 +134,7 @@ class EventFloodTest {
 
                 List<JsonNode> told = new ArrayList<>(events(slow));
                 while (missed(told).isEmpty()) {
-                    told.addAll(events(slow)); // the server has written what waited, and the socket
-                    // holds it
+                    told.addAll(events(slow)); // earlier events, which the sockets still hold
                 }
                 JsonNode gap = missed(told).get();
                 long first = gap.at("/fields/first").longValue();

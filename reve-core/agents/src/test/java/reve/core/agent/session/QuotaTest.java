@@ -23,7 +23,7 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.stream.Collectors;
 import java.util.stream.IntStream;
 
-/** The number of messages that the server reads of a client, and the effect of more. */
+/** The number of messages that the server reads from a client, and the effect of more messages. */
 class QuotaTest {
 
     private static final long SECOND = 1_000_000_000L;
@@ -122,7 +122,7 @@ class QuotaTest {
             for (int i = 1; i <= messages; i++) {
                 assertThat(ada.expect("pong").get("id").intValue()).isEqualTo(i);
             }
-            // if the quota of a second was left
+            // the time if the client still had the quota of one second
             double least = (double) (messages - perSecond) / perSecond;
             assertThat((System.nanoTime() - began) * 1e-9).as("seconds").isGreaterThan(least);
             ada.say("{'t':'bye'}").skipToBye("goodbye");
@@ -159,7 +159,7 @@ class QuotaTest {
     }
 
     /**
-     * Floods for as long as the correct agents need, each time by a client that reconnects after a
+     * A client floods the server for as long as the correct agents need. It reconnects after each
      * disconnect.
      */
     @Test

@@ -137,7 +137,7 @@ class ResumesTest {
         assertThat(outbox.isDone()).isTrue();
     }
 
-    /** An agent that reads nothing, until more than one write waits for it. */
+    /** Returns an agent that reads nothing and for which more than one write waits. */
     private TestClient stuck(AgentRoom room) throws IOException {
         var ada = new TestClient(room.server.address(), 4096);
         ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();

@@ -36,8 +36,8 @@ import java.util.TreeSet;
 class SessionsTest {
 
     /**
-     * Number of acts of an agent whose connection breaks after every third; thirty thousand in a
-     * long run.
+     * Number of acts of an agent whose connection breaks after every third act. A long run uses
+     * thirty thousand.
      */
     private static final int CUT_COMMANDS = Integer.getInteger("reve.abuse.commands", 60);
 
@@ -469,7 +469,7 @@ class SessionsTest {
         return ServerMessage.Event.missed(OptionalLong.empty(), first, last);
     }
 
-    /** An act in every frame, for more than a minute. */
+    /** An agent acts in every frame for more than a minute. */
     @Test
     void whoComesBackToABusyWorldIsToldAllThatItMissed() throws IOException {
         room.world.add(bell());
@@ -515,8 +515,8 @@ class SessionsTest {
     }
 
     /**
-     * No command is executed twice, and a command with a result was executed, whenever a connection
-     * breaks.
+     * A connection may break at any time. No command is executed twice, and each command with a
+     * result was executed.
      */
     @Test
     void randomCutsNeverDoACommandTwice() throws IOException {
@@ -645,7 +645,7 @@ class SessionsTest {
                 + "}}";
     }
 
-    /** As after a crash of its machine. */
+    /** Breaks a client's connection, as a crash of its machine does. */
     private static void reset(TestClient client) throws IOException {
         client.socket.setSoLinger(true, 0);
         client.close();
