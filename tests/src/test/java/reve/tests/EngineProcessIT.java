@@ -170,7 +170,7 @@ class EngineProcessIT {
         assertThat(Files.readString(folder.resolve("server.err"))).contains("printed by a law");
     }
 
-    /** Number of servers that are killed. The fault model requires 200. */
+    /** Number of servers that are killed: 1 in a short run, 200 in a complete one. */
     private static final int KILLS = Integer.getInteger("reve.test.server.kills", 1);
 
     @Test

@@ -16,7 +16,10 @@ import java.io.UncheckedIOException;
 import java.nio.ByteBuffer;
 import java.util.Map;
 
-/** Converts messages between the trees of JSON and MessagePack with a length prefix of 4 bytes. */
+/**
+ * Converts messages between trees of JSON nodes and MessagePack. A message in MessagePack begins with
+ * its length, which takes 4 bytes.
+ */
 final class Packed {
 
     static final int LENGTH_BYTES = 4;

@@ -292,23 +292,28 @@ public final class ServeCommand implements Callable<Integer> {
     private WorldServer successor(AgentServerConfig agents, EventPrinter events)
             throws IOException, WorldFileException, AssetException {
         Path path = paths.getFirst();
-        String name = Files.exists(path) ? new WorldArgument(path).read().name() : path.toString();
+        boolean isFile = Files.exists(path);
+        String name = isFile ? new WorldArgument(path).read().name() : path.toString();
         while (true) {
             PostgresStore.awaitFree(
                     database().orElseThrow(),
                     name,
+                    !isFile,
                     owner -> events.happened("standby", standbyFields(owner)),
-                    problem ->
-                            events.happened(
-                                    "fault",
-                                    new LinkedHashMap<>(
-                                            Map.of("source", "store", "message", problem))));
+                    problem -> storeFault(events, problem));
             try {
                 return server(plans(), agents, events);
             } catch (JournalSink.InUseException faster) {
                 // Another server in standby has taken the world. This server continues to wait.
+            } catch (JournalSink.AwayException away) {
+                storeFault(events, away.getMessage() + "; this server waits for it");
             }
         }
+    }
+
+    private static void storeFault(EventPrinter events, String problem) {
+        events.happened(
+                "fault", new LinkedHashMap<>(Map.of("source", "store", "message", problem)));
     }
 
     private static Map<String, Object> standbyFields(PostgresStore.World owner) {

@@ -107,6 +107,16 @@ public interface JournalSink extends AutoCloseable {
         }
     }
 
+    /** Thrown if the database of the sink cannot be reached at present. */
+    final class AwayException extends IOException {
+        private static final long serialVersionUID = 1L;
+
+        /** Creates an exception with a message that names the database. */
+        public AwayException(String message) {
+            super(message);
+        }
+    }
+
     /**
      * Thrown if the sink has lost records that it had accepted. The journal must begin again with
      * an image.

@@ -302,26 +302,41 @@ public final class PostgresStore implements JournalSink {
 
     /**
      * Waits until no server has a world: until the lease of its owner has ended, or the owner has
-     * given the world back. Also waits while the database cannot be reached.
+     * given the world back. Also waits while the database cannot be reached, and while a world is
+     * missing that must be there.
      *
+     * @param mustExist whether only the database has the world; a world that this method has seen
+     *     must also be there
      * @param owners receives the present owner when the wait begins, and each later owner
-     * @param problems receives a message when the database cannot be reached any more
+     * @param problems receives a message when the database cannot be reached any more, or lacks the
+     *     world
      * @throws IOException if the thread is interrupted
      */
     public static void awaitFree(
-            PostgresUrl url, String world, Consumer<World> owners, Consumer<String> problems)
+            PostgresUrl url,
+            String world,
+            boolean mustExist,
+            Consumer<World> owners,
+            Consumer<String> problems)
             throws IOException {
         long known = 0;
         boolean isAway = false;
+        boolean isMissing = false;
         try (PostgresSession session = new PostgresSession(url, FRAME_PATIENCE_SECONDS, true)) {
             while (!Thread.currentThread().isInterrupted()) {
                 try {
                     Optional<World> now = session.run("read", used -> find(used, world));
                     isAway = false;
-                    if (now.isEmpty() || !now.get().isOwned()) {
+                    if (now.isEmpty() && (mustExist || known > 0)) {
+                        if (!isMissing) {
+                            problems.accept(
+                                    url + " has no world " + world + "; this server waits for it");
+                        }
+                        isMissing = true;
+                    } else if (now.isEmpty() || !now.get().isOwned()) {
                         return;
-                    }
-                    if (now.get().epoch() != known) {
+                    } else if (now.get().epoch() != known) {
+                        isMissing = false;
                         known = now.get().epoch();
                         owners.accept(now.get());
                     }

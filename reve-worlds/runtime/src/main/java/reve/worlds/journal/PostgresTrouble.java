@@ -3,10 +3,14 @@ package reve.worlds.journal;
 
 import java.io.IOException;
 import java.sql.SQLException;
+import java.util.Set;
 
 /** Messages for operations of a PostgreSQL database that failed. */
 final class PostgresTrouble {
     private static final int CLASS_LENGTH = 2;
+
+    /** Kinds of failures that end by themselves: no connection, and a database that restarts. */
+    private static final Set<String> AWAY = Set.of("08", "57");
 
     private PostgresTrouble() {}
 
@@ -16,7 +20,21 @@ final class PostgresTrouble {
      * @param what the operation, as a participle such as "read"
      */
     static IOException of(PostgresUrl url, String what, SQLException e) {
-        return new IOException(url + " could not be " + what + ": " + reason(url, e), e);
+        String message = url + " could not be " + what + ": " + reason(url, e);
+        IOException trouble =
+                AWAY.contains(stateClass(e))
+                        ? new JournalSink.AwayException(message)
+                        : new IOException(message);
+        trouble.initCause(e);
+        return trouble;
+    }
+
+    /** Returns the first two characters of the state, which name the kind of the failure. */
+    private static String stateClass(SQLException e) {
+        String state = e.getSQLState();
+        return state == null || state.length() < CLASS_LENGTH
+                ? ""
+                : state.substring(0, CLASS_LENGTH);
     }
 
     private static String reason(PostgresUrl url, SQLException e) {
@@ -37,7 +55,7 @@ final class PostgresTrouble {
                             "; a server opens two connections for each world, raise max_connections"
                                     + " of the database";
                     default ->
-                            switch (state.substring(0, Math.min(state.length(), CLASS_LENGTH))) {
+                            switch (stateClass(e)) {
                                 case "28" ->
                                         "; write the password of "
                                                 + url.user()
