@@ -26,6 +26,7 @@ import java.security.MessageDigest;
 import java.sql.Connection;
 import java.sql.SQLException;
 import java.sql.Statement;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.HexFormat;
 import java.util.List;
@@ -357,6 +358,48 @@ class PostgresStoreIT {
                         postgres.url(database) + " (w) is not whole: ",
                         "has images, but no row in reve.world",
                         "from a backup");
+    }
+
+    /** The clock of the database was set back by an hour. */
+    @Test
+    void aWorldWhoseOwnerIsSilentIsTakenWhateverTheClockOfTheDatabaseSays() throws Exception {
+        String database = database();
+        try (TakenStore taken = take(database);
+                JournalSink sink = taken.open()) {
+            sink.place().write(List.of(), image(0));
+        }
+        postgres.execute(
+                database,
+                "UPDATE reve.world SET lease_until = clock_timestamp() + interval '1 hour'");
+        try (TakenStore next = take(database)) {
+            assertThat(next.epoch()).hasValue(2);
+        }
+        assertThat(problems).singleElement().asString().contains("takes the world in 10 s");
+    }
+
+    /** The process is about to be ended, and the database does not answer. */
+    @Test
+    void aWriteEndsAtTheLimitOfAServerThatEnds() throws Exception {
+        String database = database();
+        try (TakenStore taken = take(database);
+                JournalSink sink = taken.open()) {
+            sink.place().write(List.of(), image(0));
+            try (Connection other = postgres.connect(database);
+                    Statement statement = other.createStatement()) {
+                other.setAutoCommit(false);
+                statement.executeUpdate("UPDATE reve.world SET frame = 0");
+                sink.hurry(Duration.ofMillis(100));
+                assertThatIOException()
+                        .isThrownBy(() -> sink.place().write(List.of(), image(1)))
+                        .withMessageContaining("could not be written")
+                        .withMessageNotContaining("lock timeout");
+                assertThatIOException()
+                        .isThrownBy(() -> sink.write(frame(1)))
+                        .withMessageContaining("this server is ending");
+            }
+        } catch (IOException unreleased) {
+            assertThat(unreleased).hasMessageContaining("this server is ending");
+        }
     }
 
     /** A takeover waits for a write that has compared its epoch and is not yet committed. */

@@ -34,7 +34,7 @@ final class Meter implements CelEvaluationListener {
      * Number of steps for a part that fails, which costs more time than a result. An evaluation can
      * continue after a failure: {@code 1 / 0 > 1 || true}.
      */
-    private static final int STEPS_OF_FAILURE = 100;
+    static final int STEPS_OF_FAILURE = 100;
 
     private static final int STEPS_OF_FAILURE_PER_DEPTH = 10;
 

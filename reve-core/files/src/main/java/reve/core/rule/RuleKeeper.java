@@ -30,6 +30,9 @@ final class RuleKeeper {
     /** Result of {@link #update} if no item is left. */
     static final int COMPLETE = -1;
 
+    /** Number of items that an update visits for one step, in addition to the evaluations. */
+    private static final int VISITS_PER_STEP = 2;
+
     private static final String CLASS = "class";
     private static final String PHYSICS = "physics.";
     private static final String PHYSICAL = "physical.";
@@ -169,21 +172,38 @@ final class RuleKeeper {
 
     private int updateRows(long frame, int fromRow, long most, BooleanSupplier ends) {
         int rows = rule.needsPhysics() ? table.physicsRowCount() : table.rowCount();
-        makeRoom(rows);
-        for (int row = fromRow; row < rows; row++) {
+        makeRoom(table.rowCount());
+        for (int row = fromRow; row < table.rowCount(); row++) {
             if (steps > most || ends.getAsBoolean()) {
                 return row;
             }
+            if (row % VISITS_PER_STEP == 0) {
+                steps++;
+            }
             Item item = itemAt(row);
-            if (hasChanged(row, item) || !listed) {
-                give(item, applies(item) ? evaluate(item, frame) : null, frame);
+            if (row >= rows) {
+                takeBackFromScenery(row, item);
+                continue;
+            }
+            boolean changed = hasChanged(row, item);
+            if (!changed && listed) {
+                continue;
+            }
+            boolean applies = applies(item);
+            if (applies || changed) {
+                give(item, applies ? evaluate(item, frame) : null, frame);
             }
         }
-        for (int row = rows; row < table.rowCount(); row++) {
-            // This is scenery. It may have had a physics aspect before, so its symbol is removed.
-            give(itemAt(row), null, frame);
-        }
         return COMPLETE;
+    }
+
+    /** Removes the symbol from scenery, which may have had a physics aspect before. */
+    private void takeBackFromScenery(int row, Item item) {
+        long mark = -item.id().value(); // no item with a physics aspect has a negative id
+        if (ids[row] != mark) {
+            ids[row] = mark;
+            item.semantic().derive(rule.symbol(), null);
+        }
     }
 
     private Item itemAt(int row) {
@@ -230,15 +250,17 @@ final class RuleKeeper {
 
     private @Nullable Object evaluate(Item item, long frame) {
         current = item;
+        long taken = 1;
         long before = bindings.steps();
         try {
             Object value = rule.expression().evaluate(bindings.of(item));
             return value instanceof Double number ? number / unit.scale() : value;
         } catch (EvaluationException failed) {
+            taken += Meter.STEPS_OF_FAILURE;
             tell(item, frame, failed);
             return null;
         } finally {
-            long taken = 1 + bindings.steps() - before;
+            taken += bindings.steps() - before;
             steps += taken;
             world.charges().charge(item.id(), taken);
         }

@@ -2,6 +2,7 @@
 package reve.worlds.journal;
 
 import java.io.IOException;
+import java.time.Duration;
 import java.util.List;
 import java.util.Optional;
 import java.util.function.Consumer;
@@ -79,6 +80,14 @@ public interface JournalSink extends AutoCloseable {
      */
     default void whenLost(Consumer<String> listener) {
         // No other server can take this sink, so the listener is never called.
+    }
+
+    /**
+     * Limits the time of all writes and of {@link #close} together, because the process is about to
+     * be ended. Writes that are not done by then fail. For any thread; called at most once.
+     */
+    default void hurry(Duration limit) {
+        // A disk cannot be hurried.
     }
 
     @Override

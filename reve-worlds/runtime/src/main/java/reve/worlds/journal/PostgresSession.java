@@ -10,6 +10,8 @@ import java.sql.PreparedStatement;
 import java.sql.ResultSet;
 import java.sql.SQLException;
 import java.sql.Statement;
+import java.time.Duration;
+import java.util.OptionalLong;
 import java.util.Properties;
 
 /**
@@ -17,7 +19,8 @@ import java.util.Properties;
  * the next use. For any thread; one thread at a time uses the connection.
  */
 final class PostgresSession implements AutoCloseable {
-    private static final String CONNECT_SECONDS = "5";
+    private static final int CONNECT_SECONDS = 5;
+    private static final long NANOSECONDS_PER_SECOND = 1_000_000_000;
 
     /**
      * Limits of the database for this connection. The database ends a transaction whose client is
@@ -30,7 +33,10 @@ final class PostgresSession implements AutoCloseable {
     private final PostgresUrl url;
     private final Properties properties;
     private final boolean flushes;
-    private @Nullable Connection connection;
+    private volatile @Nullable Connection connection;
+
+    /** The time at which the session ends [ns]; empty while it has no end. */
+    private volatile OptionalLong endNanos = OptionalLong.empty();
 
     /** Work on the connection. */
     interface Work<T> {
@@ -47,8 +53,8 @@ final class PostgresSession implements AutoCloseable {
         this.url = url;
         this.flushes = flushes;
         properties = url.properties();
-        properties.setProperty("connectTimeout", CONNECT_SECONDS);
-        properties.setProperty("loginTimeout", CONNECT_SECONDS);
+        properties.setProperty("connectTimeout", Integer.toString(CONNECT_SECONDS));
+        properties.setProperty("loginTimeout", Integer.toString(CONNECT_SECONDS));
         properties.setProperty("socketTimeout", Integer.toString(patienceSeconds));
         properties.setProperty("tcpKeepAlive", "true");
         properties.setProperty("ApplicationName", "reve");
@@ -87,10 +93,38 @@ final class PostgresSession implements AutoCloseable {
         }
     }
 
+    /** Ends the connection after a time, also during a statement. For any thread. */
+    void endWithin(Duration limit) {
+        endNanos = OptionalLong.of(System.nanoTime() + limit.toNanos());
+        Thread.ofVirtual().name("end of a session").start(() -> abortAfter(limit));
+    }
+
+    private void abortAfter(Duration limit) {
+        try {
+            Thread.sleep(limit);
+            Connection open = connection;
+            if (open != null) {
+                open.abort(Runnable::run);
+            }
+        } catch (InterruptedException | SQLException e) {
+            // The connection ends by itself, at the latest with the process.
+        }
+    }
+
     private Connection open() throws SQLException {
         Connection open = connection;
         if (open != null) {
             return open;
+        }
+        OptionalLong end = endNanos;
+        if (end.isPresent()) {
+            long left = end.getAsLong() - System.nanoTime();
+            if (left <= 0) {
+                throw new SQLException("this server is ending", "57P01");
+            }
+            long seconds = Math.min(CONNECT_SECONDS, left / NANOSECONDS_PER_SECOND + 1);
+            properties.setProperty("connectTimeout", Long.toString(seconds));
+            properties.setProperty("loginTimeout", Long.toString(seconds));
         }
         Connection opened = new Driver().connect(url.forDriver(), properties);
         if (opened == null) {

@@ -13,6 +13,7 @@ import java.sql.Connection;
 import java.sql.ResultSet;
 import java.sql.SQLException;
 import java.sql.Statement;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
@@ -37,9 +38,10 @@ public final class PostgresStore implements JournalSink {
     private static final long CREATION_LOCK = 0x52455645L;
 
     /** Time for which a write keeps other servers from taking the world. */
-    private static final String LEASE = "interval '10 s'";
+    private static final String LEASE = "interval '10 s'"; // LEASE_SECONDS
 
-    private static final long LEASE_NANOSECONDS = 10_000_000_000L;
+    private static final int LEASE_SECONDS = 10;
+    private static final long LEASE_NANOSECONDS = LEASE_SECONDS * 1_000_000_000L;
 
     /** Time without a write after which the lease is extended [ns]. */
     private static final long RENEWAL_NANOSECONDS = 2_000_000_000L;
@@ -85,7 +87,8 @@ public final class PostgresStore implements JournalSink {
                     + LEASE
                     + ", -1, '') ON CONFLICT (name) DO UPDATE SET epoch = known.epoch + 1,"
                     + " owner = excluded.owner, lease_until = excluded.lease_until, agents = ''"
-                    + " WHERE known.lease_until <= clock_timestamp() RETURNING epoch";
+                    + " WHERE known.lease_until <= clock_timestamp() OR known.lease_until::text = ?"
+                    + " RETURNING epoch";
 
     private static final String OWNED =
             "UPDATE reve.world SET frame = greatest(frame, ?), lease_until = clock_timestamp() + "
@@ -110,8 +113,8 @@ public final class PostgresStore implements JournalSink {
                     + " DO UPDATE SET bytes = excluded.bytes, epoch = excluded.epoch";
 
     private static final String WORLDS =
-            "SELECT name, epoch, owner, lease_until > clock_timestamp(), frame, agents"
-                    + " FROM reve.world";
+            "SELECT name, epoch, owner, lease_until > clock_timestamp(), frame, agents,"
+                    + " lease_until::text FROM reve.world";
 
     private static final String RELEASE =
             "UPDATE reve.world SET lease_until = clock_timestamp() WHERE name = ? AND epoch = ?"
@@ -160,9 +163,16 @@ public final class PostgresStore implements JournalSink {
      * @param isOwned whether the lease of this server has not ended
      * @param frame newest acknowledged frame; -1 for none
      * @param agents host and port at which agents reach the world; empty if no server is ready
+     * @param lease end of the lease by the clock of the database, as a text
      */
     public record World(
-            String name, long epoch, String owner, boolean isOwned, long frame, String agents) {
+            String name,
+            long epoch,
+            String owner,
+            boolean isOwned,
+            long frame,
+            String agents,
+            String lease) {
         private static World read(ResultSet row) throws SQLException {
             boolean isOwned = row.getBoolean(4);
             return new World(
@@ -171,7 +181,8 @@ public final class PostgresStore implements JournalSink {
                     row.getString(3),
                     isOwned,
                     row.getLong(5),
-                    isOwned ? row.getString(6) : "");
+                    isOwned ? row.getString(6) : "",
+                    row.getString(7));
         }
     }
 
@@ -322,6 +333,8 @@ public final class PostgresStore implements JournalSink {
         long known = 0;
         boolean isAway = false;
         boolean isMissing = false;
+        String lease = "";
+        long extendedNanos = System.nanoTime();
         try (PostgresSession session = new PostgresSession(url, FRAME_PATIENCE_SECONDS, true)) {
             while (!Thread.currentThread().isInterrupted()) {
                 try {
@@ -335,7 +348,14 @@ public final class PostgresStore implements JournalSink {
                         isMissing = true;
                     } else if (now.isEmpty() || !now.get().isOwned()) {
                         return;
-                    } else if (now.get().epoch() != known) {
+                    } else if (now.get().lease().equals(lease) && isSilentSince(extendedNanos)) {
+                        return;
+                    }
+                    if (now.isPresent() && !now.get().lease().equals(lease)) {
+                        lease = now.get().lease();
+                        extendedNanos = System.nanoTime();
+                    }
+                    if (now.isPresent() && now.get().epoch() != known) {
                         isMissing = false;
                         known = now.get().epoch();
                         owners.accept(now.get());
@@ -350,6 +370,14 @@ public final class PostgresStore implements JournalSink {
             }
         }
         throw new IOException(url + ": the wait for the world " + world + " was interrupted");
+    }
+
+    /**
+     * Returns whether an owner has not extended its lease for as long as a lease lasts, by the clock
+     * of this process. The clock of the database may have been set back.
+     */
+    private static boolean isSilentSince(long nanos) {
+        return System.nanoTime() - nanos > LEASE_NANOSECONDS + ATTEMPT_NANOSECONDS;
     }
 
     private static Optional<World> find(Connection connection, String world) throws SQLException {
@@ -456,6 +484,7 @@ public final class PostgresStore implements JournalSink {
         Owner seen = null;
         while (true) {
             requireRow();
+            String silent = seen != null && isSilentSince(start) ? seen.until() : "";
             OptionalLong granted =
                     images.run(
                             "written",
@@ -468,7 +497,8 @@ public final class PostgresStore implements JournalSink {
                                                             ? OptionalLong.of(rows.getLong(1))
                                                             : OptionalLong.empty(),
                                             world,
-                                            self));
+                                            self,
+                                            silent));
             if (granted.isPresent()) {
                 return granted.getAsLong();
             }
@@ -493,7 +523,7 @@ public final class PostgresStore implements JournalSink {
                                 + " was taken by "
                                 + seen.name()
                                 + ", which does not answer; this server takes the world in "
-                                + Math.round(Math.max(0, seen.seconds()))
+                                + Math.round(Math.clamp(seen.seconds(), 0, LEASE_SECONDS))
                                 + " s, when the lease ends");
             }
             LockSupport.parkNanos(ATTEMPT_NANOSECONDS);
@@ -903,6 +933,12 @@ public final class PostgresStore implements JournalSink {
     public void sync() {
         // This method does nothing, because each commit of the database flushes the data that must
         // survive a power failure.
+    }
+
+    @Override
+    public void hurry(Duration limit) {
+        frames.endWithin(limit);
+        images.endWithin(limit);
     }
 
     /** Ends the lease, so that the next server need not wait, and disconnects. Idempotent. */

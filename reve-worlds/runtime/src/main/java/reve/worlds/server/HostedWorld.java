@@ -23,6 +23,7 @@ import reve.worlds.render.Renderer;
 import java.io.IOException;
 import java.net.InetSocketAddress;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -36,6 +37,12 @@ import java.util.Optional;
  */
 final class HostedWorld implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("reve.worlds");
+
+    /**
+     * Time for the last writes to the store after a signal. It leaves time for a report before the
+     * process is ended after 10 s.
+     */
+    private static final Duration LAST_WRITES = Duration.ofSeconds(6);
 
     private final Closing closing = new Closing();
     private final WorldPlan plan;
@@ -289,6 +296,7 @@ final class HostedWorld implements AutoCloseable {
     /** Ends {@link #run} after the current frame. For any thread. */
     void stop() {
         simulation.loop().stop();
+        stored.ifPresent(world -> world.store().hurry(LAST_WRITES));
     }
 
     /** Finishes pictures and journals, and frees all resources. Idempotent. */

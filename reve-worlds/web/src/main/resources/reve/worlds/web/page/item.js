@@ -85,7 +85,7 @@ export class ItemPanel {
       access: {
         capabilities: item.capabilities ?? [], sensors: [],
         actions: Object.entries(item.actions ?? {}).map(([name, parameters]) => ({
-          name, needs: item.needs?.[name] ?? [], parameters: Object.entries(parameters).map(([key, value]) => ({ name: key, ...value })),
+          name, needs: Object.hasOwn(item.needs ?? {}, name) ? item.needs[name] : [], parameters: Object.entries(parameters).map(([key, value]) => ({ name: key, ...value })),
         })),
       },
     });
