@@ -745,13 +745,16 @@ public final class HostedEngine implements PhysicsEngine {
      */
     private boolean isSetUp(ReadyHost prepared) {
         try {
-            Calls calls = calls(prepared.host());
+            Calls calls = calls(prepared.host(), losses.left(REQUEST_NANOS));
             if (prepared.handOver(calls, libraries)) {
                 provider.bindAll(calls);
                 finishSetUp(calls);
                 return true;
             }
         } catch (HostLost | RuntimeException failed) {
+            if (failed instanceof HostLost lost) {
+                losses.spend(lost.spentNanos);
+            }
             config.log().log(
                     System.Logger.Level.WARNING,
                     "a process that was ready to replace the engine's process failed: "

@@ -14,6 +14,7 @@ import tools.jackson.databind.json.JsonMapper;
 
 import java.util.ArrayList;
 import java.util.HashMap;
+import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -192,6 +193,28 @@ public final class EditReader {
                 problems);
     }
 
+    /** Refuses too many rules before any of them is compiled, which takes most of the time. */
+    private static void requireRoom(
+            Set<String> symbols, Map<String, Optional<String>> changes) throws ActionRefused {
+        Set<String> after = new HashSet<>(symbols);
+        changes.forEach(
+                (symbol, rule) -> {
+                    if (rule.isPresent()) {
+                        after.add(symbol);
+                    } else {
+                        after.remove(symbol);
+                    }
+                });
+        if (after.size() > WorldWriter.MAX_RULES && after.size() > symbols.size()) {
+            throw new ActionRefused(
+                    WorldEdit.REFUSED,
+                    "the world would have "
+                            + after.size()
+                            + " rules, expected at most "
+                            + WorldWriter.MAX_RULES);
+        }
+    }
+
     /**
      * Returns the rules after some of them are replaced, added at the end, or removed.
      *
@@ -204,6 +227,7 @@ public final class EditReader {
             throws ActionRefused {
         Map<String, Rule> changed = new LinkedHashMap<>();
         rules.forEach(rule -> changed.put(rule.symbol(), rule));
+        requireRoom(changed.keySet(), changes);
         Map<String, Scope> scopes = new HashMap<>();
         for (Map.Entry<String, Optional<String>> change : changes.entrySet()) {
             String name = change.getKey();
@@ -218,14 +242,6 @@ public final class EditReader {
             }
         }
         List<Rule> all = List.copyOf(changed.values());
-        if (all.size() > WorldWriter.MAX_RULES && all.size() > rules.size()) {
-            throw new ActionRefused(
-                    WorldEdit.REFUSED,
-                    "the world would have "
-                            + all.size()
-                            + " rules, expected at most "
-                            + WorldWriter.MAX_RULES);
-        }
         for (RuleReader.Misplaced misplaced : RuleReader.misplaced(all)) {
             for (Rule rule : List.of(misplaced.rule(), misplaced.later())) {
                 if (changes.containsKey(rule.symbol())) {
