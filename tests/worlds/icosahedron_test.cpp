@@ -32,8 +32,8 @@ struct Corners {
   Vector Centre() const { return Mean(position); }
 };
 
-/// Returns the corners of the icosahedron in each frame. Its rows of a frame come before those of the
-/// ground.
+/// Returns the corners of the icosahedron in each frame. Its rows of a frame come before those of
+/// the ground.
 std::vector<Corners> CornersOf(const std::vector<Frame>& frames) {
   std::vector<Corners> corners;
   for (const Frame& frame : frames) {

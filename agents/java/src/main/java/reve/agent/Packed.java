@@ -17,8 +17,8 @@ import java.nio.ByteBuffer;
 import java.util.Map;
 
 /**
- * Converts messages between trees of JSON nodes and MessagePack. A message in MessagePack begins with
- * its length, which takes 4 bytes.
+ * Converts messages between trees of JSON nodes and MessagePack. A message in MessagePack begins
+ * with its length, which takes 4 bytes.
  */
 final class Packed {
 

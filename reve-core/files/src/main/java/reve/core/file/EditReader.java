@@ -194,8 +194,8 @@ public final class EditReader {
     }
 
     /** Refuses too many rules before any of them is compiled, which takes most of the time. */
-    private static void requireRoom(
-            Set<String> symbols, Map<String, Optional<String>> changes) throws ActionRefused {
+    private static void requireRoom(Set<String> symbols, Map<String, Optional<String>> changes)
+            throws ActionRefused {
         Set<String> after = new HashSet<>(symbols);
         changes.forEach(
                 (symbol, rule) -> {

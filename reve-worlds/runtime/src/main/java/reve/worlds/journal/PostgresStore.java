@@ -373,8 +373,8 @@ public final class PostgresStore implements JournalSink {
     }
 
     /**
-     * Returns whether an owner has not extended its lease for as long as a lease lasts, by the clock
-     * of this process. The clock of the database may have been set back.
+     * Returns whether an owner has not extended its lease for as long as a lease lasts, by the
+     * clock of this process. The clock of the database may have been set back.
      */
     private static boolean isSilentSince(long nanos) {
         return System.nanoTime() - nanos > LEASE_NANOSECONDS + ATTEMPT_NANOSECONDS;
