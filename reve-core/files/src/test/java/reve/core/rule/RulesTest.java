@@ -289,6 +289,44 @@ class RulesTest {
         assertThat(all(items, "last")).containsOnly("x");
     }
 
+    /** 2,000 items that need no evaluation use 1,000 steps, because the rule reads a relation. */
+    @Test
+    void visitsOfItemsCountAsSteps() throws Exception {
+        List<Item> items = bodies(2500);
+        Rule crowded =
+                new Rule(
+                        "crowded",
+                        "body",
+                        Optional.of("person"),
+                        Scope.ofItem(PROTOTYPE, "body").compile("size(semantic.near) > 3"),
+                        "");
+        Rule named =
+                new Rule(
+                        "named",
+                        "body",
+                        Optional.empty(),
+                        Scope.ofItem(PROTOTYPE, "body").compile("item.name"),
+                        "");
+        Rules rules = new Rules(world, List.of(crowded, named), 1000, 1000);
+        rules.update(1);
+        assertThat(all(items, "named")).containsOnly("none");
+        rules.update(2);
+        assertThat(all(items, "named")).contains("none").hasSizeGreaterThan(1);
+        assertThat(of(items.getFirst(), "named")).isEqualTo("b0");
+    }
+
+    @Test
+    void anEvaluationWithoutAValueCostsAHundredSteps() throws Exception {
+        List<Item> items = bodies(50);
+        Rules rules = sharing(1000, "wide", "semantic.width > 3.0 || item.name == 'b20'");
+        items.forEach(item -> item.semantic().set("width", "unknown"));
+        rules.update(1);
+        assertThat(of(items.get(20), "wide")).as("later than the tenth").isEqualTo("none");
+        rules.update(2);
+        rules.update(3);
+        assertThat(of(items.get(20), "wide")).isEqualTo(true);
+    }
+
     @Test
     void costliestRuleIsNamedOnceWhenTheRulesOfAFrameTakeTooManySteps() throws Exception {
         bodies(10);
