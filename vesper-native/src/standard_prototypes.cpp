@@ -229,6 +229,11 @@ constexpr vesper_property_descriptor kProperties[] = {
                 "Force of the drive of a slider per travel to driveTravel."),
     NotNegative(real, 1, "joint", "driveDamping", VESPER_UNIT_NEWTON_SECOND_PER_METRE,
                 "Force of the drive of a slider per difference to driveSpeed."),
+
+    Describe(real, 3, "body", "specificForce", VESPER_UNIT_METRE_PER_SECOND_SQUARED, VESPER_READ,
+             "Mean acceleration of the last frame minus gravity, in the axes of the body."),
+    Describe(real, 3, "body", "angularRate", VESPER_UNIT_RADIAN_PER_SECOND, VESPER_READ,
+             "Angular velocity in the axes of the body."),
 };
 
 template <vesper_scalar_type real>

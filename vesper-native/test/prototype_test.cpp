@@ -134,6 +134,8 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"driveTravel", {"joint", 1, "m", VESPER_READ}},
       {"driveStiffness", {"joint", 1, "N/m", VESPER_READ}},
       {"driveDamping", {"joint", 1, "N*s/m", VESPER_READ}},
+      {"specificForce", {"body", 3, "m/s^2", VESPER_READ}},
+      {"angularRate", {"body", 3, "rad/s", VESPER_READ}},
   };
   const vesper_prototype* prototype = vesper_prototype_standard("si-f64");
   ASSERT_EQ(prototype->property_count, expected.size());

@@ -10,6 +10,7 @@ import base64
 import dataclasses
 import json
 import math
+from array import array
 from dataclasses import dataclass, field
 from typing import (
     Any,
@@ -163,10 +164,32 @@ class Item:
 
 
 @dataclass(frozen=True)
+class Reading:
+    """The numbers that an instrument of the agent's body measured in `frame`.
+
+    `quantities` contains arrays of 64-bit floats by name; `reading["specificForce"]` is one of
+    them. numpy reads such an array without a copy: `numpy.asarray(reading["specificForce"])`.
+
+    | instrument | quantity | shape and unit |
+    |---|---|---|
+    | `imu` | `specificForce` | (3,) [m/s²], in the body's own axes: acceleration minus gravity |
+    | `imu` | `angularVelocity` | (3,) [rad/s], in the body's own axes |
+    """
+
+    frame: int
+    quantities: Mapping[str, array[float]]
+
+    def __getitem__(self, quantity: str) -> array[float]:
+        """Returns a measured quantity; KeyError if the instrument does not measure it."""
+        return self.quantities[quantity]
+
+
+@dataclass(frozen=True)
 class Perception:
     """All items that the client perceives in one frame; `time` is the world time [s].
 
-    In lock-step, `results` are the results of the acts of the previous round, in order.
+    In lock-step, `results` are the results of the acts of the previous round, in order. `readings`
+    are the newest readings of the instruments of the agent's body, by the name of the sensor.
     """
 
     id: Optional[int]
@@ -174,6 +197,7 @@ class Perception:
     time: float
     items: Tuple[Item, ...]
     results: Tuple[Result, ...] = ()
+    readings: Mapping[str, Reading] = field(default_factory=dict)
 
     def find(self, name: str) -> Optional[Item]:
         """Returns the item of that name; None if it was not perceived."""
@@ -192,7 +216,13 @@ class Perception:
                 raise ProtocolError(f"{change.name!r} changed, which we do not perceive")
             changed = {k: v for k, v in vars(change).items() if v is not None}
             items[change.name] = dataclasses.replace(items[change.name], **changed)
-        return Perception(update.id, update.frame, update.time, tuple(items.values()))
+        return Perception(
+            id=update.id,
+            frame=update.frame,
+            time=update.time,
+            items=tuple(items.values()),
+            readings={**self.readings, **update.readings},
+        )
 
 
 @dataclass(frozen=True)
@@ -218,6 +248,7 @@ class Update:
     left: Tuple[str, ...]
     entered: Tuple[Item, ...]
     changed: Tuple[Change, ...]
+    readings: Mapping[str, Reading] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -611,7 +642,13 @@ def _change(item: Message) -> Change:
 def _perception(message: Message) -> Union[Perception, Update]:
     if "since" not in message:
         items = tuple(_item(item) for item in message["items"])
-        return Perception(message.get("id"), message["frame"], message["time"], items)
+        return Perception(
+            id=message.get("id"),
+            frame=message["frame"],
+            time=message["time"],
+            items=items,
+            readings=_readings(message),
+        )
     return Update(
         id=message.get("id"),
         frame=message["frame"],
@@ -620,7 +657,22 @@ def _perception(message: Message) -> Union[Perception, Update]:
         left=tuple(message.get("left", ())),
         entered=tuple(_item(item) for item in message.get("entered", ())),
         changed=tuple(_change(item) for item in message.get("changed", ())),
+        readings=_readings(message),
     )
+
+
+def _readings(message: Message) -> Mapping[str, Reading]:
+    return {
+        sensor: Reading(
+            frame=reading["frame"],
+            quantities={
+                name: array("d", numbers)
+                for name, numbers in reading.items()
+                if isinstance(numbers, list)
+            },
+        )
+        for sensor, reading in message.get("readings", {}).items()
+    }
 
 
 def _image(message: Message) -> Image:

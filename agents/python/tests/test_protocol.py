@@ -60,6 +60,13 @@ def written(message):
                 fields[layer] = base64.b64encode(fields[layer]).decode()
         fields["names"] = list(message.names)
         return {"t": t, **{k: v for k, v in fields.items() if v != []}}
+    if t in ("perception", "update"):
+        fields.pop("readings")
+        if message.readings:
+            fields["readings"] = {
+                sensor: {"frame": one.frame, **{k: list(v) for k, v in one.quantities.items()}}
+                for sensor, one in message.readings.items()
+            }
     if t == "perception":
         fields["items"] = [item(i) for i in message.items]
     if t == "update":
@@ -256,6 +263,29 @@ class ProtocolTest(unittest.TestCase):
         self.assertEqual((duck.name, duck.location, duck.actions), ("duck", (1.0, 0.0, -2.5), {}))
         with self.assertRaises(ProtocolError):
             first.updated(next(m for m in messages if isinstance(m, reve.Update) and m.since == 6))
+
+    def test_readings_are_arrays_of_doubles_and_stay_until_the_next_ones(self):
+        first = protocol.decode(
+            b'{"t":"perception","frame":5,"time":0.5,"items":[],"readings":{"imu":{"frame":4,'
+            b'"specificForce":[0,9.81,-1e-3],"angularVelocity":[0.5,0,0]}}}'
+        )
+        force = memoryview(first.readings["imu"]["specificForce"])
+        self.assertEqual((force.format, force.shape, force.tolist()), ("d", (3,), [0, 9.81, -1e-3]))
+        quiet = protocol.decode(b'{"t":"perception","frame":6,"time":0.6,"since":5}')
+        self.assertEqual(first.updated(quiet).readings, first.readings)
+        news = protocol.decode(
+            b'{"t":"perception","frame":7,"time":0.7,"since":6,"readings":{"imu":{"frame":7,'
+            b'"specificForce":[1,2,3],"angularVelocity":[4,5,6]}}}'
+        )
+        last = first.updated(quiet).updated(news).readings["imu"]
+        self.assertEqual((last.frame, list(last["angularVelocity"])), (7, [4, 5, 6]))
+        with self.assertRaises(KeyError):
+            last["distances"]
+        with self.assertRaises(ProtocolError):
+            protocol.decode(
+                b'{"t":"perception","frame":1,"time":0,"items":[],"readings":{"imu":{"frame":1,'
+                b'"specificForce":["x"]}}}'
+            )
 
     def test_an_unusual_form_means_the_same(self):
         for vector in vectors("lenient.jsonl"):

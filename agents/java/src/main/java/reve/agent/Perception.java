@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
+import java.nio.DoubleBuffer;
+import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -14,17 +16,29 @@ import java.util.OptionalLong;
  *
  * @param time time of the world [s]
  * @param results in lock-step, the results of the previous round's acts, in order
+ * @param readings the newest readings of the instruments of the agent's body, by the name of the
+ *     sensor
  */
 public record Perception(
-        OptionalLong id, long frame, double time, List<Item> items, List<ActResult> results)
+        OptionalLong id,
+        long frame,
+        double time,
+        List<Item> items,
+        List<ActResult> results,
+        Map<String, Reading> readings)
         implements ServerMessage {
 
-    Perception(OptionalLong id, long frame, double time, List<Item> items) {
-        this(id, frame, time, items, List.of());
+    Perception(
+            OptionalLong id,
+            long frame,
+            double time,
+            List<Item> items,
+            Map<String, Reading> readings) {
+        this(id, frame, time, items, List.of(), readings);
     }
 
     Perception with(List<ActResult> ofActs) {
-        return new Perception(id, frame, time, items, ofActs);
+        return new Perception(id, frame, time, items, ofActs, readings);
     }
 
     /** Returns the item of that name, if it was perceived. */
@@ -58,8 +72,44 @@ public record Perception(
                         Optional.empty());
             }
         }
+        var newest = new LinkedHashMap<>(readings);
+        newest.putAll(update.readings());
         return new Perception(
-                update.id(), update.frame(), update.time(), List.copyOf(known.values()));
+                update.id(),
+                update.frame(),
+                update.time(),
+                List.copyOf(known.values()),
+                Collections.unmodifiableMap(newest));
+    }
+
+    /**
+     * The numbers that an instrument of the agent's body measured in a frame. Buffers are
+     * read-only.
+     *
+     * <p>An {@code imu} measures in the body's own axes: {@code specificForce}, 3 numbers [m/s²],
+     * the acceleration minus gravity, and {@code angularVelocity}, 3 numbers [rad/s].
+     *
+     * @param frame the frame of the measurement
+     * @param quantities the measured numbers, by the name of the quantity
+     */
+    public record Reading(long frame, Map<String, DoubleBuffer> quantities) {
+
+        /**
+         * Returns a measured quantity.
+         *
+         * @throws IllegalArgumentException if the instrument does not measure it
+         */
+        public DoubleBuffer numbers(String quantity) {
+            DoubleBuffer numbers = quantities.get(quantity);
+            if (numbers == null) {
+                throw new IllegalArgumentException(
+                        "the instrument does not measure "
+                                + quantity
+                                + "; it measures "
+                                + quantities.keySet());
+            }
+            return numbers.duplicate();
+        }
     }
 
     /**

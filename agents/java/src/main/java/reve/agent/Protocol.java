@@ -10,6 +10,7 @@ import tools.jackson.databind.node.ObjectNode;
 import java.io.IOException;
 import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
+import java.nio.DoubleBuffer;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.Arrays;
@@ -275,7 +276,8 @@ final class Protocol {
                 id(message),
                 message.required("frame").longValue(),
                 message.required("time").doubleValue(),
-                list(message.required("items"), Protocol::item));
+                list(message.required("items"), Protocol::item),
+                map(message.path("readings"), Protocol::reading));
     }
 
     private static Update update(JsonNode message) {
@@ -286,7 +288,21 @@ final class Protocol {
                 message.required("since").longValue(),
                 list(message.path("left"), JsonNode::stringValue),
                 list(message.path("entered"), Protocol::item),
-                list(message.path("changed"), Protocol::change));
+                list(message.path("changed"), Protocol::change),
+                map(message.path("readings"), Protocol::reading));
+    }
+
+    private static Perception.Reading reading(JsonNode reading) {
+        var quantities = new LinkedHashMap<String, DoubleBuffer>();
+        for (Map.Entry<String, JsonNode> field : reading.properties()) {
+            if (field.getValue().isArray()) {
+                double[] numbers =
+                        field.getValue().valueStream().mapToDouble(JsonNode::doubleValue).toArray();
+                quantities.put(field.getKey(), DoubleBuffer.wrap(numbers).asReadOnlyBuffer());
+            }
+        }
+        return new Perception.Reading(
+                reading.required("frame").longValue(), Collections.unmodifiableMap(quantities));
     }
 
     private static <T> List<T> list(JsonNode list, Function<JsonNode, T> read) {

@@ -12,6 +12,7 @@ import java.util.OptionalLong;
  * @param time time of the world [s]
  * @param since frame of the earlier perception
  * @param left names of items of the earlier perception that this one does not contain
+ * @param readings readings that are newer than the earlier perception, by the name of the sensor
  */
 record Update(
         OptionalLong id,
@@ -20,7 +21,8 @@ record Update(
         long since,
         List<String> left,
         List<Perception.Item> entered,
-        List<Change> changed)
+        List<Change> changed,
+        Map<String, Perception.Reading> readings)
         implements ServerMessage {
 
     /** The changed data of an item; a field that did not change is empty. */

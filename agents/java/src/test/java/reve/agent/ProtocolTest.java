@@ -17,6 +17,7 @@ import tools.jackson.databind.node.ObjectNode;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
+import java.nio.DoubleBuffer;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
@@ -117,6 +118,40 @@ class ProtocolTest {
         assertThat(perception.find("shadow")).isEmpty();
         assertThatExceptionOfType(AgentException.class)
                 .isThrownBy(() -> first.updated(updates.getLast()));
+    }
+
+    @Test
+    void readingsStayUntilTheNextOnes() {
+        var first =
+                (Perception)
+                        Protocol.read(
+                                """
+                                {"t":"perception","frame":5,"time":0.5,"items":[],"readings":{"imu":\
+                                {"frame":4,"specificForce":[0,9.81,-1e-3],"angularVelocity":[0.5,0,0]}}}""");
+        assertThat(first.readings().get("imu").numbers("specificForce"))
+                .isEqualTo(DoubleBuffer.wrap(new double[] {0, 9.81, -1e-3}));
+        var quiet =
+                (Update)
+                        Protocol.read(
+                                """
+                                {"t":"perception","frame":6,"time":0.6,"since":5}""");
+        Perception second = first.updated(quiet);
+        assertThat(second.readings()).isEqualTo(first.readings());
+        var news =
+                (Update)
+                        Protocol.read(
+                                """
+                                {"t":"perception","frame":7,"time":0.7,"since":6,"readings":{"imu":\
+                                {"frame":7,"specificForce":[1,2,3],"angularVelocity":[4,5,6]}}}""");
+        Perception.Reading last = second.updated(news).readings().get("imu");
+        assertThat(last.frame()).isEqualTo(7);
+        assertThat(last.numbers("angularVelocity").get(2)).isEqualTo(6);
+        assertThat(last.numbers("angularVelocity").isReadOnly()).isTrue();
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> last.numbers("distances"))
+                .withMessage(
+                        "the instrument does not measure distances; it measures"
+                                + " [specificForce, angularVelocity]");
     }
 
     @ParameterizedTest

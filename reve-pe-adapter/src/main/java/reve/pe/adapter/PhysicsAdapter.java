@@ -74,6 +74,11 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private long keptLaws = -1;
     private long lentLaws = -1;
 
+    /** Names of the properties that the laws of the version {@link #usedLaws} use. */
+    private Set<String> used = Set.of();
+
+    private long usedLaws = -1;
+
     /** Description of the work of the world's thread while it is in the engine, for reports. */
     private String advancing = "";
 
@@ -258,14 +263,26 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
      */
     private void bind() {
         if (lentLaws != laws.version()) {
-            bound.setUsed(
-                    laws.loaded().stream()
-                            .flatMap(law -> law.uses().stream())
-                            .map(PropertyUse::name)
-                            .collect(Collectors.toSet()));
+            bound.setUsed(usedProperties());
             lentLaws = laws.version();
         }
         bound.update();
+    }
+
+    /**
+     * Returns the names of the properties that the loaded laws use. Calls the engine only after a
+     * library was loaded or unloaded. For the world's thread only.
+     */
+    public Set<String> usedProperties() {
+        if (usedLaws != laws.version()) {
+            used =
+                    laws.loaded().stream()
+                            .flatMap(law -> law.uses().stream())
+                            .map(PropertyUse::name)
+                            .collect(Collectors.toUnmodifiableSet());
+            usedLaws = laws.version();
+        }
+        return used;
     }
 
     private boolean advanced(FrameEvent frame) {

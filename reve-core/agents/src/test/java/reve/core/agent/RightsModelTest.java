@@ -93,6 +93,7 @@ class RightsModelTest {
                                         1,
                                         Optional.empty(),
                                         EnumSet.of(Sensor.Aspect.PHYSICAL, Sensor.Aspect.SEMANTIC),
+                                        Optional.empty(),
                                         Optional.empty()));
             }
             needs.forEach(

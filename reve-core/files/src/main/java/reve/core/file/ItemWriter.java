@@ -125,11 +125,12 @@ public final class ItemWriter {
             tree.put("lineOfSight", true);
         }
         sensor.camera().ifPresent(camera -> tree.put("camera", camera(camera)));
+        sensor.instrument().ifPresent(instrument -> InstrumentWriter.write(instrument, tree));
         if (sensor.every() != 1) {
             tree.put("every", YamlWriter.Numeral.of(sensor.every()));
         }
         sensor.symbols().ifPresent(names -> tree.put("symbols", List.copyOf(names)));
-        if (!sensor.isCamera() && sensor.aspects().size() < Sensor.Aspect.values().length) {
+        if (sensor.sensesItems() && sensor.aspects().size() < Sensor.Aspect.values().length) {
             tree.put(
                     "aspects",
                     sensor.aspects().stream()

@@ -45,7 +45,8 @@ final class PrototypeReader {
     /**
      * Returns the standard prototype that the file names, together with the declared properties.
      *
-     * @param parts the parts of the files that may contain the kind {@code joint}: items and rules
+     * @param parts the parts of the files that may contain the kind {@code joint} or sensors:
+     *     items, prefabs, agents and rules
      */
     WorldPrototype read(Node root, List<Node> properties, List<Node> parts)
             throws WorldFileException {
@@ -57,7 +58,9 @@ final class PrototypeReader {
         }
         prototype = withPropertiesOnDemand(prototype, properties, parts);
         for (Node property : properties) {
-            prototype = extend(prototype, property);
+            if (property.get("name").flatMap(Node::text).filter(misdeclared::contains).isEmpty()) {
+                prototype = extend(prototype, property);
+            }
         }
         return prototype;
     }
@@ -66,12 +69,14 @@ final class PrototypeReader {
      * Adds the properties on demand that items set or that rules of joints read. Omits those that
      * the file declares.
      */
-    private static WorldPrototype withPropertiesOnDemand(
+    private WorldPrototype withPropertiesOnDemand(
             WorldPrototype prototype, List<Node> properties, List<Node> parts) {
         Set<String> set = new HashSet<>();
+        Set<String> measured = new HashSet<>();
         for (Node part : parts) {
-            findProperties(part, set);
+            findProperties(part, set, measured);
         }
+        set.addAll(measured);
         WRITTEN_WITH.forEach(
                 (property, written) -> {
                     if (set.contains(property)) {
@@ -79,7 +84,17 @@ final class PrototypeReader {
                     }
                 });
         for (Node property : properties) {
-            property.get("name").flatMap(Node::text).ifPresent(set::remove);
+            Optional<String> name = property.get("name").flatMap(Node::text);
+            name.ifPresent(set::remove);
+            if (name.filter(measured::contains).isPresent()) {
+                problems.add(
+                        property.get("name").orElseThrow(),
+                        name.get()
+                                + ": a sensor of this world measures the property of this name;"
+                                + " choose another name");
+                misdeclared.add(name.get());
+                set.add(name.get());
+            }
         }
         return prototype.extendedBy(
                 prototype.propertiesOnDemand().stream()
@@ -91,8 +106,10 @@ final class PrototypeReader {
     /**
      * Adds the keys of all mappings under the key {@code physics} in a node. Also adds the names
      * after {@code physics.} in the rules of joints.
+     *
+     * @param measured receives the names of the properties that instruments measure
      */
-    private static void findProperties(Node node, Set<String> found) {
+    private static void findProperties(Node node, Set<String> found, Set<String> measured) {
         if (node.key().equals("physics") && node.isMapping()) {
             node.children().forEach(value -> found.add(value.key()));
         } else if (isOfJoints(node) && node.get("is").isPresent()) {
@@ -100,8 +117,10 @@ final class PrototypeReader {
             while (names.find()) {
                 found.add(names.group(1));
             }
+        } else if (node.key().equals("sensors") && node.isMapping()) {
+            node.children().forEach(sensor -> measured.addAll(InstrumentReader.measured(sensor)));
         } else if (!MESH_KEYS.contains(node.key())) {
-            node.children().forEach(child -> findProperties(child, found));
+            node.children().forEach(child -> findProperties(child, found, measured));
         }
     }
 

@@ -24,16 +24,33 @@ final class SensorReader {
 
     private final Problems problems;
     private final Quantities quantities;
+    private final InstrumentReader instruments;
 
     SensorReader(Problems problems) {
         this.problems = problems;
         this.quantities = new Quantities(problems);
+        this.instruments = new InstrumentReader(problems, quantities);
     }
 
     /** Reads one sensor. If it is invalid, records a problem and returns empty. */
     Optional<Sensor> read(Node node) {
+        Optional<String> instrument = InstrumentReader.key(node);
+        if (instrument.isPresent()) {
+            return readInstrument(node, instrument.get());
+        }
         Optional<Node> camera = node.get("camera");
         return camera.isPresent() ? readCamera(node, camera.get()) : readSense(node);
+    }
+
+    private Optional<Sensor> readInstrument(Node node, String instrument) {
+        for (Node other : node.children()) {
+            if (!other.key().equals(instrument) && !other.key().equals("every")) {
+                refuse(node, other.key(), "a sensor with `" + instrument + "` only measures");
+            }
+        }
+        return instruments
+                .read(node.get(instrument).orElseThrow())
+                .map(made -> Sensor.measuring(node.key(), made).withEvery(every(node)));
     }
 
     private Optional<Sensor> readCamera(Node node, Node camera) {
@@ -96,6 +113,7 @@ final class SensorReader {
                                 node.get("aspects")
                                         .map(SensorReader::aspects)
                                         .orElse(EnumSet.allOf(Aspect.class)),
+                                Optional.empty(),
                                 Optional.empty()));
     }
 

@@ -59,7 +59,8 @@ final class WorldReader {
                                 Stream.of(
                                                 source.each("items"),
                                                 source.each("prefabs"),
-                                                source.named("rules"))
+                                                source.named("rules"),
+                                                root.get("agents").stream().toList())
                                         .flatMap(List::stream)
                                         .toList()));
         var expansion = new Expansion(source, Expansion.Limits.ofWorld(), problems);

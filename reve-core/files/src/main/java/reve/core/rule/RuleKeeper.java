@@ -36,7 +36,7 @@ final class RuleKeeper {
      */
     private static final int VISITS_PER_STEP = 8;
 
-    private static final int VISITS_PER_STEP_IF_EVALUATED = 2;
+    private static final int VISITS_PER_STEP_IF_EVALUATED = 1;
 
     private static final String CLASS = "class";
     private static final String PHYSICS = "physics.";

@@ -8,6 +8,7 @@ import static org.assertj.core.api.Assertions.within;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import reve.core.world.Instrument;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
 import reve.core.world.PropertyDescriptor;
@@ -97,6 +98,19 @@ class WorldFileDocumentTest {
                 .extracting(NamedCamera::name)
                 .containsExactly("side", "watch", "chase", "rider", "flight");
         assertThat(stage.cameras().getLast().keys()).hasSize(3);
+    }
+
+    @Test
+    void theInstrumentsOfTheExamplesMeasure() throws Exception {
+        assertThat(instruments("name: level", "drone")).containsExactly(Instrument.Imu.class);
+    }
+
+    private static List<Class<?>> instruments(String world, String item) throws Exception {
+        return WorldFileTest.parse(yaml(world)).items().stream()
+                .filter(one -> one.name().equals(item))
+                .flatMap(one -> one.sensors().stream())
+                .<Class<?>>map(sensor -> sensor.instrument().orElseThrow().getClass())
+                .toList();
     }
 
     @Test

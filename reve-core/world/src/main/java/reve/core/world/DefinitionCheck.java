@@ -39,6 +39,7 @@ final class DefinitionCheck {
             checkKind(definition);
             checkNumbers(definition);
             checkSymbols(definition);
+            checkInstruments(definition);
         }
         definitions.forEach(this::checkReferences);
         definitions.forEach(this::checkParent);
@@ -54,6 +55,28 @@ final class DefinitionCheck {
                                     Values.requireSymbol(
                                             world.prototype, definition.name(), symbol, value));
             checkedSymbols = definition.symbols();
+        }
+    }
+
+    /** Checks that the world has the properties into which it writes measurements. */
+    private void checkInstruments(ItemDefinition definition) {
+        for (Sensor sensor : definition.sensors()) {
+            if (sensor.instrument().isEmpty()) {
+                continue;
+            }
+            for (String property : WorldPrototype.measuredBy(sensor.instrument().get())) {
+                if (world.prototype.find(WorldPrototype.BODY, property).isEmpty()) {
+                    throw new IllegalArgumentException(
+                            "item "
+                                    + definition.name()
+                                    + ": sensor "
+                                    + sensor.name()
+                                    + " needs the property "
+                                    + property
+                                    + ", which this world does not have; give such a sensor to an"
+                                    + " item, a prefab or the body of agents in the world file");
+                }
+            }
         }
     }
 

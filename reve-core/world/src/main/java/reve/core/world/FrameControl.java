@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
+import java.util.SortedSet;
+
 /**
  * The operations on a world that only few callers need. These callers are the frame loop, the first
  * listener of the phase DERIVE, and tests that make frames themselves. For the world's thread only.
@@ -74,6 +76,29 @@ public final class FrameControl {
     public void boundsDerived() {
         data.guard.checkOwner();
         data.boundsChanged();
+    }
+
+    /**
+     * Returns a view of the ids of the items with an {@link Instrument.Imu}, in ascending order.
+     */
+    public SortedSet<ItemId> withImu() {
+        data.guard.checkOwner();
+        return data.symbols.withImu();
+    }
+
+    /**
+     * Writes three numbers that were computed in the phase DERIVE into a column of bodies.
+     *
+     * @param property name of a property of bodies with three components
+     */
+    public void derive(String property, int row, double x, double y, double z) {
+        data.guard.checkOwner();
+        Table bodies = data.table(WorldPrototype.BODY);
+        Column column = bodies.column(property);
+        boolean seenByLaws = row < bodies.physicsRowCount();
+        column.derive(row, 0, x, seenByLaws);
+        column.derive(row, 1, y, seenByLaws);
+        column.derive(row, 2, z, seenByLaws);
     }
 
     /** Begins the phase PUBLISH. Events and changes from now on belong to the next frame. */

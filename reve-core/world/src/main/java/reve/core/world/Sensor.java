@@ -11,7 +11,8 @@ import java.util.TreeSet;
  * A sensor, through which an agent perceives with its body. A body with sensors perceives only the
  * items that at least one of its sensors senses.
  *
- * <p>A camera senses no items. Its agent receives pictures on request.
+ * <p>A camera senses no items. Its agent receives pictures on request. A sensor with an instrument
+ * senses no items either. Its agent receives measured numbers.
  *
  * @param name name, unique among the sensors of a body
  * @param touch true if it senses items whose boxes are within the range of the body's box;
@@ -25,6 +26,7 @@ import java.util.TreeSet;
  * @param symbols names of the perceived symbols; empty for all
  * @param aspects the perceived aspects of an item, in addition to its name
  * @param camera settings of the pictures; empty if the sensor is not a camera
+ * @param instrument what the sensor measures; empty if it senses items or takes pictures
  */
 public record Sensor(
         String name,
@@ -35,7 +37,8 @@ public record Sensor(
         int every,
         Optional<SortedSet<String>> symbols,
         Set<Aspect> aspects,
-        Optional<Camera> camera) {
+        Optional<Camera> camera,
+        Optional<Instrument> instrument) {
 
     public static final double ALL_ROUND = 2 * Math.PI;
 
@@ -138,6 +141,7 @@ public record Sensor(
                 1,
                 Optional.empty(),
                 EnumSet.allOf(Aspect.class),
+                Optional.empty(),
                 Optional.empty());
     }
 
@@ -155,6 +159,7 @@ public record Sensor(
                 1,
                 Optional.empty(),
                 EnumSet.allOf(Aspect.class),
+                Optional.empty(),
                 Optional.empty());
     }
 
@@ -173,30 +178,74 @@ public record Sensor(
                 1,
                 Optional.empty(),
                 Set.of(),
-                Optional.of(pictures));
+                Optional.of(pictures),
+                Optional.empty());
+    }
+
+    /** Returns a sensor that measures with an instrument and senses no items. */
+    public static Sensor measuring(String name, Instrument instrument) {
+        return new Sensor(
+                name,
+                false,
+                Double.POSITIVE_INFINITY,
+                ALL_ROUND,
+                false,
+                1,
+                Optional.empty(),
+                Set.of(),
+                Optional.empty(),
+                Optional.of(instrument));
     }
 
     /** Returns a copy with another range [m]. */
     public Sensor withRange(double metres) {
         return new Sensor(
-                name, touch, metres, fieldOfView, lineOfSight, every, symbols, aspects, camera);
+                name,
+                touch,
+                metres,
+                fieldOfView,
+                lineOfSight,
+                every,
+                symbols,
+                aspects,
+                camera,
+                instrument);
     }
 
     /** Returns a copy with another full angle of its cone [rad]. */
     public Sensor withFieldOfView(double radians) {
         return new Sensor(
-                name, touch, range, radians, lineOfSight, every, symbols, aspects, camera);
+                name,
+                touch,
+                range,
+                radians,
+                lineOfSight,
+                every,
+                symbols,
+                aspects,
+                camera,
+                instrument);
     }
 
     /** Returns a copy that does not see items behind other items. */
     public Sensor withLineOfSight() {
-        return new Sensor(name, touch, range, fieldOfView, true, every, symbols, aspects, camera);
+        return new Sensor(
+                name, touch, range, fieldOfView, true, every, symbols, aspects, camera, instrument);
     }
 
     /** Returns a copy with another interval [frames]. */
     public Sensor withEvery(int frames) {
         return new Sensor(
-                name, touch, range, fieldOfView, lineOfSight, frames, symbols, aspects, camera);
+                name,
+                touch,
+                range,
+                fieldOfView,
+                lineOfSight,
+                frames,
+                symbols,
+                aspects,
+                camera,
+                instrument);
     }
 
     /** Returns a copy that perceives only these symbols. */
@@ -210,13 +259,23 @@ public record Sensor(
                 every,
                 Optional.of(new TreeSet<>(names)),
                 aspects,
-                camera);
+                camera,
+                instrument);
     }
 
     /** Returns a copy that perceives these aspects. */
     public Sensor withAspects(Set<Aspect> newAspects) {
         return new Sensor(
-                name, touch, range, fieldOfView, lineOfSight, every, symbols, newAspects, camera);
+                name,
+                touch,
+                range,
+                fieldOfView,
+                lineOfSight,
+                every,
+                symbols,
+                newAspects,
+                camera,
+                instrument);
     }
 
     /** Returns whether the sensor is a camera, which senses no items but takes pictures. */
@@ -224,12 +283,17 @@ public record Sensor(
         return camera.isPresent();
     }
 
+    /** Returns whether the sensor senses items. Cameras and instruments sense none. */
+    public boolean sensesItems() {
+        return camera.isEmpty() && instrument.isEmpty();
+    }
+
     /**
      * Returns whether the sensor senses all items, including those without a place, such as
      * springs.
      */
     public boolean isUnlimited() {
-        return !isCamera()
+        return sensesItems()
                 && !touch
                 && range == Double.POSITIVE_INFINITY
                 && fieldOfView == ALL_ROUND

@@ -5,9 +5,12 @@ import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 import org.pcollections.TreePMap;
 
+import java.util.Collections;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.SortedSet;
+import java.util.TreeSet;
 
 /**
  * The symbolic data of all items of a world as one immutable map. An index finds items by their
@@ -23,6 +26,9 @@ final class Symbols {
      * The {@link Likeness} of the last added item, which the next item shares if its own is equal.
      */
     private @Nullable Likeness latest;
+
+    /** Ids of the items with an {@link Instrument.Imu}, in ascending order. */
+    private final TreeSet<ItemId> withImu = new TreeSet<>();
 
     /** Number of items that each agent's actions created; contains no entry for 0 items. */
     private final Map<String, Integer> made = new HashMap<>();
@@ -61,6 +67,13 @@ final class Symbols {
         return bySymbol.find(symbol, value, all.values());
     }
 
+    /**
+     * Returns a view of the ids of the items with an {@link Instrument.Imu}, in ascending order.
+     */
+    SortedSet<ItemId> withImu() {
+        return Collections.unmodifiableSortedSet(withImu);
+    }
+
     /** Returns the number of existing items that actions of this agent created. */
     int made(String agent) {
         return made.getOrDefault(agent, 0);
@@ -75,6 +88,7 @@ final class Symbols {
         all = all.plus(item.id(), item);
         bySymbol.add(item);
         count(item, 1);
+        noteImu(item);
     }
 
     /** Returns the number of removals so far, including those by restoring an image. */
@@ -87,6 +101,7 @@ final class Symbols {
         all = all.minus(item.id());
         bySymbol.remove(item);
         count(item, -1);
+        withImu.remove(item.id());
     }
 
     /** Replaces the symbolic data of one item. */
@@ -103,8 +118,21 @@ final class Symbols {
         all = other;
         made.clear();
         madeInAll = 0;
-        all.values().forEach(item -> count(item, 1));
+        withImu.clear();
+        for (ItemSymbols item : all.values()) {
+            count(item, 1);
+            noteImu(item);
+        }
         lastId = otherLastId;
+    }
+
+    /** Records an item with an IMU. The sensors of an item never change. */
+    private void noteImu(ItemSymbols item) {
+        for (Sensor sensor : item.sensors()) {
+            if (sensor.instrument().orElse(null) instanceof Instrument.Imu) {
+                withImu.add(item.id());
+            }
+        }
     }
 
     private void count(ItemSymbols item, int more) {

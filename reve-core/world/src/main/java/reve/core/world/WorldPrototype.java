@@ -43,6 +43,19 @@ public final class WorldPrototype {
      */
     public static final String JOINT = "joint";
 
+    /**
+     * The specific force of a body [m/s²], in the body's own axes: its mean acceleration during the
+     * last frame minus the acceleration of gravity. Computed in DERIVE, for bodies with an {@link
+     * Instrument.Imu} only.
+     */
+    public static final String SPECIFIC_FORCE = "specificForce";
+
+    /**
+     * The angular velocity of a body [rad/s], in the body's own axes, at the end of the last frame.
+     * Computed in DERIVE, for bodies with an {@link Instrument.Imu} only.
+     */
+    public static final String ANGULAR_RATE = "angularRate";
+
     /** The mass of a body. Laws do not move a body of mass 0. */
     static final String MASS = "mass";
 
@@ -124,12 +137,21 @@ public final class WorldPrototype {
      * <ul>
      *   <li>properties of contacts of bodies, except {@code friction} and {@code restitution}
      *   <li>springs, damping, friction, rotors, servos and speeds of joints
+     *   <li>measurements of the instruments of bodies
      * </ul>
      */
     public List<PropertyDescriptor> propertiesOnDemand() {
         List<PropertyDescriptor> properties = new ArrayList<>(contacts(realType));
         properties.addAll(loadsOfJoints(realType));
+        properties.addAll(measurements(realType));
         return properties;
+    }
+
+    /** Returns the names of the properties of a body that an instrument of the body needs. */
+    public static List<String> measuredBy(Instrument instrument) {
+        return switch (instrument) {
+            case Instrument.Imu _ -> List.of(SPECIFIC_FORCE, ANGULAR_RATE);
+        };
     }
 
     /**
@@ -370,6 +392,12 @@ public final class WorldPrototype {
                 number(JOINT, "driveTravel", real, 1, "m", "Travel to which the drive moves."),
                 notNegative(JOINT, "driveStiffness", real, 1, "N/m", "Force per travel."),
                 notNegative(JOINT, "driveDamping", real, 1, "N*s/m", "Force per speed."));
+    }
+
+    private static List<PropertyDescriptor> measurements(ScalarType real) {
+        return List.of(
+                number(BODY, SPECIFIC_FORCE, real, 3, "m/s^2", "Of an IMU, in the body's axes."),
+                number(BODY, ANGULAR_RATE, real, 3, "rad/s", "Of an IMU, in the body's axes."));
     }
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {

@@ -44,6 +44,8 @@ final class LawFacts {
                     FORCE,
                     "appliedForce",
                     "torque",
+                    WorldPrototype.SPECIFIC_FORCE,
+                    WorldPrototype.ANGULAR_RATE,
                     "length",
                     "softening");
 

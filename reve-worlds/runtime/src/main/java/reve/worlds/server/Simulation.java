@@ -5,6 +5,7 @@ import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
 import reve.core.derive.DerivedColumns;
+import reve.core.derive.InertialMeasurements;
 import reve.core.file.LawReference;
 import reve.core.file.Problem;
 import reve.core.file.WorldDescription;
@@ -145,11 +146,29 @@ public final class Simulation implements AutoCloseable {
             throw refused;
         }
         commands.subscribeTo(bus);
-        bus.subscribe(FramePhase.PHYSICS, "physics", physics);
+        var inertia = new InertialMeasurements(this::gravity);
+        bus.subscribe(
+                FramePhase.PHYSICS,
+                "physics",
+                frame -> {
+                    inertia.begin(world);
+                    physics.onFrame(frame);
+                });
         DerivedColumns.subscribeTo(bus);
+        bus.subscribe(
+                FramePhase.DERIVE,
+                "inertial measurements",
+                frame -> inertia.derive(world, frame.dtSeconds() * frame.steps()));
         rules.subscribeTo(bus, loop::isStopped);
         onPublish("snapshots", this::publish);
         onPublish("run events", events);
+    }
+
+    /** Returns the kinds of gravity that the loaded laws exert, by the constants that they read. */
+    private InertialMeasurements.Gravity gravity() {
+        Set<String> used = physics.usedProperties();
+        return new InertialMeasurements.Gravity(
+                used.contains("gravity"), used.contains("gravitationalConstant"));
     }
 
     private static VesperConfig config(int threads, boolean validated) {

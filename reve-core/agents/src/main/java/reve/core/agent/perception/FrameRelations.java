@@ -162,7 +162,7 @@ final class FrameRelations {
             return everythingRelated;
         }
         List<PerceivedItem> items = relate(view);
-        View whole = new View(view.frame(), view.time(), items);
+        View whole = new View(view.frame(), view.time(), items, view.readings());
         if (view == everything) {
             related = items;
             everythingRelated = whole;

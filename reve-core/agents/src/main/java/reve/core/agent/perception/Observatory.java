@@ -56,6 +56,7 @@ public final class Observatory {
 
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
+    private final Measurements measurements = new Measurements();
 
     /** Bodies that last hid others from the eye of any body, for tests of single items. */
     private final Hiders hiders = new Hiders();
@@ -117,6 +118,7 @@ public final class Observatory {
                 findRows(table);
             }
             follow(table, rearranged);
+            measurements.read(table);
             readPlaces();
             everything = new View(snapshot.frame(), snapshot.timeSeconds(), List.of(seen));
         } catch (RuntimeException e) {
@@ -149,6 +151,7 @@ public final class Observatory {
         var same = new ArrayList<@Nullable PerceivedItem>(now.size());
         for (ItemSymbols item : now.values()) {
             if (!item.kind().equals(WorldPrototype.WORLD)) {
+                measurements.expect(item.sensors());
                 PerceivedItem before = known.get(item.id());
                 same.add(before);
                 present.add(
@@ -250,6 +253,19 @@ public final class Observatory {
                 isGathered(before) ? before : List.of(Arrays.copyOf(gathered, gatheredCount)));
     }
 
+    /**
+     * Returns the reading of a sensor in this frame; empty if the sensor is not an instrument, or
+     * the body does not exist.
+     */
+    List<Reading> measure(Sensor sensor, ItemId body) {
+        int row = sensor.instrument().isEmpty() ? NO_ROW : row(body);
+        return row == NO_ROW
+                ? List.of()
+                : List.of(
+                        measurements.measure(
+                                sensor, body, row, everything.frame(), everything.time()));
+    }
+
     private boolean isGathered(List<PerceivedItem> items) {
         if (items.size() != gatheredCount) {
             return false;
@@ -275,7 +291,7 @@ public final class Observatory {
                                         Visibility.by(one),
                                         unknown -> new PerceivedItem[items.length]));
         gatheredCount = 0;
-        if (sensor.isCamera()) {
+        if (!sensor.sensesItems()) {
             if (eye >= 0) {
                 gather(seen[eye]);
             }
@@ -429,7 +445,7 @@ public final class Observatory {
         }
         bodies.reach(row, lows, highs, at);
         for (Sensor sensor : sensors) {
-            if (!sensor.isCamera()) {
+            if (sensor.sensesItems()) {
                 if (Double.isInfinite(sensor.range())) {
                     return false;
                 }

@@ -59,14 +59,17 @@ public final class PerceptionEncoder {
             encoding.begin(out, "perception", id, fields.count);
             out.put(fields.encoded);
         } else if (before == null) {
-            writeWhole(encoding.begin(out, "perception", id, 3), view);
+            int readings = Reading.isAnyNewerThan(Long.MIN_VALUE, view) ? 1 : 0;
+            MessageWriter writer = encoding.begin(out, "perception", id, 3 + readings);
+            writeWhole(writer, view);
+            Reading.write(writer, view, Long.MIN_VALUE);
         } else {
             difference.find(before.items(), view.items());
-            writeDifference(
-                    encoding.begin(out, "perception", id, 3 + difference.lists()),
-                    difference,
-                    view,
-                    before);
+            int readings = Reading.isAnyNewerThan(before.frame(), view) ? 1 : 0;
+            MessageWriter writer =
+                    encoding.begin(out, "perception", id, 3 + difference.lists() + readings);
+            writeDifference(writer, difference, view, before);
+            Reading.write(writer, view, before.frame());
         }
         encoding.end(out, start);
     }

@@ -21,12 +21,12 @@ import java.util.stream.LongStream;
  * Contains copies of the columns in plain arrays, which are reused for the next frame. For one
  * thread.
  *
- * <p>A touch sensor senses the items whose bounding box is within its range. A camera senses no
- * items. Any other sensor tests ten points of an item: the point of the bounding box that is
- * nearest to the eye, the box's centre, and its eight corners. The sensor senses the item if one of
- * these points is in its range and in its field of view. If the sensor needs a line of sight, the
- * point must also not be hidden. A point is hidden if it lies behind the bounding box of a third
- * item that has a shape and does not contain the eye.
+ * <p>A touch sensor senses the items whose bounding box is within its range. Cameras and
+ * instruments sense no items. Any other sensor tests ten points of an item: the point of the
+ * bounding box that is nearest to the eye, the box's centre, and its eight corners. The sensor
+ * senses the item if one of these points is in its range and in its field of view. If the sensor
+ * needs a line of sight, the point must also not be hidden. A point is hidden if it lies behind the
+ * bounding box of a third item that has a shape and does not contain the eye.
  */
 public final class SensedWorld {
 
@@ -196,7 +196,8 @@ public final class SensedWorld {
         read(column, into, column.components() * b, column.components());
     }
 
-    private static void read(ColumnView column, double[] into, int first, int count) {
+    /** Copies numbers of a real column, by their index in the column. */
+    static void read(ColumnView column, double[] into, int first, int count) {
         if (column.type() == ScalarType.F64) {
             MemorySegment.copy(
                     column.segment(),
@@ -295,7 +296,7 @@ public final class SensedWorld {
      */
     public boolean senses(Sensor sensor, int body, int row, Hiders known) {
         hiders = known;
-        if (sensor.isCamera()) {
+        if (!sensor.sensesItems()) {
             return false;
         }
         return sensor.touch()

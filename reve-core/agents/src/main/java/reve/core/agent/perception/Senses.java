@@ -43,6 +43,7 @@ public final class Senses {
     private final Sample[] samples;
 
     private final Surroundings[] surroundings;
+    private final boolean hasInstruments;
 
     /**
      * The copy of the world in which {@link #surroundings} were found; null before the first
@@ -58,8 +59,12 @@ public final class Senses {
      */
     private Map<ItemId, Map<String, List<String>>> related = Map.of();
 
-    /** The items that a sensor perceived, and the frame. */
-    private record Sample(long frame, List<PerceivedItem> items) {}
+    /**
+     * The items that a sensor perceived, and the frame.
+     *
+     * @param reading measured numbers; empty unless the sensor is an instrument
+     */
+    private record Sample(long frame, List<PerceivedItem> items, List<Reading> reading) {}
 
     /**
      * @param sensors the sensors of the body, at least one
@@ -69,6 +74,7 @@ public final class Senses {
         this.sensors = sensors;
         this.samples = new Sample[sensors.size()];
         this.surroundings = new Surroundings[sensors.size()];
+        this.hasInstruments = sensors.stream().anyMatch(one -> one.instrument().isPresent());
     }
 
     /** Returns the id of the body. */
@@ -120,10 +126,10 @@ public final class Senses {
                 if (sensed.isEmpty()) {
                     return Optional.empty();
                 }
-                samples[i] = new Sample(all.frame(), sensed.get());
+                samples[i] = new Sample(all.frame(), sensed.get(), world.measure(sensor, body));
             }
         }
-        view = new View(all.frame(), all.time(), merge(samples));
+        view = new View(all.frame(), all.time(), merge(samples), readings());
         return Optional.of(view);
     }
 
@@ -145,7 +151,19 @@ public final class Senses {
             known.put(told.id(), told.relations());
         }
         related = known;
-        return new View(all.frame(), all.time(), List.copyOf(items));
+        return new View(all.frame(), all.time(), List.copyOf(items), all.readings());
+    }
+
+    /** Returns the newest readings in the order of the sensors. */
+    private List<Reading> readings() {
+        if (!hasInstruments) {
+            return List.of();
+        }
+        var all = new ArrayList<Reading>();
+        for (Sample sample : samples) {
+            all.addAll(sample.reading);
+        }
+        return List.copyOf(all);
     }
 
     /**

@@ -6,12 +6,18 @@ import reve.core.world.ItemId;
 import java.util.List;
 
 /**
- * The perception of a client in one frame: the perceived items in the order of their ids.
- * Immutable.
+ * The perception of a client in one frame: the perceived items in the order of their ids, and the
+ * readings of instruments. Immutable.
  *
  * @param time simulated time of the world [s]
+ * @param readings the newest reading of each instrument of the client's body
  */
-public record View(long frame, double time, List<PerceivedItem> items) {
+public record View(long frame, double time, List<PerceivedItem> items, List<Reading> readings) {
+
+    /** Creates a view without readings. */
+    public View(long frame, double time, List<PerceivedItem> items) {
+        this(frame, time, items, List.of());
+    }
 
     /** Returns the index of an item in the list; negative if the view does not contain the item. */
     int indexOf(ItemId id) {

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import reve.core.world.ColumnView;
+import reve.core.world.Instrument;
+import reve.core.world.ItemId;
+import reve.core.world.Sensor;
+import reve.core.world.TableView;
+import reve.core.world.WorldPrototype;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+
+/**
+ * The measurements of instruments in one frame. Contains copies of the columns into which the world
+ * writes measurements. Columns that no instrument of an item needs are not copied. For one thread.
+ */
+final class Measurements {
+
+    /** Copies of columns by name, (rows x components). */
+    private final Map<String, double[]> columns = new LinkedHashMap<>();
+
+    /** Includes the columns that these sensors need in the copies from now on. */
+    void expect(List<Sensor> sensors) {
+        for (int i = 0; i < sensors.size(); i++) {
+            sensors.get(i).instrument().ifPresent(this::expect);
+        }
+    }
+
+    private void expect(Instrument instrument) {
+        for (String property : WorldPrototype.measuredBy(instrument)) {
+            columns.putIfAbsent(property, new double[0]);
+        }
+    }
+
+    /** Copies the columns of a frame. */
+    void read(TableView bodies) {
+        if (columns.isEmpty()) {
+            return;
+        }
+        for (Map.Entry<String, double[]> entry : columns.entrySet()) {
+            ColumnView column = bodies.column(entry.getKey());
+            int numbers = column.components() * bodies.rowCount();
+            if (entry.getValue().length < numbers) {
+                entry.setValue(new double[numbers + numbers / 2]);
+            }
+            SensedWorld.read(column, entry.getValue(), 0, numbers);
+        }
+    }
+
+    /**
+     * Returns the reading of a sensor, which has an instrument.
+     *
+     * @param time simulated time of the world [s]
+     */
+    Reading measure(Sensor sensor, ItemId body, int row, long frame, double time) {
+        return switch (sensor.instrument().orElseThrow()) {
+            case Instrument.Imu imu -> {
+                var noise = new MeasurementNoise(imu.seed(), body, sensor.name(), time);
+                yield new Reading(
+                        sensor.name(),
+                        frame,
+                        List.of(
+                                quantity(
+                                        "specificForce",
+                                        WorldPrototype.SPECIFIC_FORCE,
+                                        row,
+                                        imu.specificForce(),
+                                        noise),
+                                quantity(
+                                        "angularVelocity",
+                                        WorldPrototype.ANGULAR_RATE,
+                                        row,
+                                        imu.angularVelocity(),
+                                        noise)));
+            }
+        };
+    }
+
+    private Reading.Quantity quantity(
+            String name,
+            String property,
+            int row,
+            Instrument.Errors errors,
+            MeasurementNoise noise) {
+        double[] column = columns.get(property);
+        double[] measured = new double[3];
+        for (int axis = 0; axis < 3; axis++) {
+            double exact = column == null ? 0 : column[3 * row + axis];
+            measured[axis] = exact + errors.bias(axis) + noise.next(errors.noise());
+        }
+        return new Reading.Quantity(name, measured);
+    }
+}

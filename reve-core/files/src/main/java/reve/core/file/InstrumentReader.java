@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.file;
+
+import reve.core.unit.Unit;
+import reve.core.world.Instrument;
+import reve.core.world.Instrument.Errors;
+import reve.core.world.WorldPrototype;
+
+import java.util.List;
+import java.util.Optional;
+import java.util.function.Supplier;
+
+/** Reader of the keys of a sensor that measures numbers. */
+final class InstrumentReader {
+    static final String IMU = "imu";
+    private static final List<String> KEYS = List.of(IMU);
+
+    private static final Unit ACCELERATION = Unit.parse("m/s^2");
+    private static final Unit ANGULAR_VELOCITY = Unit.parse("rad/s");
+    private static final Instrument PLAIN_IMU = new Instrument.Imu(Errors.NONE, Errors.NONE, 0);
+
+    private final Problems problems;
+    private final Quantities quantities;
+
+    InstrumentReader(Problems problems, Quantities quantities) {
+        this.problems = problems;
+        this.quantities = quantities;
+    }
+
+    /** Returns the key of a sensor's instrument; empty if the sensor has no instrument. */
+    static Optional<String> key(Node sensor) {
+        return KEYS.stream().filter(key -> sensor.get(key).isPresent()).findFirst();
+    }
+
+    /** Returns the properties of bodies into which the world writes what a sensor measures. */
+    static List<String> measured(Node sensor) {
+        return sensor.isMapping() && sensor.get(IMU).isPresent()
+                ? WorldPrototype.measuredBy(PLAIN_IMU)
+                : List.of();
+    }
+
+    /** Reads an instrument. If it is invalid, records a problem and returns empty. */
+    Optional<Instrument> read(Node node) {
+        Optional<Errors> force = errors(node, "specificForce", ACCELERATION);
+        Optional<Errors> turning = errors(node, "angularVelocity", ANGULAR_VELOCITY);
+        return force.isEmpty() || turning.isEmpty()
+                ? Optional.empty()
+                : checked(node, () -> new Instrument.Imu(force.get(), turning.get(), seed(node)));
+    }
+
+    private static long seed(Node node) {
+        return node.get("seed").flatMap(Node::number).map(Double::longValue).orElse(0L);
+    }
+
+    private Optional<Errors> errors(Node instrument, String quantity, Unit unit) {
+        Optional<Node> node = instrument.get(quantity);
+        if (node.isEmpty()) {
+            return Optional.of(Errors.NONE);
+        }
+        Optional<Node> noise = node.get().get("noise");
+        Optional<Node> bias = node.get().get("bias");
+        Optional<Double> deviation =
+                noise.isEmpty() ? Optional.of(0.0) : quantities.number(noise.get(), unit);
+        Optional<double[]> constant =
+                bias.isEmpty()
+                        ? Optional.of(new double[3])
+                        : quantities.numbers(bias.get(), 3, unit);
+        if (deviation.isEmpty() || constant.isEmpty()) {
+            return Optional.empty();
+        }
+        double[] error = constant.get();
+        return checked(node.get(), () -> new Errors(deviation.get(), error[0], error[1], error[2]));
+    }
+
+    /** Records a refusal at the key that its message begins with, or at the node. */
+    private <T> Optional<T> checked(Node node, Supplier<? extends T> made) {
+        try {
+            return Optional.of(made.get());
+        } catch (IllegalArgumentException refused) {
+            String subject = refused.getMessage().split(":", 2)[0];
+            problems.add(node.get(subject).orElse(node), refused.getMessage());
+            return Optional.empty();
+        }
+    }
+}

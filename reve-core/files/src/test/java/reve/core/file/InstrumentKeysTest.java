@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.file;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+
+import reve.core.world.Instrument;
+import reve.core.world.ItemDefinition;
+import reve.core.world.OffHeapArena;
+import reve.core.world.Sensor;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+
+import java.nio.charset.StandardCharsets;
+import java.util.List;
+
+/** The keys of sensors that measure numbers. */
+class InstrumentKeysTest {
+    private static WorldDescription parse(String rest) throws WorldFileException {
+        return WorldFile.parse("w", ("reve: 1\nname: w\n" + rest).getBytes(StandardCharsets.UTF_8));
+    }
+
+    private static Sensor onlySensor(WorldDescription world) {
+        return world.items().getFirst().sensors().getFirst();
+    }
+
+    @Test
+    void anImuHasErrorsInItsUnitsASeedAndAnInterval() throws WorldFileException {
+        WorldDescription world =
+                parse(
+                        """
+                        items:
+                          - name: a
+                            physics: {mass: 1}
+                            sensors:
+                              inertia:
+                                every: 3
+                                imu:
+                                  specificForce: {noise: 2 cm/s^2, bias: 0 10 -20 mm/s^2}
+                                  angularVelocity: {noise: 90 deg/s, bias: [0.5, 0, 0]}
+                                  seed: 9007199254740991
+                        """);
+        Sensor sensor = onlySensor(world);
+        assertThat(sensor.name()).isEqualTo("inertia");
+        assertThat(sensor.every()).isEqualTo(3);
+        assertThat(sensor.sensesItems()).isFalse();
+        assertThat(sensor.isUnlimited()).isFalse();
+        assertThat(sensor.instrument())
+                .contains(
+                        new Instrument.Imu(
+                                new Instrument.Errors(0.02, 0, 0.01, -0.02),
+                                new Instrument.Errors(Math.toRadians(90), 0.5, 0, 0),
+                                Instrument.GREATEST_SEED));
+        WorldDescription again = WorldFileTest.parse(WorldWriter.write(world));
+        assertThat(onlySensor(again)).isEqualTo(sensor);
+        assertThat(again.prototype().properties()).isEqualTo(world.prototype().properties());
+    }
+
+    /** Other worlds keep their images, because they do not have these properties. */
+    @Test
+    void onlyWorldsWithAnImuHaveTheColumnsOfIts() throws WorldFileException {
+        List<String> columns = List.of("specificForce", "angularRate");
+        for (String world :
+                List.of(
+                        "items: [{name: a, physics: {mass: 1}, sensors: {i: {imu: {}}}}]",
+                        "prefabs: {p: {sensors: {i: {imu: {}}}}}",
+                        "agents: {body: {sensors: {i: {imu: {}}}}}",
+                        """
+                        items:
+                          - name: a
+                            access:
+                              make: {effects: [create: {name: b, sensors: {i: {imu: {}}}}]}
+                        """)) {
+            WorldPrototype prototype = parse(world).prototype();
+            assertThat(columns).allMatch(name -> prototype.find("body", name).isPresent(), world);
+        }
+        WorldPrototype prototype =
+                parse("items: [{name: a, sensors: {eye: {range: 3}}}]").prototype();
+        assertThat(columns).noneMatch(name -> prototype.find("body", name).isPresent());
+    }
+
+    @Test
+    void aWorldWithoutTheColumnsRefusesAnItemWithAnImu() {
+        var world = new World("w", WorldPrototype.standard("si-f64"), new OffHeapArena());
+        ItemDefinition item =
+                ItemDefinition.named("late")
+                        .sensor(
+                                Sensor.measuring(
+                                        "tilt",
+                                        new Instrument.Imu(
+                                                Instrument.Errors.NONE, Instrument.Errors.NONE, 0)))
+                        .build();
+        assertThatThrownBy(() -> world.add(item))
+                .isInstanceOf(IllegalArgumentException.class)
+                .hasMessageStartingWith(
+                        "item late: sensor tilt needs the property specificForce, which this world"
+                                + " does not have; give such a sensor to");
+        assertThat(world.find("late")).isEmpty();
+    }
+
+    @ParameterizedTest(name = "{0}")
+    @CsvSource(
+            delimiter = '!',
+            textBlock =
+                    """
+                    {imu: {specificForce: {noise: 3 kg}}}      ! noise: unit kg does not fit m/s^2
+                    {imu: {angularVelocity: {bias: 1 2 3 m/s}}}! bias: unit m/s does not fit rad/s
+                    {imu: {specificForce: {bias: [1, 2]}}}     ! bias: found 2 numbers, expected 3 numbers in m/s^2
+                    {imu: {specificForce: {noise: -1}}}        ! noise: -1.0, expected 0 or more
+                    {imu: {seed: -1}}                          ! seed: found number -1, expected at least 0
+                    {imu: {sead: 1}}                           ! unknown key `sead`; did you mean `seed`?
+                    {imu: true}                                ! imu: found `true`, expected a mapping
+                    {imu: {}, range: 3}                        ! range: a sensor with `imu` only measures; leave it out
+                    {imu: {}, camera: {size: [3, 3]}}          ! camera: a sensor with `imu` only measures; leave it out
+                    """)
+    void aMistakeIsReportedAtItsLine(String sensor, String message) {
+        assertThatThrownBy(
+                        () ->
+                                parse(
+                                        "items:\n  - name: a\n    physics: {mass: 1}\n"
+                                                + "    sensors:\n      i: "
+                                                + sensor))
+                .hasMessageContaining("w:7:")
+                .hasMessageContaining(message.strip());
+    }
+
+    @Test
+    void aDesignersPropertyCannotHaveTheNameOfAMeasurement() {
+        assertThatThrownBy(
+                        () ->
+                                parse(
+                                        """
+                                        properties: [{name: specificForce, kind: body, unit: N}]
+                                        items: [{name: a, physics: {mass: 1}, sensors: {i: {imu: {}}}}]
+                                        """))
+                .hasMessage(
+                        "w:3:21: specificForce: a sensor of this world measures the property of"
+                                + " this name; choose another name");
+    }
+}
