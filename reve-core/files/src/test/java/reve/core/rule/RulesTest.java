@@ -289,7 +289,9 @@ class RulesTest {
         assertThat(all(items, "last")).containsOnly("x");
     }
 
-    /** Each item uses a step, although it needs no evaluation, because the rule reads a relation. */
+    /**
+     * Each item uses a step, although it needs no evaluation, because the rule reads a relation.
+     */
     @Test
     void visitsOfItemsCountAsSteps() throws Exception {
         List<Item> items = bodies(1500);
