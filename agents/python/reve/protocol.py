@@ -174,10 +174,15 @@ class Reading:
     |---|---|---|
     | `imu` | `specificForce` | (3,) [m/s²], in the body's own axes: acceleration minus gravity |
     | `imu` | `angularVelocity` | (3,) [rad/s], in the body's own axes |
+    | `lidar` | `distances` | (rows * columns,) [m], row by row; `math.inf` where nothing was met |
+
+    `columns` is the number of rays side by side of a lidar, and None for other instruments:
+    `numpy.asarray(reading["distances"]).reshape(-1, reading.columns)`.
     """
 
     frame: int
     quantities: Mapping[str, array[float]]
+    columns: Optional[int] = None
 
     def __getitem__(self, quantity: str) -> array[float]:
         """Returns a measured quantity; KeyError if the instrument does not measure it."""
@@ -666,13 +671,18 @@ def _readings(message: Message) -> Mapping[str, Reading]:
         sensor: Reading(
             frame=reading["frame"],
             quantities={
-                name: array("d", numbers)
+                name: array("d", _distances(numbers) if name == "distances" else numbers)
                 for name, numbers in reading.items()
                 if isinstance(numbers, list)
             },
+            columns=reading.get("columns"),
         )
         for sensor, reading in message.get("readings", {}).items()
     }
+
+
+def _distances(numbers: List[float]) -> List[float]:
+    return [math.inf if number < 0 else number for number in numbers]
 
 
 def _image(message: Message) -> Image:

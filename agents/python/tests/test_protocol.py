@@ -287,6 +287,14 @@ class ProtocolTest(unittest.TestCase):
                 b'"specificForce":["x"]}}}'
             )
 
+    def test_a_ray_that_met_nothing_has_an_infinite_distance(self):
+        scan = protocol.decode(
+            b'{"t":"perception","frame":5,"time":0.5,"items":[],"readings":{"scan":{"frame":5,'
+            b'"columns":2,"distances":[1.5,-1,0,7]}}}'
+        ).readings["scan"]
+        self.assertEqual(list(scan["distances"]), [1.5, math.inf, 0.0, 7.0])
+        self.assertEqual((scan.columns, scan.frame), (2, 5))
+
     def test_an_unusual_form_means_the_same(self):
         for vector in vectors("lenient.jsonl"):
             if vector["from"] == "server":

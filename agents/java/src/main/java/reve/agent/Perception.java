@@ -87,12 +87,15 @@ public record Perception(
      * read-only.
      *
      * <p>An {@code imu} measures in the body's own axes: {@code specificForce}, 3 numbers [m/s²],
-     * the acceleration minus gravity, and {@code angularVelocity}, 3 numbers [rad/s].
+     * the acceleration minus gravity, and {@code angularVelocity}, 3 numbers [rad/s]. A {@code
+     * lidar} measures {@code distances} [m], row by row, which are infinite where a ray met
+     * nothing.
      *
      * @param frame the frame of the measurement
      * @param quantities the measured numbers, by the name of the quantity
+     * @param columns number of rays side by side, for a lidar only
      */
-    public record Reading(long frame, Map<String, DoubleBuffer> quantities) {
+    public record Reading(long frame, Map<String, DoubleBuffer> quantities, OptionalInt columns) {
 
         /**
          * Returns a measured quantity.

@@ -298,11 +298,17 @@ final class Protocol {
             if (field.getValue().isArray()) {
                 double[] numbers =
                         field.getValue().valueStream().mapToDouble(JsonNode::doubleValue).toArray();
+                if (field.getKey().equals("distances")) {
+                    Arrays.setAll(
+                            numbers, i -> numbers[i] < 0 ? Double.POSITIVE_INFINITY : numbers[i]);
+                }
                 quantities.put(field.getKey(), DoubleBuffer.wrap(numbers).asReadOnlyBuffer());
             }
         }
         return new Perception.Reading(
-                reading.required("frame").longValue(), Collections.unmodifiableMap(quantities));
+                reading.required("frame").longValue(),
+                Collections.unmodifiableMap(quantities),
+                integer(reading, "columns"));
     }
 
     private static <T> List<T> list(JsonNode list, Function<JsonNode, T> read) {

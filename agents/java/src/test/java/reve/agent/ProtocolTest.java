@@ -154,6 +154,20 @@ class ProtocolTest {
                                 + " [specificForce, angularVelocity]");
     }
 
+    @Test
+    void aRayThatMetNothingHasAnInfiniteDistance() {
+        var perception =
+                (Perception)
+                        Protocol.read(
+                                """
+                                {"t":"perception","frame":5,"time":0.5,"items":[],"readings":{"scan":\
+                                {"frame":5,"columns":2,"distances":[1.5,-1,0,7]}}}""");
+        Perception.Reading scan = perception.readings().get("scan");
+        assertThat(scan.numbers("distances"))
+                .isEqualTo(DoubleBuffer.wrap(new double[] {1.5, Double.POSITIVE_INFINITY, 0, 7}));
+        assertThat(scan.columns()).hasValue(2);
+    }
+
     @ParameterizedTest
     @MethodSource("lenientServerMessages")
     void anUnusualFormMeansTheSame(JsonNode vector) {

@@ -13,9 +13,11 @@ import java.util.function.Supplier;
 /** Reader of the keys of a sensor that measures numbers. */
 final class InstrumentReader {
     static final String IMU = "imu";
-    private static final List<String> KEYS = List.of(IMU);
+    static final String LIDAR = "lidar";
+    private static final List<String> KEYS = List.of(IMU, LIDAR);
 
     private static final Unit ACCELERATION = Unit.parse("m/s^2");
+    private static final Unit METRE = Unit.parse("m");
     private static final Unit ANGULAR_VELOCITY = Unit.parse("rad/s");
     private static final Instrument PLAIN_IMU = new Instrument.Imu(Errors.NONE, Errors.NONE, 0);
 
@@ -41,11 +43,47 @@ final class InstrumentReader {
 
     /** Reads an instrument. If it is invalid, records a problem and returns empty. */
     Optional<Instrument> read(Node node) {
+        return node.key().equals(LIDAR) ? readLidar(node) : readImu(node);
+    }
+
+    private Optional<Instrument> readImu(Node node) {
         Optional<Errors> force = errors(node, "specificForce", ACCELERATION);
         Optional<Errors> turning = errors(node, "angularVelocity", ANGULAR_VELOCITY);
         return force.isEmpty() || turning.isEmpty()
                 ? Optional.empty()
                 : checked(node, () -> new Instrument.Imu(force.get(), turning.get(), seed(node)));
+    }
+
+    private Optional<Instrument> readLidar(Node node) {
+        Optional<Double> angle = number(node, "angle", Unit.ONE);
+        Optional<Double> rowAngle = number(node, "rowAngle", Unit.ONE);
+        Optional<Double> range =
+                node.get("range").flatMap(given -> quantities.number(given, METRE));
+        Optional<Double> noise = number(node, "noise", METRE);
+        if (angle.isEmpty() || rowAngle.isEmpty() || range.isEmpty() || noise.isEmpty()) {
+            return Optional.empty();
+        }
+        return checked(
+                node,
+                () ->
+                        new Instrument.Lidar(
+                                count(node, "rays"),
+                                count(node, "rows"),
+                                angle.get(),
+                                rowAngle.get(),
+                                range.get(),
+                                noise.get(),
+                                seed(node)));
+    }
+
+    private Optional<Double> number(Node instrument, String key, Unit unit) {
+        Optional<Node> given = instrument.get(key);
+        return given.isEmpty() ? Optional.of(0.0) : quantities.number(given.get(), unit);
+    }
+
+    /** Returns a whole number; 1 if it is missing or wrong. The schema check reports it. */
+    private static int count(Node instrument, String key) {
+        return instrument.get(key).flatMap(Node::number).map(Double::intValue).orElse(1);
     }
 
     private static long seed(Node node) {

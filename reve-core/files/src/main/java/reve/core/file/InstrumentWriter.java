@@ -23,6 +23,20 @@ final class InstrumentWriter {
                 putSeed(tree, imu.seed());
                 sensor.put(InstrumentReader.IMU, tree);
             }
+            case Instrument.Lidar lidar -> {
+                tree.put("rays", YamlWriter.Numeral.of(lidar.columns()));
+                tree.put("angle", YamlWriter.Numeral.of(lidar.width()));
+                if (lidar.rows() != 1) {
+                    tree.put("rows", YamlWriter.Numeral.of(lidar.rows()));
+                    tree.put("rowAngle", YamlWriter.Numeral.of(lidar.height()));
+                }
+                tree.put("range", YamlWriter.Numeral.of(lidar.range()));
+                if (lidar.noise() != 0) {
+                    tree.put("noise", YamlWriter.Numeral.of(lidar.noise()));
+                }
+                putSeed(tree, lidar.seed());
+                sensor.put(InstrumentReader.LIDAR, tree);
+            }
         }
     }
 

@@ -93,6 +93,7 @@ final class WorldReader {
                                 root.get("agents").get(),
                                 itemReader,
                                 new BodyCheck(doubts, problems));
+        root.get("agents").ifPresent(node -> new RayLimit(problems).check(node, agents, items));
         var prefabs =
                 new PrefabCheck(
                         prototype,

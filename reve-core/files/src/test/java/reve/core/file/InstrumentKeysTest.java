@@ -17,6 +17,8 @@ import reve.core.world.WorldPrototype;
 
 import java.nio.charset.StandardCharsets;
 import java.util.List;
+import java.util.stream.Collectors;
+import java.util.stream.IntStream;
 
 /** The keys of sensors that measure numbers. */
 class InstrumentKeysTest {
@@ -115,6 +117,14 @@ class InstrumentKeysTest {
                     {imu: {sead: 1}}                           ! unknown key `sead`; did you mean `seed`?
                     {imu: true}                                ! imu: found `true`, expected a mapping
                     {imu: {}, range: 3}                        ! range: a sensor with `imu` only measures; leave it out
+                    {lidar: {rays: 3, angle: 1 deg}}           ! lidar: `range` is missing
+                    {lidar: {rays: 3, range: 1}}               ! angle: 0.0 deg for 3 rays, expected more than 0 and at most 360 deg
+                    {lidar: {rays: 1, angle: 9 deg, range: 1}} ! deg for 1 ray, expected 0
+                    {lidar: {rays: 2, angle: 361 deg, range: 1}} ! angle: 361.0 deg for 2 rays, expected more than 0 and at most 360 deg
+                    {lidar: {rays: 2, angle: 3 m, range: 1}}   ! angle: unit m does not fit 1
+                    {lidar: {rays: 3, angle: 1, range: 3 s}}   ! range: unit s does not fit m
+                    {lidar: {rays: 3, angle: 1, range: 0}}     ! range: 0.0 m is not more than 0
+                    {lidar: {rays: 65, angle: 1, rows: 64, rowAngle: 1, range: 9}} ! rays: 4160 in all rows, expected 1 to 4096
                     {imu: {}, camera: {size: [3, 3]}}          ! camera: a sensor with `imu` only measures; leave it out
                     """)
     void aMistakeIsReportedAtItsLine(String sensor, String message) {
@@ -126,6 +136,57 @@ class InstrumentKeysTest {
                                                 + sensor))
                 .hasMessageContaining("w:7:")
                 .hasMessageContaining(message.strip());
+    }
+
+    @Test
+    void aLidarIsAFanOrAGrid() throws WorldFileException {
+        WorldDescription world =
+                parse(
+                        """
+                        items:
+                          - name: a
+                            sensors:
+                              fan: {lidar: {rays: 31, angle: 90 deg, range: 500 cm}}
+                              grid: {every: 2, lidar: {rays: 8, angle: 360 deg, rows: 4, rowAngle: 0.5, range: 9, noise: 2 mm, seed: 5}}
+                              one: {lidar: {rays: 1, range: 1 km}}
+                        """);
+        List<Sensor> sensors = world.items().getFirst().sensors();
+        assertThat(sensors.get(0).instrument())
+                .contains(new Instrument.Lidar(31, 1, Math.toRadians(90), 0, 5, 0, 0));
+        assertThat(sensors.get(1).instrument())
+                .contains(new Instrument.Lidar(8, 4, Sensor.ALL_ROUND, 0.5, 9, 0.002, 5));
+        assertThat(sensors.get(2).instrument())
+                .contains(new Instrument.Lidar(1, 1, 0, 0, 1000, 0, 0));
+        assertThat(WorldFileTest.parse(WorldWriter.write(world)).items().getFirst().sensors())
+                .isEqualTo(sensors);
+        assertThat(world.prototype().properties())
+                .doesNotContainAnyElementsOf(world.prototype().propertiesOnDemand());
+    }
+
+    @Test
+    void theRaysOfAllBodiesOfAgentsAreLimited() throws WorldFileException {
+        String lidar =
+                "sensors: {scan: {lidar: {rays: 4096, angle: 90 deg, range: 9 m}, every: %d}}";
+        String body = "agents: {most: 17, body: {" + lidar + "}}";
+        parse(body.formatted(2));
+        assertThatThrownBy(() -> parse(body.formatted(1)))
+                .hasMessage(
+                        "w:3:1: agents: the lidars of all bodies cast 69632 rays in a frame,"
+                                + " expected at most 65536; use fewer `rays`, a greater `every`, or"
+                                + " fewer bodies (`most`, `places`)");
+        parse(body.replace("most: 17", "most: 17, places: [[0, 0, 0]]").formatted(1));
+        String items = "items: [{name: 'a{i}', repeat: 17, " + lidar.formatted(1) + "}]\n";
+        parse(items);
+        assertThatThrownBy(
+                        () ->
+                                parse(
+                                        items
+                                                + "agents: {bodies: ["
+                                                + IntStream.range(0, 17)
+                                                        .mapToObj(i -> "a" + i)
+                                                        .collect(Collectors.joining(", "))
+                                                + "]}"))
+                .hasMessageContaining("cast 69632 rays in a frame");
     }
 
     @Test

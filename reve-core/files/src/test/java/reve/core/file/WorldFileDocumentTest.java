@@ -103,6 +103,8 @@ class WorldFileDocumentTest {
     @Test
     void theInstrumentsOfTheExamplesMeasure() throws Exception {
         assertThat(instruments("name: level", "drone")).containsExactly(Instrument.Imu.class);
+        assertThat(instruments("name: corridor", "cart"))
+                .containsExactly(Instrument.Lidar.class, Instrument.Lidar.class);
     }
 
     private static List<Class<?>> instruments(String world, String item) throws Exception {

@@ -28,6 +28,9 @@ public final class BoxIndex {
      */
     private static final double WORN_OUT = 2;
 
+    /** Bound on the relative error of a distance along a ray. */
+    private static final double ROUNDING = 1e-9;
+
     private final RankedOrder ranked = new RankedOrder();
     private final Queue queue = new Queue();
     private final int[] stack = new int[FAN_OUT * MAX_LEVELS];
@@ -162,6 +165,71 @@ public final class BoxIndex {
             }
         }
         return enter <= leave;
+    }
+
+    /** The exact distance along a ray to the content of a box. */
+    public interface RayTest {
+        /**
+         * @param most distance above which the result does not matter [m]
+         * @return the distance [m], infinite if the ray does not meet the content
+         */
+        double distance(long key, double most);
+    }
+
+    /**
+     * Returns the least distance along a ray to the contents of the boxes [m]. The result does not
+     * depend on the order of the boxes.
+     *
+     * @param direction of length 1
+     * @param most greatest distance [m]
+     * @param test called for boxes that the ray meets, in no particular order
+     * @return infinite if the ray meets nothing up to the greatest distance
+     */
+    public double nearestOnRay(double[] from, double[] direction, double most, RayTest test) {
+        double nearest = Double.POSITIVE_INFINITY;
+        double limit = most;
+        int depth = pushTop();
+        while (depth > 0) {
+            int node = stack[--depth];
+            if (isOnRay(node, from, direction, limit)) {
+                if (node >= size()) {
+                    depth = pushChildren(node, depth);
+                } else {
+                    double distance = test.distance(keys[node], limit);
+                    if (distance <= limit) {
+                        nearest = distance;
+                        limit = distance;
+                    }
+                }
+            }
+        }
+        return nearest;
+    }
+
+    /**
+     * Returns whether a ray meets a node up to a distance, by the slab method. Rounding errors
+     * never hide a box whose content the ray meets.
+     */
+    private boolean isOnRay(int node, double[] from, double[] direction, double most) {
+        int at = SIDES * node;
+        double enter = 0;
+        double leave = most;
+        for (int axis = 0; axis < AXES; axis++) {
+            double low = sides[at + axis];
+            double high = sides[at + AXES + axis];
+            if (direction[axis] == 0) {
+                double error = ROUNDING * (Math.abs(low) + Math.abs(high));
+                if (from[axis] < low - error || from[axis] > high + error) {
+                    return false;
+                }
+            } else {
+                double a = (low - from[axis]) / direction[axis];
+                double b = (high - from[axis]) / direction[axis];
+                enter = Math.max(enter, Math.min(a, b));
+                leave = Math.min(leave, Math.max(a, b));
+            }
+        }
+        return enter <= leave + ROUNDING * (1 + Math.abs(leave));
     }
 
     /**

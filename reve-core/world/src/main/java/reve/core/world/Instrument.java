@@ -5,7 +5,7 @@ package reve.core.world;
  * Settings of a sensor that measures numbers. Such a sensor senses no items. Its agent receives the
  * numbers with its perceptions, as readings.
  */
-public sealed interface Instrument permits Instrument.Imu {
+public sealed interface Instrument permits Instrument.Imu, Instrument.Lidar {
 
     /** Greatest seed of noise, the greatest integer that a double represents with all below it. */
     long GREATEST_SEED = (1L << 53) - 1;
@@ -28,6 +28,88 @@ public sealed interface Instrument permits Instrument.Imu {
         /** Checks the seed. */
         public Imu {
             requireSeed(seed);
+        }
+    }
+
+    /**
+     * A lidar at the origin of the body: rays in a fan or a grid around the body's own +Z axis, the
+     * front of a glTF model. It measures along each ray the distance to the shapes of other items.
+     *
+     * @param columns number of rays side by side, from the body's -X to its +X side
+     * @param rows number of rays one above the other, from below to above
+     * @param width angle between the first and the last column [rad], 0 to 2π; 0 for one column.
+     *     With 2π, the columns are spread evenly around the body
+     * @param height angle between the first and the last row [rad], 0 to π; 0 for one row
+     * @param range maximum distance [m]
+     * @param noise standard deviation of each distance [m]
+     * @param seed of the noise, 0 to {@link #GREATEST_SEED}
+     */
+    record Lidar(
+            int columns,
+            int rows,
+            double width,
+            double height,
+            double range,
+            double noise,
+            long seed)
+            implements Instrument {
+
+        /** Maximum number of rays of one lidar. */
+        public static final int MAX_RAYS = 4096;
+
+        /** Maximum number of rays in a frame of all lidars that agents of a world may have. */
+        public static final int MAX_WORLD_RAYS = 65_536;
+
+        /** Checks the numbers. */
+        public Lidar {
+            if (columns < 1 || rows < 1 || (long) columns * rows > MAX_RAYS) {
+                throw new IllegalArgumentException(
+                        "rays: "
+                                + (long) columns * rows
+                                + " in all rows, expected 1 to "
+                                + MAX_RAYS);
+            }
+            requireAngle("angle", width, Sensor.ALL_ROUND, columns);
+            requireAngle("rowAngle", height, Math.PI, rows);
+            if (!(range > 0 && Double.isFinite(range))) {
+                throw new IllegalArgumentException("range: " + range + " m is not more than 0");
+            }
+            if (!(noise >= 0 && Double.isFinite(noise))) {
+                throw new IllegalArgumentException("noise: " + noise + " m, expected 0 or more");
+            }
+            requireSeed(seed);
+        }
+
+        private static void requireAngle(String key, double angle, double most, int rays) {
+            if (!(angle >= 0 && angle <= most) || angle == 0 != (rays == 1)) {
+                throw new IllegalArgumentException(
+                        key
+                                + ": "
+                                + Math.toDegrees(angle)
+                                + " deg for "
+                                + rays
+                                + (rays == 1
+                                        ? " ray, expected 0"
+                                        : " rays, expected more than 0 and at most "
+                                                + Math.round(Math.toDegrees(most))
+                                                + " deg"));
+            }
+        }
+
+        /** Returns the number of rays. */
+        public int rays() {
+            return columns * rows;
+        }
+
+        /** Returns the angle of a column from the body's +Z axis towards its +X axis [rad]. */
+        public double sideways(int column) {
+            int gaps = width < Sensor.ALL_ROUND ? columns - 1 : columns;
+            return columns == 1 ? 0 : width * ((double) column / gaps - 0.5);
+        }
+
+        /** Returns the angle of a row above the plane of the body's x and z axes [rad]. */
+        public double upwards(int row) {
+            return rows == 1 ? 0 : height * ((double) row / (rows - 1) - 0.5);
         }
     }
 

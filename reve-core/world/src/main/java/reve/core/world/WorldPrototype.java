@@ -151,6 +151,7 @@ public final class WorldPrototype {
     public static List<String> measuredBy(Instrument instrument) {
         return switch (instrument) {
             case Instrument.Imu _ -> List.of(SPECIFIC_FORCE, ANGULAR_RATE);
+            case Instrument.Lidar _ -> List.of();
         };
     }
 

@@ -75,6 +75,8 @@ final class Measurements {
                                         imu.angularVelocity(),
                                         noise)));
             }
+            case Instrument.Lidar _ ->
+                    throw new IllegalStateException("a lidar takes time, see LidarScanner");
         };
     }
 

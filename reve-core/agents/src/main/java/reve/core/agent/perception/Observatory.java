@@ -7,9 +7,11 @@ import org.pcollections.TreePMap;
 
 import reve.core.space.Box;
 import reve.core.space.Found;
+import reve.core.world.Instrument;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Sensor;
+import reve.core.world.Shape;
 import reve.core.world.TableSnapshot;
 import reve.core.world.WorldPrototype;
 import reve.core.world.WorldSnapshot;
@@ -57,6 +59,7 @@ public final class Observatory {
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
     private final Measurements measurements = new Measurements();
+    private final LidarScanner lidars = new LidarScanner(bodies, this::shapeIn);
 
     /** Bodies that last hid others from the eye of any body, for tests of single items. */
     private final Hiders hiders = new Hiders();
@@ -119,6 +122,7 @@ public final class Observatory {
             }
             follow(table, rearranged);
             measurements.read(table);
+            lidars.read(table);
             readPlaces();
             everything = new View(snapshot.frame(), snapshot.timeSeconds(), List.of(seen));
         } catch (RuntimeException e) {
@@ -152,6 +156,7 @@ public final class Observatory {
         for (ItemSymbols item : now.values()) {
             if (!item.kind().equals(WorldPrototype.WORLD)) {
                 measurements.expect(item.sensors());
+                lidars.expect(item.sensors());
                 PerceivedItem before = known.get(item.id());
                 same.add(before);
                 present.add(
@@ -169,6 +174,7 @@ public final class Observatory {
         shownBy.clear();
         idByName = names;
         symbols = now;
+        lidars.keep(present);
     }
 
     private void follow(TableSnapshot table, boolean rearranged) {
@@ -254,16 +260,31 @@ public final class Observatory {
     }
 
     /**
-     * Returns the reading of a sensor in this frame; empty if the sensor is not an instrument, or
-     * the body does not exist.
+     * Returns the reading of an instrument of a body in this frame.
+     *
+     * @param scan the progress of a lidar; the caller keeps it from call to call
+     * @param isTimeLeft false if the caller must do other work first
+     * @return empty if the time was too short; the next call in this frame continues. The list is
+     *     empty if the body does not exist
      */
-    List<Reading> measure(Sensor sensor, ItemId body) {
-        int row = sensor.instrument().isEmpty() ? NO_ROW : row(body);
-        return row == NO_ROW
-                ? List.of()
-                : List.of(
-                        measurements.measure(
-                                sensor, body, row, everything.frame(), everything.time()));
+    Optional<List<Reading>> measure(
+            Sensor sensor, ItemId body, Scan scan, BooleanSupplier isTimeLeft) {
+        int row = row(body);
+        if (row == NO_ROW) {
+            return Optional.of(List.of());
+        }
+        long frame = everything.frame();
+        double time = everything.time();
+        if (!(sensor.instrument().orElseThrow() instanceof Instrument.Lidar lidar)) {
+            return Optional.of(List.of(measurements.measure(sensor, body, row, frame, time)));
+        }
+        return lidars.scan(lidar, row, scan, isTimeLeft)
+                ? Optional.of(List.of(lidars.reading(sensor, lidar, body, scan, frame, time)))
+                : Optional.empty();
+    }
+
+    private Shape shapeIn(int row) {
+        return items[places[row]].source().shape();
     }
 
     private boolean isGathered(List<PerceivedItem> items) {

@@ -11,8 +11,14 @@ import java.util.List;
  * @param sensor name of the instrument
  * @param frame the frame of the measurement
  * @param quantities the measured numbers, at least one
+ * @param columns number of rays side by side, for a lidar; otherwise 0
  */
-public record Reading(String sensor, long frame, List<Quantity> quantities) {
+public record Reading(String sensor, long frame, List<Quantity> quantities, int columns) {
+
+    /** Creates the reading of an instrument other than a lidar. */
+    Reading(String sensor, long frame, List<Quantity> quantities) {
+        this(sensor, frame, quantities, 0);
+    }
 
     /**
      * A measured quantity.
@@ -49,9 +55,13 @@ public record Reading(String sensor, long frame, List<Quantity> quantities) {
     }
 
     private void write(MessageWriter writer) {
-        writer.beginMap(1 + quantities.size());
+        writer.beginMap((columns > 0 ? 2 : 1) + quantities.size());
         writer.key("frame");
         writer.integer(frame);
+        if (columns > 0) {
+            writer.key("columns");
+            writer.integer(columns);
+        }
         for (Quantity quantity : quantities) {
             writer.key(quantity.name);
             writer.numbers(quantity.numbers, 0, quantity.numbers.length);

@@ -221,6 +221,18 @@ public final class SensedWorld {
         return place;
     }
 
+    /** Copies location (3) [m] and orientation (4) of the body in a row. */
+    void copyPlace(int row, double[] into) {
+        System.arraycopy(position, 3 * row, into, 0, 3);
+        System.arraycopy(orientation, 4 * row, into, 3, 4);
+    }
+
+    /** Returns the index of the boxes of this frame. The keys are rows. */
+    BoxIndex index() {
+        buildIndex();
+        return index;
+    }
+
     /** Returns whether the body in a row has exactly this location and orientation. */
     boolean isAt(int row, double[] place) {
         for (int i = 0; i < 7; i++) {

@@ -43,6 +43,7 @@ public final class Senses {
     private final Sample[] samples;
 
     private final Surroundings[] surroundings;
+    private final Scan[] scans;
     private final boolean hasInstruments;
 
     /**
@@ -74,6 +75,7 @@ public final class Senses {
         this.sensors = sensors;
         this.samples = new Sample[sensors.size()];
         this.surroundings = new Surroundings[sensors.size()];
+        this.scans = new Scan[sensors.size()];
         this.hasInstruments = sensors.stream().anyMatch(one -> one.instrument().isPresent());
     }
 
@@ -108,6 +110,7 @@ public final class Senses {
         }
         if (world != lastWorld) {
             Arrays.setAll(surroundings, unknown -> new Surroundings());
+            Arrays.setAll(scans, unknown -> new Scan());
             lastWorld = world;
         }
         for (int i = 0; i < samples.length; i++) {
@@ -126,7 +129,14 @@ public final class Senses {
                 if (sensed.isEmpty()) {
                     return Optional.empty();
                 }
-                samples[i] = new Sample(all.frame(), sensed.get(), world.measure(sensor, body));
+                Optional<List<Reading>> reading =
+                        sensor.instrument().isEmpty()
+                                ? Optional.of(List.of())
+                                : world.measure(sensor, body, scans[i], isTimeLeft);
+                if (reading.isEmpty()) {
+                    return Optional.empty();
+                }
+                samples[i] = new Sample(all.frame(), sensed.get(), reading.get());
             }
         }
         view = new View(all.frame(), all.time(), merge(samples), readings());
