@@ -335,6 +335,10 @@ class Agent(Client):
         target = item if isinstance(item, str) else item.name
         return await self._ask(lambda id: protocol.act(id, target, action, arguments), Result)
 
+    async def say(self, text: str) -> Result:
+        """Speaks with the voice of the agent's body, as `reve.Agent.say`."""
+        return await self.act(str(self.body), protocol.SAY, text=text)
+
     async def look(self, sensor: str) -> Image:
         """Returns the current picture of a camera of the agent's body.
 

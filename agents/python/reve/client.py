@@ -418,6 +418,14 @@ class Agent(Client):
         target = item if isinstance(item, str) else item.name
         return self._ask(lambda number: protocol.act(number, target, action, arguments), Result)
 
+    def say(self, text: str) -> Result:
+        """Speaks with the voice of the agent's body, and waits for the result.
+
+        Agents that hear the voice find the text in the `heard` of their next perception. `text` has
+        at most 256 characters. A refusal is a result, as in `act`.
+        """
+        return self.act(str(self.body), protocol.SAY, text=text)
+
     # ---- lock-step ----
 
     def step(self, *acts: Act) -> Perception:

@@ -17,6 +17,7 @@ from .protocol import (
     Bye,
     Error,
     Event,
+    Heard,
     Image,
     Message,
     Perception,
@@ -85,6 +86,7 @@ class Conversation:
         self._ready_frame = -1  # frame of the newest perception that `ready` answered
         self._observed_frame = -1
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
+        self._heard: Deque[Heard] = deque(maxlen=_EVENTS_KEPT)
         self._frame_seen = welcome.frame - 1
         # No event up to the frame `_frame_seen` is missing. `_heard_after` events of the next frame
         # have arrived.
@@ -140,6 +142,8 @@ class Conversation:
         answer = self._waiting[number]
         if isinstance(answer, Error):
             raise ReveError(answer.code, answer.message, answer.hint)
+        if isinstance(answer, Perception) and number not in self._ahead:
+            answer = self._with_heard(answer)
         if not isinstance(answer, answer_type):
             raise ProtocolError(f"expected {answer_type.__name__} {number}, got {answer}")
         return answer
@@ -190,7 +194,14 @@ class Conversation:
         if not self.has_stream(number):
             return None
         latest, self._latest = self._latest, None
-        return latest
+        return None if latest is None else self._with_heard(latest)
+
+    def _with_heard(self, perception: Perception) -> Perception:
+        """Adds what was heard up to the frame of the perception and not returned yet."""
+        heard: List[Heard] = []
+        while self._heard and self._heard[0].frame <= perception.frame:
+            heard.append(self._heard.popleft())
+        return dataclasses.replace(perception, heard=tuple(heard)) if heard else perception
 
     def unsubscribe(self, number: int) -> Optional[bytes]:
         if not self.has_stream(number):
@@ -245,7 +256,7 @@ class Conversation:
         finally:
             for number in numbers:
                 self.drop(number)
-        return dataclasses.replace(self._known, results=results)
+        return dataclasses.replace(self._with_heard(self._known), results=results)
 
     def must_say_ready(self) -> bool:
         """Returns True if the client must send a `ready` without acts.
@@ -306,6 +317,8 @@ class Conversation:
             self._known_already -= 1
             return
         self._events.append(event)
+        if event.type == protocol.HEARD:
+            self._heard.append(protocol.heard(event))
         self._has_seen(event.frame - 1)
         if event.frame > self._frame_seen:
             self._heard_after += 1

@@ -31,6 +31,10 @@ VERSION = 1
 AGENT, CONTROL, OBSERVER = "agent", "control", "observer"
 JSON, MSGPACK = "json", "msgpack"
 NOT_TURNED = (0.0, 0.0, 0.0, 1.0)
+SAY = "say"
+"""The act with which an agent speaks."""
+HEARD = "heard"
+"""The type of the event that contains what an agent hears."""
 
 MOST_BYTES = 1 << 30
 """Maximum length of a message [bytes]."""
@@ -91,6 +95,11 @@ class Act:
     item: Optional[str]
     action: str
     arguments: Mapping[str, Argument] = field(default_factory=dict)
+
+    @staticmethod
+    def say(text: str) -> Act:
+        """Returns the act with which the agent says `text`, for `step`, `ready` and `LockStep`."""
+        return Act(None, SAY, {"text": text})
 
 
 @dataclass(frozen=True)
@@ -190,11 +199,31 @@ class Reading:
 
 
 @dataclass(frozen=True)
+class Heard:
+    """What the agent heard of a text that another agent said in that frame.
+
+    In `text`, "…" replaces each of the `lost` words. `speaker` is the name of the speaker's body,
+    or None if no sensor of the hearer senses this body. `direction` is the unit vector from the
+    hearer to the speaker, in the world's reference frame (0, 0, 0 at the same place), and
+    `distance` the distance [m].
+    """
+
+    frame: int
+    text: str
+    speaker: Optional[str]
+    direction: Tuple[float, float, float]
+    distance: float
+    lost: int = 0
+
+
+@dataclass(frozen=True)
 class Perception:
     """All items that the client perceives in one frame; `time` is the world time [s].
 
     In lock-step, `results` are the results of the acts of the previous round, in order. `readings`
     are the newest readings of the instruments of the agent's body, by the name of the sensor.
+    `heard` is what the agent has heard since the perception before, in order; at most the last
+    1,024.
     """
 
     id: Optional[int]
@@ -203,6 +232,7 @@ class Perception:
     items: Tuple[Item, ...]
     results: Tuple[Result, ...] = ()
     readings: Mapping[str, Reading] = field(default_factory=dict)
+    heard: Tuple[Heard, ...] = ()
 
     def find(self, name: str) -> Optional[Item]:
         """Returns the item of that name; None if it was not perceived."""
@@ -683,6 +713,20 @@ def _readings(message: Message) -> Mapping[str, Reading]:
 
 def _distances(numbers: List[float]) -> List[float]:
     return [math.inf if number < 0 else number for number in numbers]
+
+
+def heard(event: Event) -> Heard:
+    """Reads an event `heard`."""
+    fields: Mapping[str, Any] = event.fields
+    x, y, z = fields["direction"]
+    return Heard(
+        frame=event.frame,
+        text=fields["text"],
+        speaker=fields.get("speaker"),
+        direction=(x, y, z),
+        distance=fields["distance"],
+        lost=int(fields.get("lost", 0)),
+    )
 
 
 def _image(message: Message) -> Image:

@@ -32,6 +32,16 @@ class AsyncAgentTest(unittest.IsolatedAsyncioTestCase):
             self.assertIn("acted", [event.type for event in ada.events()])
             await ada.ping()
 
+    async def test_what_one_agent_says_is_in_the_next_perception_of_another(self):
+        async with await self.join("ann") as ann, await self.join("ben") as ben:
+            said = await ann.say("bread and butter")
+            self.assertTrue(said, said)
+            (heard,) = (await ben.perceive()).heard
+            self.assertEqual((heard.frame, heard.text), (said.frame, "bread and butter"))
+            self.assertEqual((heard.speaker, heard.lost), (ann.body, 0))
+            self.assertEqual((await ben.perceive()).heard, ())
+            self.assertEqual((await ann.say("x" * 257)).code, "wrong-type")
+
     async def test_a_stream_brings_the_newest_perceptions_until_it_is_left(self):
         async with await self.join("bob") as bob:
             frames = []

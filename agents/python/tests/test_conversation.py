@@ -70,3 +70,60 @@ class MissedEventsTest(unittest.TestCase):
         self.talk.take(said(9))
         self.assertEqual([5, 5, 5, 8, 9], [event.frame for event in self.talk.events()])
         self.assertEqual(1, self.talk.missed_events)
+
+
+def heard(frame, text, **fields):
+    return protocol.Event(
+        frame, "heard", {"text": text, "direction": [0, 0, 1], "distance": 2.5, **fields}
+    )
+
+
+def perception(id, frame):
+    return protocol.Perception(id, frame, frame / 60, ())
+
+
+class HeardTest(unittest.TestCase):
+    def setUp(self):
+        self.talk = conversation()
+
+    def texts(self, seen):
+        return [voice.text for voice in seen.heard]
+
+    def test_what_is_heard_belongs_to_the_next_perception_that_is_returned(self):
+        number, _ = self.talk.subscribe(1)
+        self.talk.take(heard(3, "one", speaker="bob", lost=2))
+        self.talk.take(perception(number, 3))
+        self.talk.take(heard(4, "two"))
+        self.talk.take(perception(number, 4))
+        self.talk.take(heard(5, "three"))  # of a frame that is not perceived yet
+        seen = self.talk.news(number)
+        self.assertEqual(
+            seen.heard,
+            (
+                protocol.Heard(3, "one", "bob", (0, 0, 1), 2.5, 2),
+                protocol.Heard(4, "two", None, (0, 0, 1), 2.5),
+            ),
+        )
+        self.talk.take(perception(number, 5))
+        self.assertEqual(self.texts(self.talk.news(number)), ["three"])
+        self.talk.take(perception(number, 6))
+        self.assertEqual(self.texts(self.talk.news(number)), [])
+        self.assertEqual([event.type for event in self.talk.events()], 3 * ["heard"])
+
+    def test_a_single_perception_has_it_and_a_prediction_has_not(self):
+        future, _ = self.talk.fork(60)
+        number, _ = self.talk.question(protocol.perceive)
+        self.talk.take(heard(7, "one"))
+        self.talk.take(perception(future, 70))
+        self.talk.take(perception(number, 7))
+        self.assertEqual(self.texts(self.talk.foreseen(future)), [])
+        self.assertEqual(self.texts(self.talk.answer(number, protocol.Perception)), ["one"])
+
+    def test_what_was_heard_before_a_break_is_not_heard_again(self):
+        number, _ = self.talk.subscribe(1)
+        self.talk.take(heard(5, "one"))
+        self.talk.gone_on()
+        self.talk.take(heard(5, "one"))  # the server repeats the events after the last full frame
+        self.talk.take(heard(5, "two"))
+        self.talk.take(perception(number, 5))
+        self.assertEqual(self.texts(self.talk.news(number)), ["one", "two"])

@@ -29,7 +29,7 @@ def written(message):
     fields = {
         name: value
         for name, value in vars(message).items()
-        if value is not None and name != "results"
+        if value is not None and name not in ("results", "heard")
     }
     if t == "welcome":
         limits = fields.pop("limits")

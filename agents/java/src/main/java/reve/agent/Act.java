@@ -23,6 +23,11 @@ public record Act(Optional<String> item, String action, Map<String, ?> arguments
         return new Act(Optional.of(item), action, arguments);
     }
 
+    /** Returns the act with which the agent says a text, see {@link AgentClient#say}. */
+    public static Act say(String text) {
+        return ofBody(Protocol.SAY, Map.of("text", text));
+    }
+
     /** Returns an action of the agent's own body. */
     public static Act ofBody(String action, Map<String, ?> arguments) {
         return new Act(Optional.empty(), action, arguments);

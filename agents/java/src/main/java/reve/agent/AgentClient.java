@@ -174,6 +174,24 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
+     * Speaks with the voice of the agent's body, and waits for the result. Agents that hear the
+     * voice find the text in {@link Perception#heard} of their next perception. A refusal is a
+     * result, not an exception.
+     *
+     * @param text at least one word, at most 256 characters
+     * @throws IllegalStateException if the client has no body
+     */
+    public ActResult say(String text) {
+        String body =
+                welcome.body()
+                        .orElseThrow(
+                                () ->
+                                        new IllegalStateException(
+                                                "this client has no body; join as an agent"));
+        return act(body, Protocol.SAY, Map.of("text", text));
+    }
+
+    /**
      * Executes a command of the role control and waits for the result: pause, step, run, snapshot,
      * rewind, speed, edit, load-law, set-law, unload-law, picture, save or shut-down, with the
      * fields that the protocol defines.

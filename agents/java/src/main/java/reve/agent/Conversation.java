@@ -54,6 +54,10 @@ final class Conversation {
     private long readyFrame = NO_FRAME;
     private long observedFrame = NO_FRAME;
     private final Deque<WorldEvent> events = new ArrayDeque<>();
+
+    /** What was heard and not yet returned with a perception. */
+    private final Deque<Heard> heard = new ArrayDeque<>();
+
     private long frameSeen;
 
     /**
@@ -109,10 +113,22 @@ final class Conversation {
         if (answer instanceof ServerMessage.Error error) {
             throw AgentException.refused(error);
         }
+        if (answer instanceof Perception perception && !ahead.contains(id)) {
+            answer = withHeard(perception);
+        }
         if (!type.isInstance(answer)) {
             throw AgentException.unexpected(answer);
         }
         return type.cast(answer);
+    }
+
+    /** Adds what was heard up to the frame of the perception and not returned yet. */
+    private Perception withHeard(Perception perception) {
+        var voices = new ArrayList<Heard>();
+        while (!heard.isEmpty() && heard.getFirst().frame() <= perception.frame()) {
+            voices.add(heard.removeFirst());
+        }
+        return perception.withHeard(List.copyOf(voices));
     }
 
     /** Forgets a request; its answer is ignored. */
@@ -151,7 +167,7 @@ final class Conversation {
     Perception news() {
         Perception perception = Objects.requireNonNull(latest);
         latest = null;
-        return perception;
+        return withHeard(perception);
     }
 
     Optional<byte[]> unsubscribe() {
@@ -209,7 +225,8 @@ final class Conversation {
         List<Long> ids = roundActs;
         roundActs = List.of();
         try {
-            return seen.with(ids.stream().map(id -> answer(id, ActResult.class)).toList());
+            return withHeard(seen)
+                    .with(ids.stream().map(id -> answer(id, ActResult.class)).toList());
         } finally {
             ids.forEach(this::drop);
         }
@@ -318,6 +335,12 @@ final class Conversation {
             knownAlready--;
         } else {
             keep(event);
+            if (event.type().equals(Heard.TYPE)) {
+                if (heard.size() == AgentClient.MAX_EVENTS) {
+                    heard.removeFirst();
+                }
+                heard.addLast(Heard.in(event));
+            }
             hasSeen(event.frame() - 1);
             seenAfter.add(event.frame());
         }

@@ -18,6 +18,8 @@ import java.util.OptionalLong;
  * @param results in lock-step, the results of the previous round's acts, in order
  * @param readings the newest readings of the instruments of the agent's body, by the name of the
  *     sensor
+ * @param heard what the agent has heard since the perception before, in order; at most the last
+ *     {@value AgentClient#MAX_EVENTS}
  */
 public record Perception(
         OptionalLong id,
@@ -25,7 +27,8 @@ public record Perception(
         double time,
         List<Item> items,
         List<ActResult> results,
-        Map<String, Reading> readings)
+        Map<String, Reading> readings,
+        List<Heard> heard)
         implements ServerMessage {
 
     Perception(
@@ -34,11 +37,15 @@ public record Perception(
             double time,
             List<Item> items,
             Map<String, Reading> readings) {
-        this(id, frame, time, items, List.of(), readings);
+        this(id, frame, time, items, List.of(), readings, List.of());
     }
 
     Perception with(List<ActResult> ofActs) {
-        return new Perception(id, frame, time, items, ofActs, readings);
+        return new Perception(id, frame, time, items, ofActs, readings, heard);
+    }
+
+    Perception withHeard(List<Heard> voices) {
+        return new Perception(id, frame, time, items, results, readings, voices);
     }
 
     /** Returns the item of that name, if it was perceived. */

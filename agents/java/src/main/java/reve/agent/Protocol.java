@@ -29,6 +29,9 @@ final class Protocol {
 
     static final int VERSION = 1;
 
+    /** Name of the act with which an agent speaks. */
+    static final String SAY = "say";
+
     private static final int SHOWN = 200;
     private static final JsonMapper JSON = new JsonMapper();
 

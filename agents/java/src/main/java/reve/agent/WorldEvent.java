@@ -6,7 +6,7 @@ import java.util.Map;
 /**
  * An event of the world.
  *
- * @param fields values by name: String, Double or Boolean
+ * @param fields values by name: String, Double, Boolean or a List of these
  */
 public record WorldEvent(long frame, String type, Map<String, Object> fields)
         implements ServerMessage {

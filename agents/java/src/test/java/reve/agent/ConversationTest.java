@@ -2,6 +2,7 @@
 package reve.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
 import org.junit.jupiter.api.Test;
 
@@ -93,5 +94,72 @@ class ConversationTest {
         talk.goneOn();
         take(missed(5, 8), said(9)); // the server no longer has those either
         assertThat(frames()).containsExactly(5L, 5L, 5L, 8L, 9L);
+    }
+
+    private static WorldEvent heard(long frame, String text) {
+        return new WorldEvent(
+                frame,
+                "heard",
+                Map.of("text", text, "direction", List.of(0.0, 0.6, -0.8), "distance", 2.5));
+    }
+
+    private void perceive(long id, long frame) {
+        talk.take(new Perception(OptionalLong.of(id), frame, frame / 60.0, List.of(), Map.of()));
+    }
+
+    @Test
+    void whatIsHeardBelongsToTheNextPerceptionThatIsReturned() {
+        talk.subscribe(1);
+        take(
+                new WorldEvent(
+                        3,
+                        "heard",
+                        Map.of(
+                                "text",
+                                "one …",
+                                "lost",
+                                1.0,
+                                "speaker",
+                                "bob",
+                                "direction",
+                                List.of(0.0, 0.6, -0.8),
+                                "distance",
+                                2.5)));
+        perceive(1, 3);
+        take(heard(4, "two"));
+        perceive(1, 4);
+        take(heard(5, "three")); // of a frame that is not perceived yet
+        assertThat(talk.news().heard())
+                .containsExactly(
+                        new Heard(3, "one …", 1, Optional.of("bob"), 0, 0.6, -0.8, 2.5),
+                        new Heard(4, "two", 0, Optional.empty(), 0, 0.6, -0.8, 2.5));
+        perceive(1, 5);
+        assertThat(talk.news().heard()).extracting(Heard::text).containsExactly("three");
+        perceive(1, 6);
+        assertThat(talk.news().heard()).isEmpty();
+        assertThat(talk.events()).extracting(WorldEvent::type).containsOnly("heard").hasSize(3);
+    }
+
+    @Test
+    void aSinglePerceptionHasWhatWasHeardAndAPredictionHasNot() {
+        long future = talk.fork(60, List.of()).id();
+        long id = talk.question(number -> Protocol.perceive(number, 1)).id();
+        take(heard(7, "one"));
+        perceive(future, 70);
+        perceive(id, 7);
+        assertThat(talk.answer(future, Perception.class).heard()).isEmpty();
+        assertThat(talk.answer(id, Perception.class).heard())
+                .extracting(Heard::text)
+                .containsExactly("one");
+    }
+
+    @Test
+    void aHeardEventWithoutDirectionIsNoMessage() {
+        assertThatExceptionOfType(AgentException.class)
+                .isThrownBy(
+                        () ->
+                                take(
+                                        new WorldEvent(
+                                                3, "heard", Map.of("text", "a", "distance", 1.0))));
     }
 }

@@ -187,7 +187,8 @@ class LookInSlicesTest {
     @BeforeEach
     void open() {
         world.add(AgentRoom.duck());
-        bus.subscribe(FramePhase.PUBLISH, "publisher", publisher::onFrame);
+        bus.subscribe(
+                FramePhase.PUBLISH, "publisher", event -> publisher.onFrame(event, List.of()));
     }
 
     @AfterEach

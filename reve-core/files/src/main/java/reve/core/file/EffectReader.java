@@ -65,7 +65,9 @@ final class EffectReader {
                     "back",
                     "end",
                     "detached",
-                    "removed");
+                    "removed",
+                    "spoke",
+                    "heard");
 
     private static final List<String> OWN_FIELDS = List.of("item", "action", "actor");
     private static final String PHYSICAL = "physical.";

@@ -8,6 +8,7 @@ import reve.core.world.PropertyDescriptor;
 import reve.core.world.SemanticAspect;
 import reve.core.world.SymbolDescriptor;
 import reve.core.world.SymbolType;
+import reve.core.world.Voice;
 import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
@@ -500,6 +501,27 @@ final class ItemReader {
                                                 + kind);
                             }
                         });
+        if (node.get("voice").isPresent()) {
+            readVoice(node, node.get("voice").get(), kind, item);
+        }
+    }
+
+    private void readVoice(Node item, Node voice, String kind, ItemDefinition.Builder into)
+            throws WorldFileException {
+        requireWork(voice, FREE_VALUES);
+        if (!kind.equals(WorldPrototype.BODY)) {
+            problems.addAtKey(voice, "only items of kind body have a `voice`, this is a " + kind);
+            return;
+        }
+        item.get("access")
+                .flatMap(access -> access.get(Voice.SAY))
+                .ifPresent(
+                        action ->
+                                problems.addAtKey(
+                                        action,
+                                        "say: an item with a `voice` has an action of this name; "
+                                                + "rename this action, or leave out the voice"));
+        sensors.readVoice(voice).ifPresent(into::voice);
     }
 
     /**

@@ -12,6 +12,7 @@ import reve.core.world.ScalarType;
 import reve.core.world.Sensor;
 import reve.core.world.Shape;
 import reve.core.world.Texture;
+import reve.core.world.Voice;
 import reve.core.world.WorldPrototype;
 
 import java.nio.FloatBuffer;
@@ -65,6 +66,7 @@ public final class ItemWriter {
         putIfAny(tree, "access", actions(ANYBODY, item.actions()));
         putCapabilities(tree, item.capabilities());
         putIfAny(tree, "sensors", sensors(item.sensors()));
+        item.voice().ifPresent(voice -> tree.put("voice", voice(voice)));
         return YamlWriter.write(tree);
     }
 
@@ -101,6 +103,19 @@ public final class ItemWriter {
         putCapabilities(tree, item.capabilities());
         putIfAny(tree, "physics", physics(item));
         putIfAny(tree, "sensors", sensors(item.sensors()));
+        item.voice().ifPresent(voice -> tree.put("voice", voice(voice)));
+    }
+
+    /** Returns the tree of a voice. Omits default values. */
+    private static Map<String, Object> voice(Voice voice) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        if (Double.isFinite(voice.range())) {
+            tree.put("range", YamlWriter.Numeral.of(voice.range()));
+        }
+        if (Double.isFinite(voice.fading())) {
+            tree.put("fading", YamlWriter.Numeral.of(voice.fading()));
+        }
+        return tree;
     }
 
     private static Map<String, Object> sensors(List<Sensor> sensors) {
@@ -112,6 +127,9 @@ public final class ItemWriter {
     /** Returns the tree of a sensor. Omits default values. */
     private static Map<String, Object> sensor(Sensor sensor) {
         Map<String, Object> tree = new LinkedHashMap<>();
+        if (sensor.hearing()) {
+            tree.put("hearing", true);
+        }
         if (sensor.touch()) {
             tree.put("touch", true);
         }

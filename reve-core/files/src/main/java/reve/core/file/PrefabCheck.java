@@ -118,6 +118,7 @@ final class PrefabCheck {
         if (declaredKind.isPresent()
                 || prefab.get("physical").isPresent()
                 || prefab.get("sensors").isPresent()
+                || prefab.get("voice").isPresent()
                 || prefab.get("physics").isEmpty()) {
             return declaredKind.orElse(WorldPrototype.BODY);
         }

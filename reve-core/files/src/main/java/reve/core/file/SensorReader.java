@@ -6,6 +6,7 @@ import reve.core.world.Sensor;
 import reve.core.world.Sensor.Aspect;
 import reve.core.world.Sensor.Camera;
 import reve.core.world.Sensor.Layer;
+import reve.core.world.Voice;
 
 import java.util.EnumSet;
 import java.util.List;
@@ -16,7 +17,7 @@ import java.util.SortedSet;
 import java.util.TreeSet;
 import java.util.function.Supplier;
 
-/** Reader of the {@code sensors} of a body. */
+/** Reader of the {@code sensors} and the {@code voice} of a body. */
 final class SensorReader {
     private static final String TOUCHES = "a sensor with `touch: true` does not look";
     private static final double CAMERA_FIELD_OF_VIEW = Math.toRadians(60);
@@ -38,6 +39,9 @@ final class SensorReader {
         if (instrument.isPresent()) {
             return readInstrument(node, instrument.get());
         }
+        if (node.get("hearing").flatMap(Node::truth).orElse(false)) {
+            return readHearing(node);
+        }
         Optional<Node> camera = node.get("camera");
         return camera.isPresent() ? readCamera(node, camera.get()) : readSense(node);
     }
@@ -51,6 +55,32 @@ final class SensorReader {
         return instruments
                 .read(node.get(instrument).orElseThrow())
                 .map(made -> Sensor.measuring(node.key(), made).withEvery(every(node)));
+    }
+
+    /** Reads a voice. If it is invalid, records a problem and returns empty. */
+    Optional<Voice> readVoice(Node node) {
+        Optional<Double> range = number(node, "range", METRE, Double.POSITIVE_INFINITY);
+        Optional<Double> fading = number(node, "fading", METRE, Double.POSITIVE_INFINITY);
+        if (range.isEmpty() || fading.isEmpty()) {
+            return Optional.empty();
+        }
+        return checked(node, () -> new Voice(range.get(), fading.get()));
+    }
+
+    private Optional<Sensor> readHearing(Node node) {
+        for (String key :
+                List.of(
+                        "touch",
+                        "fieldOfView",
+                        "lineOfSight",
+                        "camera",
+                        "every",
+                        "symbols",
+                        "aspects")) {
+            refuse(node, key, "a sensor with `hearing: true` hears voices and senses no items");
+        }
+        return number(node, "range", METRE, Double.POSITIVE_INFINITY)
+                .flatMap(range -> checked(node, () -> Sensor.hearing(node.key(), range)));
     }
 
     private Optional<Sensor> readCamera(Node node, Node camera) {
@@ -117,9 +147,9 @@ final class SensorReader {
                                 Optional.empty()));
     }
 
-    private Optional<Sensor> checked(Node node, Supplier<Sensor> sensor) {
+    private <T> Optional<T> checked(Node node, Supplier<T> value) {
         try {
-            return Optional.of(sensor.get());
+            return Optional.of(value.get());
         } catch (IllegalArgumentException refused) {
             String subject = refused.getMessage().split(":", 2)[0];
             problems.add(node.get(subject).orElse(node), refused.getMessage());

@@ -174,6 +174,7 @@ class ItemWriterTest {
         assertThat(RandomItems.bits(expected.orientation(), item.orientation())).as(what).isTrue();
         assertThat(item.symbols()).as(what).isEqualTo(expected.symbols());
         assertThat(item.sensors()).as(what).isEqualTo(expected.sensors());
+        assertThat(item.voice()).as(what).isEqualTo(expected.voice());
         assertThat(item.physicsProperties())
                 .as(what)
                 .containsExactlyInAnyOrderElementsOf(expected.physicsProperties());

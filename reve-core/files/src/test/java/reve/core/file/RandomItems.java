@@ -6,6 +6,7 @@ import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.Sensor;
 import reve.core.world.Shape;
+import reve.core.world.Voice;
 import reve.core.world.WorldPrototype;
 
 import java.util.Arrays;
@@ -115,8 +116,15 @@ final class RandomItems {
                             .withEvery(1 + random.nextInt(9))
                             .withSymbols(Set.of("s1", "class")));
             item.sensor(Sensor.touch("skin").withAspects(Set.of(Sensor.Aspect.ACCESS)));
+            item.sensor(Sensor.hearing("ears", distance(random)));
+            item.voice(new Voice(distance(random), distance(random)));
         }
         return item.build();
+    }
+
+    /** Returns a distance [m]; it may be infinite. */
+    private static double distance(Random random) {
+        return random.nextInt(4) == 0 ? Double.POSITIVE_INFINITY : random.nextDouble() * 100 + 0.1;
     }
 
     static String text(Random random) {

@@ -91,7 +91,7 @@ class WorldFileProblemsTest {
                     agents: {}                            ! 9  ! agents: found a mapping, expected at least 1 in it
                     agents: {bodies: [on]}                ! 19 ! bodies[0]: no item is named `on`; did you mean `one`?
                     agents: {bodies: [one, one]}          ! 24 ! bodies[1]: `one` is listed twice
-                    agents: {body: {name: x}}             ! 17 ! unknown key `name`; known here: like, physical, semantic, access, capabilities, physics, sensors
+                    agents: {body: {name: x}}             ! 17 ! unknown key `name`; known here: like, physical, semantic, access, capabilities, physics, sensors, voice
                     properties: [{name: mass, kind: body}]! 21 ! property mass of kind body: the name is already taken by a property of kind body
                     properties: [{name: position, kind: lamp}] ! 21 ! property position of kind body: the name is already taken by a property of kind lamp
                     properties: [{name: 9a, kind: body}]  ! 21 ! name: found text `9a`, expected a letter, then letters, digits or _, at most 47 in all
@@ -170,10 +170,39 @@ class WorldFileProblemsTest {
                     access: {push: {effects: [{create: {name: b}, with: {physics.mas: 1}}]}} ! 69 ! unknown physics property `mas` of kind body; did you mean `mass`?
                     access: {push: {effects: [{create: {name: b, like: c}}]}} ! 54 ! like: there is no prefab `c`
                     access: {push: {effects: [{impulse: 1 0 0}]}} ! 30 ! the item has no `physics`, so this action could never work
+                    sensors: {ears: {hearing: true, lineOfSight: true}} ! 35 ! lineOfSight: a sensor with `hearing: true` hears voices and senses no items; leave it out
+                    sensors: {ears: {hearing: true, camera: {size: [4, 4]}}} ! 35 ! camera: a sensor with `hearing: true` hears voices and senses no items; leave it out
+                    sensors: {ears: {hearing: true, every: 2}}  ! 35 ! every: a sensor with `hearing: true` hears voices and senses no items; leave it out
+                    sensors: {ears: {hearing: true, range: 0 m}} ! 42 ! range: 0.0 m is not more than 0
+                    sensors: {ears: {hearing: loud}}            ! 29 ! hearing: found text `loud`, expected true or false
+                    voice: {range: 3 kg}                        ! 18 ! range: unit kg does not fit m
+                    voice: {range: -3 m}                        ! 18 ! range: -3.0 m is not more than 0
+                    voice: {fading: 0}                          ! 19 ! fading: 0.0 m is not more than 0
+                    voice: {loss: 1}                            ! 11 ! unknown key `loss`; known here: range, fading
+                    voice: loud                                 ! 10 ! voice: found text `loud`, expected a mapping
                     """)
     void refusesInAnItem(String line, int column, String message) {
         assertThat(problems("reve: 1\nname: w\nitems:\n- name: one\n  " + line))
                 .containsExactly("w:5:" + column + ": " + message);
+    }
+
+    @Test
+    void anItemWithAVoiceHasNoActionOfItsOwnWithWhichToSpeak() {
+        assertThat(
+                        problems(
+                                """
+                                reve: 1
+                                name: w
+                                items:
+                                - name: one
+                                  voice: {range: 3 m}
+                                  access: {say: {effects: [{raise: a}]}}
+                                - {name: two, kind: spring, voice: {}, physics: {end1: one, end2: one}}
+                                """))
+                .contains(
+                        "w:6:12: say: an item with a `voice` has an action of this name; "
+                                + "rename this action, or leave out the voice",
+                        "w:7:29: only items of kind body have a `voice`, this is a spring");
     }
 
     /** The effect of an action with parameters, on line 6. */
@@ -302,7 +331,9 @@ class WorldFileProblemsTest {
                 "back",
                 "end",
                 "detached",
-                "removed"
+                "removed",
+                "spoke",
+                "heard"
             })
     void refusesToRaiseAnEventOfTheServers(String event) {
         assertThat(
@@ -318,8 +349,8 @@ class WorldFileProblemsTest {
                                 + "acted, law-loaded, law-unloaded, law-shadow, fault, over-budget, "
                                 + "missed, waiting, ready, standby, snapshot, snapshot-failed, saved, "
                                 + "rewound, "
-                                + "stalled, recovered, late, away, back, end, detached and "
-                                + "removed");
+                                + "stalled, recovered, late, away, back, end, detached, "
+                                + "removed, spoke and heard");
     }
 
     /** The name of a world becomes a part of file names. */

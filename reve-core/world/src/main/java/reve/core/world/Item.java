@@ -71,6 +71,11 @@ public final class Item {
         return symbols.sensors();
     }
 
+    /** Returns the voice of an agent with this item as its body; empty if it cannot speak. */
+    public Optional<Voice> voice() {
+        return symbols.voice();
+    }
+
     /**
      * Returns the physics aspect, which contains the numbers that laws use. It is empty for
      * scenery, which laws do not move.
@@ -105,6 +110,7 @@ public final class Item {
         now.actions = symbols.actions();
         now.capabilities = symbols.capabilities();
         now.sensors = symbols.sensors();
+        now.voice = symbols.voice();
         for (String property : physics().properties()) {
             if (table.physicsColumn(property).type() == ScalarType.REF) {
                 List<ItemId> targets = physics().references(property);

@@ -29,6 +29,7 @@ public final class ItemDefinition {
     private final List<Action> actions;
     private final List<String> capabilities;
     private final List<Sensor> sensors;
+    private final Optional<Voice> voice;
     private final Named<double[]> numbers;
     private final Named<List<String>> references;
 
@@ -49,6 +50,7 @@ public final class ItemDefinition {
                         : List.copyOf(builder.actionsByName.values());
         capabilities = builder.capabilities;
         sensors = builder.sensors;
+        voice = builder.voice;
         numbers = builder.numbers;
         references = builder.references;
     }
@@ -103,6 +105,7 @@ public final class ItemDefinition {
         copy.actions = actions;
         copy.capabilities = capabilities;
         copy.sensors = sensors;
+        copy.voice = voice;
         copy.numbers = numbers;
         copy.references = references;
         return copy;
@@ -175,6 +178,11 @@ public final class ItemDefinition {
     /** Returns the sensors for an agent with this item as its body. */
     public List<Sensor> sensors() {
         return sensors;
+    }
+
+    /** Returns the voice of an agent with this item as its body; empty if it cannot speak. */
+    public Optional<Voice> voice() {
+        return voice;
     }
 
     /** Returns whether laws act on the item. An item on which they do not act is scenery. */
@@ -253,6 +261,7 @@ public final class ItemDefinition {
 
         List<String> capabilities = List.of();
         List<Sensor> sensors = List.of();
+        Optional<Voice> voice = Optional.empty();
         Named<double[]> numbers = Named.none();
         Named<List<String>> references = Named.none();
 
@@ -390,6 +399,12 @@ public final class ItemDefinition {
                         "item " + name + " has two sensors named " + sensor.name());
             }
             sensors = Named.append(sensors, sensor);
+            return this;
+        }
+
+        /** Sets the voice of an agent with the item as its body. */
+        public Builder voice(Voice newVoice) {
+            voice = Optional.of(newVoice);
             return this;
         }
 

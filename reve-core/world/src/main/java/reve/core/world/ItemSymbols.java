@@ -82,6 +82,11 @@ public record ItemSymbols(
         return likeness.sensors();
     }
 
+    /** Returns the voice of an agent with this item as its body; empty if it cannot speak. */
+    public Optional<Voice> voice() {
+        return likeness.voice();
+    }
+
     /** Returns a symbol of the designer, or a standard symbol, see {@link #symbols()}. */
     public Optional<Object> get(String symbol) {
         return switch (symbol) {

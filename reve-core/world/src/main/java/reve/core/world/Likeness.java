@@ -13,6 +13,7 @@ import java.util.Optional;
  * @param capabilities capabilities of the item as the body of an agent
  * @param sensors sensors for an agent with this item as its body; if empty, the agent perceives
  *     everything
+ * @param voice voice of an agent with this item as its body; empty if the agent cannot speak
  */
 public record Likeness(
         String kind,
@@ -20,7 +21,8 @@ public record Likeness(
         Optional<Material> material,
         List<Action> actions,
         List<String> capabilities,
-        List<Sensor> sensors) {
+        List<Sensor> sensors,
+        Optional<Voice> voice) {
 
     static Likeness of(ItemDefinition definition) {
         return new Likeness(
@@ -29,18 +31,19 @@ public record Likeness(
                 definition.material(),
                 definition.actions(),
                 definition.capabilities(),
-                definition.sensors());
+                definition.sensors(),
+                definition.voice());
     }
 
     Likeness with(Shape newShape) {
-        return new Likeness(kind, newShape, material, actions, capabilities, sensors);
+        return new Likeness(kind, newShape, material, actions, capabilities, sensors, voice);
     }
 
     Likeness with(Optional<Material> newMaterial) {
-        return new Likeness(kind, shape, newMaterial, actions, capabilities, sensors);
+        return new Likeness(kind, shape, newMaterial, actions, capabilities, sensors, voice);
     }
 
     Likeness with(List<Action> newActions) {
-        return new Likeness(kind, shape, material, newActions, capabilities, sensors);
+        return new Likeness(kind, shape, material, newActions, capabilities, sensors, voice);
     }
 }

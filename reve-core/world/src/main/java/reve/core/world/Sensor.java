@@ -12,7 +12,8 @@ import java.util.TreeSet;
  * items that at least one of its sensors senses.
  *
  * <p>A camera senses no items. Its agent receives pictures on request. A sensor with an instrument
- * senses no items either. Its agent receives measured numbers.
+ * senses no items either. Its agent receives measured numbers. A hearing sensor hears what agents
+ * with a {@link Voice} say, and senses no items.
  *
  * @param name name, unique among the sensors of a body
  * @param touch true if it senses items whose boxes are within the range of the body's box;
@@ -27,6 +28,7 @@ import java.util.TreeSet;
  * @param aspects the perceived aspects of an item, in addition to its name
  * @param camera settings of the pictures; empty if the sensor is not a camera
  * @param instrument what the sensor measures; empty if it senses items or takes pictures
+ * @param hearing true if it hears voices within its range, measured between the bodies' origins
  */
 public record Sensor(
         String name,
@@ -38,7 +40,8 @@ public record Sensor(
         Optional<SortedSet<String>> symbols,
         Set<Aspect> aspects,
         Optional<Camera> camera,
-        Optional<Instrument> instrument) {
+        Optional<Instrument> instrument,
+        boolean hearing) {
 
     public static final double ALL_ROUND = 2 * Math.PI;
 
@@ -123,11 +126,41 @@ public record Sensor(
                             + Math.toDegrees(fieldOfView)
                             + " deg");
         }
+        if (hearing && (camera.isPresent() || instrument.isPresent())) {
+            throw new IllegalArgumentException(
+                    "hearing: a camera or an instrument does not hear");
+        }
         if (every < 1) {
             throw new IllegalArgumentException("every: " + every + " frames, expected 1 or more");
         }
         symbols = symbols.map(TreeSet::new);
         aspects = aspects.isEmpty() ? Set.of() : Set.copyOf(EnumSet.copyOf(aspects));
+    }
+
+    /** Creates a sensor that does not hear. */
+    public Sensor(
+            String name,
+            boolean touch,
+            double range,
+            double fieldOfView,
+            boolean lineOfSight,
+            int every,
+            Optional<SortedSet<String>> symbols,
+            Set<Aspect> aspects,
+            Optional<Camera> camera,
+            Optional<Instrument> instrument) {
+        this(
+                name,
+                touch,
+                range,
+                fieldOfView,
+                lineOfSight,
+                every,
+                symbols,
+                aspects,
+                camera,
+                instrument,
+                false);
     }
 
     /** Returns a sensor that sees in all directions, up to the range. */
@@ -197,6 +230,26 @@ public record Sensor(
                 Optional.of(instrument));
     }
 
+    /**
+     * Returns a sensor that hears voices and senses no items.
+     *
+     * @param range maximum distance [m], infinite for no limit
+     */
+    public static Sensor hearing(String name, double range) {
+        return new Sensor(
+                name,
+                false,
+                range,
+                ALL_ROUND,
+                false,
+                1,
+                Optional.empty(),
+                Set.of(),
+                Optional.empty(),
+                Optional.empty(),
+                true);
+    }
+
     /** Returns a copy with another range [m]. */
     public Sensor withRange(double metres) {
         return new Sensor(
@@ -209,7 +262,8 @@ public record Sensor(
                 symbols,
                 aspects,
                 camera,
-                instrument);
+                instrument,
+                hearing);
     }
 
     /** Returns a copy with another full angle of its cone [rad]. */
@@ -224,13 +278,14 @@ public record Sensor(
                 symbols,
                 aspects,
                 camera,
-                instrument);
+                instrument,
+                hearing);
     }
 
     /** Returns a copy that does not see items behind other items. */
     public Sensor withLineOfSight() {
         return new Sensor(
-                name, touch, range, fieldOfView, true, every, symbols, aspects, camera, instrument);
+                name, touch, range, fieldOfView, true, every, symbols, aspects, camera, instrument, hearing);
     }
 
     /** Returns a copy with another interval [frames]. */
@@ -245,7 +300,8 @@ public record Sensor(
                 symbols,
                 aspects,
                 camera,
-                instrument);
+                instrument,
+                hearing);
     }
 
     /** Returns a copy that perceives only these symbols. */
@@ -260,7 +316,8 @@ public record Sensor(
                 Optional.of(new TreeSet<>(names)),
                 aspects,
                 camera,
-                instrument);
+                instrument,
+                hearing);
     }
 
     /** Returns a copy that perceives these aspects. */
@@ -275,7 +332,8 @@ public record Sensor(
                 symbols,
                 newAspects,
                 camera,
-                instrument);
+                instrument,
+                hearing);
     }
 
     /** Returns whether the sensor is a camera, which senses no items but takes pictures. */
@@ -283,9 +341,11 @@ public record Sensor(
         return camera.isPresent();
     }
 
-    /** Returns whether the sensor senses items. Cameras and instruments sense none. */
+    /**
+     * Returns whether the sensor senses items. Cameras, instruments and hearing sensors sense none.
+     */
     public boolean sensesItems() {
-        return camera.isEmpty() && instrument.isEmpty();
+        return camera.isEmpty() && instrument.isEmpty() && !hearing;
     }
 
     /**

@@ -22,6 +22,7 @@ class EventPrinterTest {
                     "ready",
                     "joined",
                     "acted",
+                    "spoke",
                     "rang",
                     "late",
                     "away",

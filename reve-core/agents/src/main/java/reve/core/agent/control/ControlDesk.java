@@ -4,6 +4,7 @@ package reve.core.agent.control;
 import reve.core.agent.embodiment.AgentCommand;
 import reve.core.agent.embodiment.AgentInput;
 import reve.core.agent.embodiment.Embodiment;
+import reve.core.agent.embodiment.Heard;
 import reve.core.agent.embodiment.Outcome;
 import reve.core.agent.embodiment.Rewound;
 import reve.core.agent.net.RateLimitedLog;
@@ -78,6 +79,13 @@ public final class ControlDesk {
      */
     public AgentCommand command(AgentInput input, Consumer<Outcome> done) {
         return new AgentCommand(embodiment, sequence.incrementAndGet(), input, done);
+    }
+
+    /**
+     * Returns what agents have heard in the frame that is being made. For the world's thread only.
+     */
+    public List<Heard> takeHeard() {
+        return embodiment.takeHeard();
     }
 
     /**

@@ -15,6 +15,7 @@ import reve.core.world.ScalarType;
 import reve.core.world.Sensor;
 import reve.core.world.Shape;
 import reve.core.world.TableSnapshot;
+import reve.core.world.Voice;
 import reve.core.world.WorldPrototype;
 import reve.core.world.WorldSnapshot;
 
@@ -173,7 +174,20 @@ final class ItemReport {
         access.put("actions", actions);
         access.put("capabilities", item.capabilities());
         access.put("sensors", item.sensors().stream().map(Sensor::name).toList());
+        item.voice().ifPresent(voice -> access.put("voice", voice(voice)));
         return access;
+    }
+
+    /** Returns the distances of a voice [m]; omits a distance without a limit. */
+    private static Map<String, Object> voice(Voice voice) {
+        var fields = new LinkedHashMap<String, Object>();
+        if (Double.isFinite(voice.range())) {
+            fields.put("range", voice.range());
+        }
+        if (Double.isFinite(voice.fading())) {
+            fields.put("fading", voice.fading());
+        }
+        return fields;
     }
 
     private static Map<String, Object> parameter(Parameter parameter) {

@@ -23,11 +23,11 @@ import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
 import reve.core.world.Sensor;
 import reve.core.world.Table;
+import reve.core.world.Voice;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 
-import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -35,6 +35,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalInt;
 import java.util.Set;
+import java.util.SortedMap;
 import java.util.TreeMap;
 import java.util.TreeSet;
 import java.util.stream.Collectors;
@@ -73,65 +74,16 @@ public final class Embodiment {
     private static final String ACTION_FAILED = "action-failed";
 
     private final AgentPolicy policy;
-    private final Map<String, Body> bodies = new HashMap<>();
+
+    /** The bodies by name of the agent. Hearers are served in this order. */
+    private final SortedMap<String, Body> bodies = new TreeMap<>();
+
     private final Set<String> lent = new HashSet<>();
     private final SensedWorld sensed = new SensedWorld();
     private final EventBudget events;
+    private final Speech speech;
     private final ForceBudget forces = new ForceBudget();
     private final StepBudget steps = new StepBudget();
-
-    /**
-     * @param name the name of the body when the agent joined
-     * @param made true if the item was created for this agent and is removed when the agent leaves
-     * @param place index of the place in {@link AgentPolicy} at which the body was created; empty
-     *     if the body was not created at such a place
-     * @param sensors sensors of the body; if empty, the agent perceives everything
-     * @param ofActions those sensors that perceive the actions of items
-     * @param needsSight true if one of {@code ofActions} needs a line of sight
-     * @param rights rights of the agent
-     */
-    private record Body(
-            ItemId id,
-            String name,
-            boolean made,
-            OptionalInt place,
-            List<Sensor> sensors,
-            List<Sensor> ofActions,
-            boolean needsSight,
-            Rights rights) {
-
-        Body(
-                ItemId id,
-                String name,
-                boolean made,
-                OptionalInt place,
-                List<Sensor> sensors,
-                Rights rights) {
-            this(
-                    id,
-                    name,
-                    made,
-                    place,
-                    sensors,
-                    sensors.stream()
-                            .filter(sensor -> sensor.aspects().contains(Sensor.Aspect.ACCESS))
-                            .toList(),
-                    sensors.stream().anyMatch(Sensor::lineOfSight),
-                    rights);
-        }
-
-        Optional<Item> in(World world) {
-            return world.find(id);
-        }
-
-        /** Returns the item's capabilities that the agent may use. */
-        List<String> capabilities(Item item) {
-            List<String> all = item.access().capabilities();
-            return rights.capabilities().isEmpty()
-                    ? all
-                    : all.stream().filter(rights::opensCapability).toList();
-        }
-    }
 
     /**
      * @param policy the bodies and limits that the world grants to agents
@@ -141,6 +93,7 @@ public final class Embodiment {
         this.policy = policy;
         this.events =
                 new EventBudget(policy.eventBytes(), policy.worldEventBytes(), framesPerSecond);
+        this.speech = new Speech(events);
     }
 
     /** Checks and applies an input completely or not at all. Called outside the phase PHYSICS. */
@@ -259,8 +212,9 @@ public final class Embodiment {
         if (body == null) {
             return new Outcome.Absent();
         }
-        perform(world, frame, act.agent(), body, act.requested());
-        raiseActed(world, frame, act.agent(), body, act.requested());
+        if (perform(world, frame, act.agent(), body, act.requested())) {
+            raiseActed(world, frame, act.agent(), body, act.requested());
+        }
         return new Outcome.Done(frame);
     }
 
@@ -295,8 +249,8 @@ public final class Embodiment {
                             frame, "away", fields("agent", late.agent(), "body", body.name())));
         }
         if (late.fallback().isPresent() && mayAct(world, late.agent(), frame)) {
-            perform(world, frame, late.agent(), body, late.fallback().get());
-            if (late.told()) {
+            boolean acted = perform(world, frame, late.agent(), body, late.fallback().get());
+            if (acted && late.told()) {
                 raiseActed(world, frame, late.agent(), body, late.fallback().get());
             }
         }
@@ -313,17 +267,55 @@ public final class Embodiment {
         return new Outcome.Done(frame);
     }
 
-    private void perform(World world, long frame, String agent, Body body, ActionRequest requested)
+    /**
+     * Performs what an agent requests.
+     *
+     * @return true for an action of an item, false if the agent spoke
+     */
+    private boolean perform(
+            World world, long frame, String agent, Body body, ActionRequest requested)
             throws ActionRefused {
         long before = world.activity().steps();
-        int seen = body.needsSight ? world.table(WorldPrototype.BODY).rowCount() : 0;
+        Optional<Item> speaker = speaker(world, body, requested);
+        long extra =
+                speaker.isEmpty() && body.needsSight()
+                        ? world.table(WorldPrototype.BODY).rowCount()
+                        : 0;
         world.charges().begin(agent);
         try {
-            act(world, frame, agent, body, requested);
+            if (speaker.isPresent()) {
+                extra =
+                        speech.say(
+                                world, frame, agent, speaker.get(), requested.arguments(), bodies);
+            } else {
+                act(world, frame, agent, body, requested);
+            }
         } finally {
             world.charges().end();
-            steps.spend(agent, frame, seen + world.activity().steps() - before);
+            steps.spend(agent, frame, extra + world.activity().steps() - before);
         }
+        return speaker.isEmpty();
+    }
+
+    /** Returns the agent's body if it has a voice and the agent requests to speak with it. */
+    private static Optional<Item> speaker(World world, Body body, ActionRequest requested) {
+        if (!requested.action().equals(Voice.SAY)) {
+            return Optional.empty();
+        }
+        return body.in(world)
+                .filter(
+                        item ->
+                                item.voice().isPresent()
+                                        && !item.physical().isEmpty()
+                                        && requested
+                                                .item()
+                                                .orElse(item.name())
+                                                .equals(item.name()));
+    }
+
+    /** Returns what agents have heard since the last call, see {@link Speech#takeHeard}. */
+    public List<Heard> takeHeard() {
+        return speech.takeHeard();
     }
 
     private void act(World world, long frame, String agent, Body body, ActionRequest requested)
@@ -337,10 +329,10 @@ public final class Embodiment {
         Action action =
                 item.access()
                         .find(requested.action())
-                        .orElseThrow(() -> noSuchAction(item, requested.action()));
+                        .orElseThrow(() -> noSuchAction(body, item, requested.action()));
         Arguments arguments = Arguments.check(action, requested.arguments());
         for (Parameter parameter : action.parameters()) {
-            if (parameter.type() == ParameterType.ITEM && !body.sensors.isEmpty()) {
+            if (parameter.type() == ParameterType.ITEM && !body.sensors().isEmpty()) {
                 find(world, body, arguments.text(parameter.name()));
             }
         }
@@ -368,7 +360,7 @@ public final class Embodiment {
         try {
             call.perform(action);
         } catch (ActionRefused e) {
-            if (body.sensors.isEmpty() || !TELLING.contains(e.code())) {
+            if (body.sensors().isEmpty() || !TELLING.contains(e.code())) {
                 throw e;
             }
             throw new ActionRefused(
@@ -388,13 +380,13 @@ public final class Embodiment {
      */
     private Item find(World world, Body body, String name) throws ActionRefused {
         Optional<Item> item = world.find(name);
-        if (body.sensors.isEmpty()) {
+        if (body.sensors().isEmpty()) {
             return item.orElseThrow(
                     () ->
                             new ActionRefused(
                                     "no-such-item", "the world has no item " + Text.quote(name)));
         }
-        return item.filter(found -> senses(world, body, body.sensors, found.id()))
+        return item.filter(found -> senses(world, body, body.sensors(), found.id()))
                 .orElseThrow(
                         () ->
                                 new ActionRefused(
@@ -402,8 +394,8 @@ public final class Embodiment {
     }
 
     private boolean sensesActions(World world, Body body, Item item) {
-        return body.ofActions.size() == body.sensors.size()
-                || senses(world, body, body.ofActions, item.id());
+        return body.ofActions().size() == body.sensors().size()
+                || senses(world, body, body.ofActions(), item.id());
     }
 
     private boolean senses(World world, Body body, List<Sensor> sensors, ItemId item) {
@@ -411,24 +403,17 @@ public final class Embodiment {
         int eye = bodies.rowOf(body.id());
         int row = bodies.rowOf(item);
         if (eye >= 0 && row >= 0) {
-            if (body.needsSight) {
+            if (body.needsSight()) {
                 sensed.load(bodies);
             } else {
                 sensed.load(bodies, eye, row);
             }
         }
-        if (item.equals(body.id())) {
-            return true;
-        }
-        for (Sensor sensor : sensors) {
-            if (sensor.isUnlimited() || eye >= 0 && row >= 0 && sensed.senses(sensor, eye, row)) {
-                return true;
-            }
-        }
-        return false;
+        return item.equals(body.id()) || Body.senses(sensed, sensors, eye, row);
     }
 
-    private static ActionRefused noSuchAction(Item item, String wanted) {
+    private static ActionRefused noSuchAction(Body body, Item item, String wanted) {
+        boolean speaks = wanted.equals(Voice.SAY) && item.id().equals(body.id());
         List<String> names = item.access().actions().stream().map(Action::name).toList();
         return new ActionRefused(
                 "no-such-action",
@@ -436,7 +421,8 @@ public final class Embodiment {
                         + Text.quote(item.name())
                         + " has no action "
                         + Text.quote(wanted)
-                        + (names.isEmpty() ? "; it has none" : "; it has " + names));
+                        + (names.isEmpty() ? "; it has none" : "; it has " + names)
+                        + (speaks ? ". Your body has no `voice` in the world file" : ""));
     }
 
     private Outcome join(World world, long frame, AgentInput.Join join) throws CloseReason {

@@ -21,9 +21,9 @@ import java.util.stream.LongStream;
  * Contains copies of the columns in plain arrays, which are reused for the next frame. For one
  * thread.
  *
- * <p>A touch sensor senses the items whose bounding box is within its range. Cameras and
- * instruments sense no items. Any other sensor tests ten points of an item: the point of the
- * bounding box that is nearest to the eye, the box's centre, and its eight corners. The sensor
+ * <p>A touch sensor senses the items whose bounding box is within its range. Cameras, instruments
+ * and hearing sensors sense no items. Any other sensor tests ten points of an item: the point of
+ * the bounding box that is nearest to the eye, the box's centre, and its eight corners. The sensor
  * senses the item if one of these points is in its range and in its field of view. If the sensor
  * needs a line of sight, the point must also not be hidden. A point is hidden if it lies behind the
  * bounding box of a third item that has a shape and does not contain the eye.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.publish;
 
+import reve.core.agent.embodiment.Heard;
 import reve.core.agent.embodiment.Rewound;
 import reve.core.agent.net.RateLimitedLog;
 import reve.core.agent.perception.EventSubjects;
@@ -57,6 +58,9 @@ public final class Publisher {
 
     private static final String ACTED = "acted";
 
+    /** Type of the event that reports what an agent says. Agents receive {@link Heard} instead. */
+    private static final String SPOKE = "spoke";
+
     /** Types of the events which report that an agent in lock-step is late, away or back. */
     private static final Set<String> ABSENCES = Set.of("late", "away", "back");
 
@@ -89,8 +93,8 @@ public final class Publisher {
     private volatile boolean news;
     private long served;
 
-    /** The events of one frame. */
-    private record Happened(long frame, List<WorldEvent> events) {}
+    /** The events of one frame, and what agents hear in it. */
+    private record Happened(long frame, List<WorldEvent> events, List<Heard> heard) {}
 
     /**
      * @param afterFrame run on the event loop after the data of each frame was sent
@@ -105,12 +109,16 @@ public final class Publisher {
 
     // Methods for the world's thread.
 
-    /** Records the events of a frame for the event loop, in the phase PUBLISH. */
-    public void onFrame(FrameEvent event) {
+    /**
+     * Records the events of a frame for the event loop, in the phase PUBLISH.
+     *
+     * @param heard what agents hear in the frame
+     */
+    public void onFrame(FrameEvent event, List<Heard> heard) {
         List<WorldEvent> happened = event.world().events();
-        if (!happened.isEmpty()) {
+        if (!happened.isEmpty() || !heard.isEmpty()) {
             if (eventFrames.incrementAndGet() <= MAX_EVENT_FRAMES) {
-                events.add(new Happened(event.frame(), happened));
+                events.add(new Happened(event.frame(), happened, heard));
             } else {
                 eventFrames.decrementAndGet();
                 lostEventFrames.incrementAndGet();
@@ -290,6 +298,8 @@ public final class Publisher {
                     sent += members.size();
                 }
             }
+            next.heard.forEach(this::tell);
+            sent += next.heard.size();
         }
         if (acts.count + absences.count > 0) {
             for (Perceiver member : members.values()) {
@@ -346,8 +356,24 @@ public final class Publisher {
         }
         EventSubjects subjects = EventSubjects.in(event, views.observatory(), this::bodyOf);
         var heard = new HeardEvent(event);
+        if (event.type().equals(SPOKE)) {
+            for (Perceiver member : routing.withoutSensors()) {
+                if (member.body().isEmpty()) {
+                    tell(member, subjects, heard);
+                }
+            }
+            return;
+        }
         tell(routing.withoutSensors(), all, subjects, heard);
         tell(routing.of(subjects, views.observatory()), all, subjects, heard);
+    }
+
+    /** Sends an agent what it hears. */
+    private void tell(Heard heard) {
+        Perceiver hearer = members.get(heard.hearer());
+        if (hearer != null && hearer.body().isPresent()) {
+            hearer.tell(HeardEvent.Told.of(heard.event(), hearer.encoding()));
+        }
     }
 
     /**

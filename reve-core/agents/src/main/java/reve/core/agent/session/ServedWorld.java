@@ -71,7 +71,11 @@ public final class ServedWorld implements AutoCloseable {
         this.lockStep = new LockStep(port.loop()::wake, desk::lockStep, allowances, waiting);
         port.loop().setGate(lockStep);
         this.subscription =
-                port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
+                port.bus()
+                        .subscribe(
+                                FramePhase.PUBLISH,
+                                "agent server",
+                                event -> publisher.onFrame(event, desk.takeHeard()));
     }
 
     /** Returns the name of the world. */

@@ -416,6 +416,9 @@ class MessagesTest {
         if (value.isString()) {
             return value.stringValue();
         }
+        if (value.isArray()) {
+            return value.valueStream().map(MessagesTest::value).toList();
+        }
         return value.isBoolean() ? (Object) value.booleanValue() : value.numberValue();
     }
 

@@ -159,6 +159,10 @@ export class ItemPanel {
     const parts = [];
     if (access.capabilities.length) parts.push(h("p", { className: "doc" }, "can: " + access.capabilities.join(", ")));
     if (access.sensors.length) parts.push(h("p", { className: "doc" }, "senses by: " + access.sensors.join(", ")));
+    if (access.voice) {
+      const limits = Object.entries(access.voice).map(([name, metres]) => `${name} ${metres} m`);
+      parts.push(h("p", { className: "doc" }, "speaks: " + (limits.join(", ") || "without limits")));
+    }
     for (const action of access.actions) {
       const inputs = new Map();
       const fields = action.parameters.map((parameter) => {
