@@ -35,7 +35,7 @@ public final class PostgresStore implements JournalSink {
     private static final int GENERATIONS = 3;
 
     /** Key of the lock under which the tables are created ("REVE"). */
-    private static final long CREATION_LOCK = 0x52455645L;
+    static final long CREATION_LOCK = 0x52455645L;
 
     /** Time for which a write keeps other servers from taking the world. */
     private static final String LEASE = "interval '10 s'"; // LEASE_SECONDS
@@ -173,7 +173,7 @@ public final class PostgresStore implements JournalSink {
             long frame,
             String agents,
             String lease) {
-        private static World read(ResultSet row) throws SQLException {
+        static World read(ResultSet row) throws SQLException {
             boolean isOwned = row.getBoolean(4);
             return new World(
                     row.getString(1),
@@ -295,20 +295,21 @@ public final class PostgresStore implements JournalSink {
      * @throws IOException if the database is away
      */
     public static List<World> worlds(PostgresUrl url) throws IOException {
-        return reading(
-                url,
-                List.of(),
-                connection ->
-                        PostgresSession.query(
-                                connection,
-                                WORLDS + " ORDER BY name COLLATE \"C\"",
-                                rows -> {
-                                    List<World> found = new ArrayList<>();
-                                    while (rows.next()) {
-                                        found.add(World.read(rows));
-                                    }
-                                    return List.copyOf(found);
-                                }));
+        return reading(url, List.of(), PostgresStore::worlds);
+    }
+
+    /** Returns the worlds of a database that has the tables, by name. */
+    static List<World> worlds(Connection connection) throws SQLException {
+        return PostgresSession.query(
+                connection,
+                WORLDS + " ORDER BY name COLLATE \"C\"",
+                rows -> {
+                    List<World> found = new ArrayList<>();
+                    while (rows.next()) {
+                        found.add(World.read(rows));
+                    }
+                    return List.copyOf(found);
+                });
     }
 
     /**
@@ -373,8 +374,8 @@ public final class PostgresStore implements JournalSink {
     }
 
     /**
-     * Returns whether an owner has not extended its lease for as long as a lease lasts, by the clock
-     * of this process. The clock of the database may have been set back.
+     * Returns whether an owner has not extended its lease for as long as a lease lasts, by the
+     * clock of this process. The clock of the database may have been set back.
      */
     private static boolean isSilentSince(long nanos) {
         return System.nanoTime() - nanos > LEASE_NANOSECONDS + ATTEMPT_NANOSECONDS;
@@ -461,7 +462,8 @@ public final class PostgresStore implements JournalSink {
         return Optional.of(version);
     }
 
-    private static boolean createTables(Connection connection) throws SQLException {
+    /** Creates the tables in a database that has none; returns whether it did. */
+    static boolean createTables(Connection connection) throws SQLException {
         if (requireVersion(connection).isPresent()) {
             return false;
         }
