@@ -28,7 +28,10 @@ import test_summary
 
 JAVA_ROOMS = ["reve-core", "reve-pe-adapter", "reve-worlds", "agents-java", "tests"]
 # Rooms of several Gradle projects; each project has a class path and a JVM of its own.
-PROJECTS = {"reve-core": ["world", "files", "agents"], "reve-worlds": ["runtime", "web", "app"]}
+PROJECTS = {
+    "reve-core": ["world", "files", "agents"],
+    "reve-worlds": ["runtime", "web", "cluster", "app"],
+}
 NATIVE_ROOMS = {"vesper-native": "build/native", "laws": "build/native/laws-build"}
 ROOMS = [*NATIVE_ROOMS, *JAVA_ROOMS, "python", "format"]
 

@@ -161,6 +161,25 @@ class DependencyRulesTest {
                 .check(CLASSES);
     }
 
+    /** A server without a cluster loads none of its classes. */
+    @Test
+    void onlyTheClusterUsesPekkoAndOnlyTheCommandLineUsesTheCluster() {
+        noClasses()
+                .that()
+                .resideOutsideOfPackage("reve.worlds.cluster..")
+                .should()
+                .dependOnClassesThat()
+                .resideInAnyPackage("org.apache.pekko..", "scala..", "com.typesafe..")
+                .check(CLASSES);
+        noClasses()
+                .that()
+                .resideOutsideOfPackages("reve.worlds.cluster..", "reve.worlds.cli..")
+                .should()
+                .dependOnClassesThat()
+                .resideInAPackage("reve.worlds.cluster..")
+                .check(CLASSES);
+    }
+
     @Test
     void theWorldStoreAndTheAdapterBringNoReaderOfAFormat() throws IOException {
         Pattern readers =

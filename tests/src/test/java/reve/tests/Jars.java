@@ -23,6 +23,7 @@ final class Jars {
                     "reve-pe-adapter",
                     "reve-worlds-runtime",
                     "reve-worlds-web",
+                    "reve-worlds-cluster",
                     "reve-worlds-app",
                     "agents-java");
 

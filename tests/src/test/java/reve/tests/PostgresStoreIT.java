@@ -360,6 +360,26 @@ class PostgresStoreIT {
                         "from a backup");
     }
 
+    /** As after a short restart of the database. */
+    @Test
+    void writesAreRepeatedOnceOnANewConnection() throws Exception {
+        String database = database();
+        String cut =
+                "SELECT pg_terminate_backend(pid) FROM pg_stat_activity"
+                        + " WHERE application_name = 'reve'";
+        try (TakenStore taken = take(database);
+                JournalSink sink = taken.open()) {
+            sink.place().write(List.of(), image(0));
+            sink.write(frame(1));
+            postgres.query(database, cut);
+            sink.write(frame(2));
+            postgres.query(database, cut);
+            sink.place().write(List.of(), image(2));
+            sink.write(frame(3));
+        }
+        assertThat(texts(address(database).read())).containsExactly("image 2", "frame 3");
+    }
+
     /** The clock of the database was set back by an hour. */
     @Test
     void aWorldWhoseOwnerIsSilentIsTakenWhateverTheClockOfTheDatabaseSays() throws Exception {

@@ -34,6 +34,9 @@ import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
+import java.util.concurrent.CopyOnWriteArrayList;
+import java.util.concurrent.CountDownLatch;
+import java.util.concurrent.TimeUnit;
 import java.util.stream.Stream;
 
 /**
@@ -46,11 +49,15 @@ public final class AgentServer implements AutoCloseable {
     private static final int BACKLOG = 512;
     private static final int CHECKS_PER_DEADLINE = 4;
 
+    /** Interval between two checks whether the event loop still runs [ms]. */
+    private static final long CHECK_MILLIS = 100;
+
     private final AgentServerConfig config;
     private final Counters counters = new Counters();
     private final RateLimitedLog log = new RateLimitedLog(10, "agents");
 
-    private final List<ServedWorld> worlds;
+    private final SessionServices services;
+    private final List<ServedWorld> worlds = new CopyOnWriteArrayList<>();
     private final EventLoop loop;
     private final InetSocketAddress address;
     private final Connections connections;
@@ -65,7 +72,7 @@ public final class AgentServer implements AutoCloseable {
     /**
      * Starts the server.
      *
-     * @param ports the worlds to serve, at least one; their names must differ
+     * @param ports the worlds to serve; their names must differ. {@link #add} adds more
      * @param problems receives problems with the server's files (audit record, tokens, certificate)
      *     while it runs
      * @throws BindException naming the address if it is not available
@@ -115,7 +122,7 @@ public final class AgentServer implements AutoCloseable {
         this.loop =
                 new EventLoop(
                         log, new LoopWork(), shortest(config.timeouts()) / CHECKS_PER_DEADLINE);
-        var services =
+        this.services =
                 new SessionServices(
                         config.limits(),
                         config.timeouts(),
@@ -128,7 +135,7 @@ public final class AgentServer implements AutoCloseable {
         // continue while agents are served.
         boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
         LockStep.Waiting waiting = helps ? new LoopHelper(loop) : LockStep.Waiting.IDLE;
-        this.worlds = ports.stream().map(port -> new ServedWorld(services, port, waiting)).toList();
+        ports.forEach(port -> worlds.add(new ServedWorld(services, port, waiting)));
         var admission =
                 new Admission(
                         worlds,
@@ -284,6 +291,49 @@ public final class AgentServer implements AutoCloseable {
                                                 + world
                                                 + ", expected one of "
                                                 + worlds.stream().map(ServedWorld::name).toList()));
+    }
+
+    /**
+     * Serves another world. Call this method before the world's loop runs. For any thread.
+     *
+     * @throws IllegalArgumentException if the server has a world of this name
+     */
+    public void add(WorldPort port) {
+        synchronized (worlds) {
+            if (worlds.stream().anyMatch(world -> world.name().equals(port.world()))) {
+                throw new IllegalArgumentException(
+                        "the server has a world " + port.world() + " already");
+            }
+            worlds.add(new ServedWorld(services, port, LockStep.Waiting.IDLE));
+        }
+    }
+
+    /**
+     * Removes a world that makes no more frames: sends {@code bye} to all its clients, and ends
+     * their sessions. After this method, the server no longer uses the world. For the world's
+     * thread.
+     */
+    public void remove(String world) {
+        ServedWorld served = served(world);
+        var done = new CountDownLatch(1);
+        loop.later(
+                () -> {
+                    served.dismiss();
+                    worlds.remove(served);
+                    done.countDown();
+                });
+        boolean interrupted = false;
+        while (done.getCount() > 0 && loop.isRunning()) {
+            try {
+                done.await(CHECK_MILLIS, TimeUnit.MILLISECONDS);
+            } catch (InterruptedException e) {
+                interrupted = true; // the world must not be freed while the loop may read it
+            }
+        }
+        served.close();
+        if (interrupted) {
+            Thread.currentThread().interrupt();
+        }
     }
 
     /**

@@ -2,6 +2,7 @@
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
@@ -123,6 +124,44 @@ class SeveralWorldsTest {
             ada.expectBye("closing");
             late.say("{'t':'hello','protocol':1,'name':'eve','world':'pond'}")
                     .expectBye("no-such-world");
+            bob.say("{'t':'perceive','id':1}").sync();
+            lake.loop.step();
+            bob.expect("perception");
+        }
+    }
+
+    @Test
+    void aWorldComesAndGoesWhileTheServerRuns() throws IOException {
+        Pond sea = new Pond("sea");
+        server.add(sea.port);
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> server.add(new Pond("sea").port))
+                .withMessageContaining("sea");
+        try (TestClient bob = join("bob", lake);
+                TestClient ada = join("ada", sea);
+                TestClient late = new TestClient(server.address());
+                TestClient again = new TestClient(server.address())) {
+            TestClient eve = new TestClient(server.address());
+            eve.say("{'t':'hello','protocol':1,'name':'eve','world':'sea','graceSeconds':60}")
+                    .sync();
+            sea.loop.step();
+            String token = eve.expect("welcome").at("/session/token").stringValue();
+            eve.close(); // its session waits for another connection
+            server.remove("sea");
+            ada.skipToBye("closing");
+            assertThat(server.stats().agents()).as("bob").isEqualTo(1);
+            late.say("{'t':'hello','protocol':1,'name':'ada','world':'sea'}")
+                    .expectBye("no-such-world");
+            again.say(
+                            "{'t':'hello','protocol':1,'name':'eve','world':'sea','resume':{'session':'"
+                                    + token
+                                    + "','frame':1}}")
+                    .expectBye("no-such-session");
+            Pond next = new Pond("sea");
+            server.add(next.port);
+            try (TestClient _ = join("ada", next)) {
+                assertThat(next.world.find("ada")).isPresent();
+            }
             bob.say("{'t':'perceive','id':1}").sync();
             lake.loop.step();
             bob.expect("perception");

@@ -54,6 +54,7 @@ final class EffectReader {
                     "waiting",
                     "ready",
                     "standby",
+                    "cluster",
                     "snapshot",
                     "snapshot-failed",
                     "saved",

@@ -320,6 +320,7 @@ class WorldFileProblemsTest {
                 "waiting",
                 "ready",
                 "standby",
+                "cluster",
                 "snapshot",
                 "snapshot-failed",
                 "saved",
@@ -347,8 +348,8 @@ class WorldFileProblemsTest {
                                 + event
                                 + " is the server's own; choose a name other than joined, left, "
                                 + "acted, law-loaded, law-unloaded, law-shadow, fault, over-budget, "
-                                + "missed, waiting, ready, standby, snapshot, snapshot-failed, saved, "
-                                + "rewound, "
+                                + "missed, waiting, ready, standby, cluster, snapshot, snapshot-failed, "
+                                + "saved, rewound, "
                                 + "stalled, recovered, late, away, back, end, detached, "
                                 + "removed, spoke and heard");
     }

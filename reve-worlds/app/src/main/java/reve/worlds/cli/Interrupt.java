@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import picocli.CommandLine.Model.CommandSpec;
 
+import java.time.Duration;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
 
@@ -15,7 +16,7 @@ import java.util.concurrent.TimeUnit;
  * closes it after the report is printed.
  */
 final class Interrupt implements AutoCloseable {
-    private static final long PATIENCE_SECONDS = 10;
+    private static final Duration PATIENCE = Duration.ofSeconds(10);
 
     private final CountDownLatch reported = new CountDownLatch(1);
     private final Thread hook;
@@ -23,6 +24,7 @@ final class Interrupt implements AutoCloseable {
     private volatile @Nullable Runnable stop;
     private volatile int code = ExitCode.FAILURE;
     private volatile boolean asked;
+    private volatile Duration patience = PATIENCE;
 
     Interrupt(CommandSpec spec) {
         this.spec = spec;
@@ -36,6 +38,17 @@ final class Interrupt implements AutoCloseable {
      * @param asks the action; called on another thread
      */
     void stopWith(Runnable asks) {
+        stopWith(asks, PATIENCE);
+    }
+
+    /**
+     * Registers the action that makes the command stop.
+     *
+     * @param asks the action; called on another thread
+     * @param limit time after which the process ends without a report
+     */
+    void stopWith(Runnable asks, Duration limit) {
+        patience = limit;
         stop = asks;
     }
 
@@ -76,10 +89,10 @@ final class Interrupt implements AutoCloseable {
         asked = true;
         asks.run();
         try {
-            if (!reported.await(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
+            if (!reported.await(patience.toMillis(), TimeUnit.MILLISECONDS)) {
                 System.err.println(
                         "reve: asked to stop "
-                                + PATIENCE_SECONDS
+                                + patience.toSeconds()
                                 + " s ago and still busy, perhaps with a law that never returns; "
                                 + "ended without a report");
                 Runtime.getRuntime().halt(ExitCode.FAILURE);

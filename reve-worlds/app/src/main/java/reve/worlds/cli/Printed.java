@@ -28,7 +28,14 @@ enum Printed {
     };
 
     private static final Set<String> ALWAYS =
-            Set.of("ready", "standby", "fault", "snapshot-failed", "stalled", "recovered");
+            Set.of(
+                    "ready",
+                    "standby",
+                    "cluster",
+                    "fault",
+                    "snapshot-failed",
+                    "stalled",
+                    "recovered");
     private static final Set<String> NOW_AND_THEN =
             Set.of(
                     "joined",

@@ -18,7 +18,10 @@ import reve.core.file.WorldFileException;
 import reve.core.file.WorldPack;
 import reve.core.frame.Pacing;
 import reve.core.mesh.AssetException;
+import reve.worlds.cluster.ClusterNode;
+import reve.worlds.cluster.NodeSettings;
 import reve.worlds.journal.JournalSink;
+import reve.worlds.journal.PostgresCatalog;
 import reve.worlds.journal.PostgresStore;
 import reve.worlds.journal.PostgresUrl;
 import reve.worlds.journal.RecordingPlan;
@@ -29,6 +32,7 @@ import reve.worlds.server.Persistence;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.ServerReport;
 import reve.worlds.server.WatchdogPlan;
+import reve.worlds.server.WorldHost;
 import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
 import reve.worlds.web.PageWorld;
@@ -40,8 +44,12 @@ import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
+import java.security.MessageDigest;
+import java.security.NoSuchAlgorithmException;
 import java.time.Duration;
 import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.HexFormat;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -73,14 +81,18 @@ public final class ServeCommand implements Callable<Integer> {
 
     private static final Duration LAST_WORDS = Duration.ofSeconds(1);
 
+    /** Maximum time in which a node hands its worlds over and leaves the cluster. */
+    private static final Duration LEAVING = Duration.ofSeconds(90);
+
     @Spec private CommandSpec spec = CommandSpec.create();
 
     @Parameters(
             paramLabel = "WORLD",
-            arity = "1..*",
+            arity = "0..*",
             description =
                     "World files, or folders that hold a world.yaml. Each world runs by itself. With a"
-                            + " --store URL, also names of worlds that the database has.")
+                            + " --store URL, also names of worlds that the database has. A node of"
+                            + " a --cluster adds these worlds to the database, and needs none.")
     private List<Path> paths = new ArrayList<>();
 
     @Mixin private ListenOptions listen = new ListenOptions();
@@ -129,6 +141,9 @@ public final class ServeCommand implements Callable<Integer> {
                             + " that several servers share.")
     private Optional<StoreArgument> store = Optional.empty();
 
+    /** Worlds of a cluster by name and content of their pack. Guarded by itself. */
+    private final Map<String, WorldArgument> unpacked = new HashMap<>();
+
     /** Packs of worlds for a shared store, which are removed when the store has them. */
     private final List<Path> packs = new ArrayList<>();
 
@@ -156,6 +171,8 @@ public final class ServeCommand implements Callable<Integer> {
                     "Wait until the server that has the world ends or is lost, then continue the"
                             + " world. Takes one world and a --store URL.")
     private boolean standby;
+
+    @Mixin private ClusterOptions cluster = new ClusterOptions();
 
     @Mixin private RecordOptions record = new RecordOptions();
 
@@ -241,11 +258,18 @@ public final class ServeCommand implements Callable<Integer> {
     @Override
     public Integer call() throws Exception {
         try (Interrupt interrupt = new Interrupt(spec)) {
+            if (cluster.isGiven()) {
+                return interrupt.endsWith(serveInCluster(interrupt));
+            }
+            cluster.requireNone();
             return interrupt.endsWith(serve(interrupt).failed());
         }
     }
 
     private ServerReport serve(Interrupt interrupt) throws Exception {
+        if (paths.isEmpty()) {
+            throw new ParameterException(spec.commandLine(), "Missing required parameter: 'WORLD'");
+        }
         AgentServerConfig agents = agents();
         listen.web();
         requireWatchdog();
@@ -253,12 +277,7 @@ public final class ServeCommand implements Callable<Integer> {
         requireOwnFiles();
         requireStandby();
         List<WorldPlan> plans = standby ? List.of() : plans();
-        try (EventPrinter events =
-                new EventPrinter(
-                        (LinePrinter) spec.commandLine().getOut(),
-                        spec.commandLine().getErr(),
-                        json,
-                        printed.printed())) {
+        try (EventPrinter events = events()) {
             WorldServer server =
                     standby ? successor(agents, events) : server(plans, agents, events);
             interrupt.stopWith(server::stop);
@@ -273,6 +292,138 @@ public final class ServeCommand implements Callable<Integer> {
             events.end(report);
             return report;
         }
+    }
+
+    /** Serves worlds as a node of a cluster; returns whether the node or a world failed. */
+    private boolean serveInCluster(Interrupt interrupt) throws Exception {
+        requireOptionsOfNodes();
+        requireWatchdog();
+        requireStoreEvery();
+        requireOwnFiles();
+        NodeSettings settings = cluster.settings(store);
+        cluster.warn(settings);
+        AgentServerConfig agents = agents();
+        if (agents.address().getAddress().isAnyLocalAddress()) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--listen "
+                            + agents.address().getHostString()
+                            + " stands for all addresses of this machine; in a cluster, name the"
+                            + " one at which agents on other machines reach it");
+        }
+        LawPath lawPath = lawPath();
+        Map<String, Path> added = packedWorlds();
+        makeFolders();
+        try (EventPrinter events = events()) {
+            boolean wasRemoved;
+            WorldHost host =
+                    new WorldHost(
+                            fast ? Pacing.FAST : Pacing.REAL_TIME,
+                            agents,
+                            laws.folder(),
+                            watchdog(events),
+                            events);
+            try (host;
+                    ClusterNode node =
+                            ClusterNode.start(
+                                    settings, host, name -> planInCluster(name, lawPath), events)) {
+                interrupt.stopWith(node::stop, LEAVING);
+                node.awaitUp();
+                addWorlds(settings.database(), added);
+                wasRemoved = node.await().isPresent();
+            }
+            ServerReport report = host.report();
+            events.end(report);
+            return wasRemoved || report.failed();
+        }
+    }
+
+    private void requireOptionsOfNodes() {
+        Map<String, Boolean> foreign = new LinkedHashMap<>();
+        foreign.put("--standby", standby);
+        foreign.put("--seconds", seconds.isPresent());
+        foreign.put("--record", record.file().isPresent());
+        foreign.put("--snapshot-at", !snapshotAt.isEmpty());
+        foreign.put("--web", listen.web().isPresent());
+        foreign.forEach(
+                (option, isGiven) -> {
+                    if (isGiven) {
+                        throw new ParameterException(
+                                spec.commandLine(),
+                                option
+                                        + " is for a server whose worlds are known when it starts;"
+                                        + " found --cluster, whose nodes get worlds and lose"
+                                        + " them");
+                    }
+                });
+    }
+
+    /** Packs the worlds of the command line, except those that are in the database only. */
+    private Map<String, Path> packedWorlds() throws Exception {
+        Map<String, Path> packed = new LinkedHashMap<>();
+        for (Path path : paths) {
+            WorldArgument world = world(path);
+            String name = engine.of(spec, world.read()).name();
+            Optional<Path> pack = packOf(world);
+            pack.ifPresent(file -> packed.put(name, file));
+        }
+        return packed;
+    }
+
+    /** Adds worlds to the database, unless it has worlds of these names. */
+    private void addWorlds(PostgresUrl url, Map<String, Path> added) throws IOException {
+        try (PostgresCatalog catalog = new PostgresCatalog(url)) {
+            for (Map.Entry<String, Path> world : added.entrySet()) {
+                catalog.add(world.getKey(), world.getValue());
+            }
+        } finally {
+            removePacks();
+        }
+    }
+
+    private WorldPlan planInCluster(String name, LawPath lawPath)
+            throws IOException, WorldFileException {
+        PostgresUrl url = database().orElseThrow();
+        byte[] pack =
+                PostgresStore.pack(url, name)
+                        .orElseThrow(
+                                () ->
+                                        new NoSuchFileException(
+                                                url + " has no pack of the world " + name));
+        WorldArgument world = unpacked(name, pack);
+        WorldDescription description = engine.of(spec, world.read());
+        return plan(
+                description,
+                world.folder(),
+                Optional.of(new StoreAddress.InDatabase(url, name, Optional.empty())),
+                lawPath);
+    }
+
+    /** Returns the files of a pack, which this process unpacks once. */
+    private WorldArgument unpacked(String name, byte[] pack) throws IOException {
+        String content;
+        try {
+            byte[] digest = MessageDigest.getInstance("SHA-256").digest(pack);
+            content = name + " " + HexFormat.of().formatHex(digest);
+        } catch (NoSuchAlgorithmException e) {
+            throw new IllegalStateException("each Java has SHA-256", e);
+        }
+        synchronized (unpacked) {
+            WorldArgument known = unpacked.get(content);
+            if (known == null) {
+                known = WorldArgument.unpacked(name, pack);
+                unpacked.put(content, known);
+            }
+            return known;
+        }
+    }
+
+    private EventPrinter events() {
+        return new EventPrinter(
+                (LinePrinter) spec.commandLine().getOut(),
+                spec.commandLine().getErr(),
+                json,
+                printed.printed());
     }
 
     private void requireStandby() {
@@ -337,11 +488,15 @@ public final class ServeCommand implements Callable<Integer> {
                     watchdog(events),
                     events);
         } finally {
-            for (Path pack : packs) {
-                Files.deleteIfExists(pack);
-            }
-            packs.clear();
+            removePacks();
         }
+    }
+
+    private void removePacks() throws IOException {
+        for (Path pack : packs) {
+            Files.deleteIfExists(pack);
+        }
+        packs.clear();
     }
 
     private @Nullable WebServer page(AgentServerConfig agents, WorldServer server)
@@ -358,9 +513,7 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException, AssetException {
-        LawPath lawPath =
-                engine.of(laws.path(spec, LAW_DEADLINE, READY_WORLDS))
-                        .without(Set.copyOf(withoutLaws));
+        LawPath lawPath = lawPath();
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = world(path);
@@ -379,6 +532,11 @@ public final class ServeCommand implements Callable<Integer> {
         }
         makeFolders();
         return List.copyOf(plans.values());
+    }
+
+    private LawPath lawPath() throws IOException {
+        return engine.of(laws.path(spec, LAW_DEADLINE, READY_WORLDS))
+                .without(Set.copyOf(withoutLaws));
     }
 
     private Optional<PostgresUrl> database() {
@@ -419,18 +577,23 @@ public final class ServeCommand implements Callable<Integer> {
         if (database().isEmpty()) {
             return fileOf(storeFile(), name + ".db").map(StoreAddress.InFile::new);
         }
-        Optional<Path> pack = Optional.empty();
-        if (Files.exists(world.shown())) {
-            Path file = Files.createTempFile("reve-", WorldPack.ENDING);
-            packs.add(file);
-            if (world.isPack()) {
-                Files.copy(world.shown(), file, StandardCopyOption.REPLACE_EXISTING);
-            } else {
-                WorldPack.write(file, PackedFiles.of(spec, world, laws.folder()).files());
-            }
-            pack = Optional.of(file);
+        return Optional.of(new StoreAddress.InDatabase(database().get(), name, packOf(world)));
+    }
+
+    /** Packs a world; returns empty if it is in the database only. */
+    private Optional<Path> packOf(WorldArgument world)
+            throws IOException, WorldFileException, AssetException {
+        if (!Files.exists(world.shown())) {
+            return Optional.empty();
         }
-        return Optional.of(new StoreAddress.InDatabase(database().get(), name, pack));
+        Path file = Files.createTempFile("reve-", WorldPack.ENDING);
+        packs.add(file);
+        if (world.isPack()) {
+            Files.copy(world.shown(), file, StandardCopyOption.REPLACE_EXISTING);
+        } else {
+            WorldPack.write(file, PackedFiles.of(spec, world, laws.folder()).files());
+        }
+        return Optional.of(file);
     }
 
     /** Refuses two options that would write to the same file, before any file is opened. */
@@ -526,7 +689,7 @@ public final class ServeCommand implements Callable<Integer> {
             Optional<StoreAddress> address,
             LawPath lawPath) {
         Optional<Path> ownSaves =
-                saves.map(all -> paths.size() > 1 ? all.resolve(description.name()) : all);
+                saves.map(all -> isOfSeveral() ? all.resolve(description.name()) : all);
         makeFolder("--saves", saves);
         makeFolder("--saves", ownSaves);
         List<Long> pictureFrames = new ArrayList<>();
@@ -546,6 +709,11 @@ public final class ServeCommand implements Callable<Integer> {
                 new Pictures(snapshots, pictureFrames),
                 lawPath.forWorld(folder),
                 swaps.plan(spec));
+    }
+
+    /** Returns whether the server may have several worlds. */
+    private boolean isOfSeveral() {
+        return paths.size() > 1 || cluster.isGiven();
     }
 
     private Optional<RecordingPlan> recording(String world) {

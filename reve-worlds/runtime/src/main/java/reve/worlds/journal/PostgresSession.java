@@ -61,33 +61,58 @@ final class PostgresSession implements AutoCloseable {
     }
 
     /**
-     * Runs a single statement, which is a transaction by itself.
+     * Runs a single statement, which is a transaction by itself. If a connection that was open before
+     * is lost, runs the work once more, on a new connection. The database may have done the first
+     * work then.
      *
      * @param what the operation for messages, as a participle such as "read"
      * @throws IOException if the database refuses the statement or cannot be reached
      */
     synchronized <T> T run(String what, Work<T> work) throws IOException {
+        return repeated(what, () -> work.run(open()));
+    }
+
+    /**
+     * Runs work in a transaction. Either all of its changes take effect, or none. Runs it once more
+     * like {@link #run}.
+     */
+    synchronized <T> T transaction(String what, Work<T> work) throws IOException {
+        return repeated(
+                what,
+                () -> {
+                    Connection used = open();
+                    used.setAutoCommit(false);
+                    T result = work.run(used);
+                    used.commit();
+                    used.setAutoCommit(true);
+                    return result;
+                });
+    }
+
+    private interface Attempt<T> {
+        T run() throws SQLException, IOException;
+    }
+
+    private <T> T repeated(String what, Attempt<T> attempt) throws IOException {
+        boolean wasOpen = connection != null;
         try {
-            return work.run(open());
+            return attempt(attempt);
+        } catch (SQLException lost) {
+            if (!wasOpen || !PostgresTrouble.isAway(lost)) {
+                throw PostgresTrouble.of(url, what, lost);
+            }
+        }
+        try {
+            return attempt(attempt);
         } catch (SQLException e) {
-            drop(e);
             throw PostgresTrouble.of(url, what, e);
         }
     }
 
-    /** Runs work in a transaction. Either all of its changes take effect, or none. */
-    synchronized <T> T transaction(String what, Work<T> work) throws IOException {
+    private <T> T attempt(Attempt<T> attempt) throws SQLException, IOException {
         try {
-            Connection used = open();
-            used.setAutoCommit(false);
-            T result = work.run(used);
-            used.commit();
-            used.setAutoCommit(true);
-            return result;
-        } catch (SQLException e) {
-            drop(e);
-            throw PostgresTrouble.of(url, what, e);
-        } catch (IOException | RuntimeException e) {
+            return attempt.run();
+        } catch (SQLException | IOException | RuntimeException e) {
             drop(e);
             throw e;
         }

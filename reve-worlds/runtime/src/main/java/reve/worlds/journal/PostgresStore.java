@@ -35,7 +35,7 @@ public final class PostgresStore implements JournalSink {
     private static final int GENERATIONS = 3;
 
     /** Key of the lock under which the tables are created ("REVE"). */
-    private static final long CREATION_LOCK = 0x52455645L;
+    static final long CREATION_LOCK = 0x52455645L;
 
     /** Time for which a write keeps other servers from taking the world. */
     private static final String LEASE = "interval '10 s'"; // LEASE_SECONDS
@@ -173,7 +173,7 @@ public final class PostgresStore implements JournalSink {
             long frame,
             String agents,
             String lease) {
-        private static World read(ResultSet row) throws SQLException {
+        static World read(ResultSet row) throws SQLException {
             boolean isOwned = row.getBoolean(4);
             return new World(
                     row.getString(1),
@@ -295,20 +295,21 @@ public final class PostgresStore implements JournalSink {
      * @throws IOException if the database is away
      */
     public static List<World> worlds(PostgresUrl url) throws IOException {
-        return reading(
-                url,
-                List.of(),
-                connection ->
-                        PostgresSession.query(
-                                connection,
-                                WORLDS + " ORDER BY name COLLATE \"C\"",
-                                rows -> {
-                                    List<World> found = new ArrayList<>();
-                                    while (rows.next()) {
-                                        found.add(World.read(rows));
-                                    }
-                                    return List.copyOf(found);
-                                }));
+        return reading(url, List.of(), PostgresStore::worlds);
+    }
+
+    /** Returns the worlds of a database that has the tables, by name. */
+    static List<World> worlds(Connection connection) throws SQLException {
+        return PostgresSession.query(
+                connection,
+                WORLDS + " ORDER BY name COLLATE \"C\"",
+                rows -> {
+                    List<World> found = new ArrayList<>();
+                    while (rows.next()) {
+                        found.add(World.read(rows));
+                    }
+                    return List.copyOf(found);
+                });
     }
 
     /**
@@ -461,7 +462,8 @@ public final class PostgresStore implements JournalSink {
         return Optional.of(version);
     }
 
-    private static boolean createTables(Connection connection) throws SQLException {
+    /** Creates the tables in a database that has none; returns whether it did. */
+    static boolean createTables(Connection connection) throws SQLException {
         if (requireVersion(connection).isPresent()) {
             return false;
         }
@@ -684,8 +686,7 @@ public final class PostgresStore implements JournalSink {
                     case JournalRecord.Image _ ->
                             throw new IllegalStateException("an image needs a place");
                 };
-        if (rows == 0) {
-            requireOwned();
+        if (rows == 0 && !isDone(record, end())) {
             throw new GapException(
                     address
                             + " does not end with frame "
@@ -699,23 +700,36 @@ public final class PostgresStore implements JournalSink {
         }
     }
 
-    /** Finds out whether this server still has the world. */
-    private void requireOwned() throws IOException {
-        boolean isOwned =
+    /** Returns whether the write of a frame was done by a connection that was lost afterwards. */
+    private static boolean isDone(JournalRecord record, long end) {
+        return record instanceof JournalRecord.Frame frame && frame.frame() == end;
+    }
+
+    /**
+     * Returns the frame with which the world ends in the database.
+     *
+     * @throws LostException if another server has the world
+     */
+    private long end() throws IOException {
+        OptionalLong end =
                 frames.run(
                         "read",
                         connection ->
                                 PostgresSession.query(
                                         connection,
-                                        "SELECT 1 FROM reve.world WHERE name = ? AND epoch = ? AND"
-                                                + " owner = ?",
-                                        ResultSet::next,
+                                        "SELECT frame FROM reve.world WHERE name = ? AND epoch = ?"
+                                                + " AND owner = ?",
+                                        rows ->
+                                                rows.next()
+                                                        ? OptionalLong.of(rows.getLong(1))
+                                                        : OptionalLong.empty(),
                                         world,
                                         epoch,
                                         self));
-        if (!isOwned) {
+        if (end.isEmpty()) {
             throw lose();
         }
+        return end.getAsLong();
     }
 
     @Override

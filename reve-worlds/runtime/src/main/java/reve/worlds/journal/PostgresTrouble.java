@@ -22,11 +22,16 @@ final class PostgresTrouble {
     static IOException of(PostgresUrl url, String what, SQLException e) {
         String message = url + " could not be " + what + ": " + reason(url, e);
         IOException trouble =
-                AWAY.contains(stateClass(e))
+                isAway(e)
                         ? new JournalSink.AwayException(message)
                         : new IOException(message);
         trouble.initCause(e);
         return trouble;
+    }
+
+    /** Returns whether the database cannot be reached at present. */
+    static boolean isAway(SQLException e) {
+        return AWAY.contains(stateClass(e));
     }
 
     /** Returns the first two characters of the state, which name the kind of the failure. */

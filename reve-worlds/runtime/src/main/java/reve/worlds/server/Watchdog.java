@@ -11,6 +11,7 @@ import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
+import java.util.concurrent.CopyOnWriteArrayList;
 import java.util.concurrent.locks.LockSupport;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
@@ -29,7 +30,7 @@ final class Watchdog implements AutoCloseable {
     private static final Pattern JDK = Pattern.compile("(java|javax|jdk|sun)\\.");
 
     private final WatchdogPlan plan;
-    private final List<Watched> worlds;
+    private final List<Watched> worlds = new CopyOnWriteArrayList<>();
     private final long periodNanos;
     private final Thread thread = new Thread(this::watch, "watchdog");
     private volatile boolean closed;
@@ -39,7 +40,7 @@ final class Watchdog implements AutoCloseable {
 
     Watchdog(WatchdogPlan plan, List<Subject> worlds) {
         this.plan = plan;
-        this.worlds = worlds.stream().map(Watched::new).toList();
+        worlds.forEach(this::add);
         this.periodNanos = Math.min(plan.limit().toNanos() / LOOKS_PER_LIMIT, MAX_PERIOD_NANOS);
         thread.setDaemon(true);
     }
@@ -49,6 +50,16 @@ final class Watchdog implements AutoCloseable {
         if (!plan.limit().isZero()) {
             thread.start();
         }
+    }
+
+    /** Watches another world. For any thread. */
+    void add(Subject subject) {
+        worlds.add(new Watched(subject));
+    }
+
+    /** Watches a world no longer. For any thread. */
+    void remove(Subject subject) {
+        worlds.removeIf(watched -> watched.subject == subject);
     }
 
     @Override

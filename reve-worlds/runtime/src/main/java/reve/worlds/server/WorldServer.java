@@ -65,7 +65,10 @@ public final class WorldServer implements AutoCloseable {
         this.events = events;
         try {
             for (WorldPlan plan : plans) {
-                ServerEvents own = plans.size() == 1 ? events : eventsOf(plan.description().name());
+                ServerEvents own =
+                        plans.size() == 1
+                                ? events
+                                : new NamedEvents(plan.description().name(), events);
                 worlds.add(closing.add(new HostedWorld(plan, pacing, lawsFolder, own)));
             }
             descriptions = plans.stream().map(WorldPlan::description).toList();
@@ -93,24 +96,6 @@ public final class WorldServer implements AutoCloseable {
         fields.put("source", source);
         fields.put("message", message);
         return fields;
-    }
-
-    /** Returns a listener that adds the name of the world to each event. */
-    private ServerEvents eventsOf(String world) {
-        return new ServerEvents() {
-            @Override
-            public void happened(String event, Map<String, Object> fields) {
-                Map<String, Object> all = new LinkedHashMap<>();
-                all.put("world", world);
-                fields.forEach(all::putIfAbsent); // an event cannot replace the name
-                events.happened(event, all);
-            }
-
-            @Override
-            public boolean wants(String event) {
-                return events.wants(event);
-            }
-        };
     }
 
     /**

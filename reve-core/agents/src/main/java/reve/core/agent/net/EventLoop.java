@@ -114,6 +114,11 @@ public final class EventLoop {
         return !thread.isAlive();
     }
 
+    /** Returns whether the loop's own thread runs. */
+    public boolean isRunning() {
+        return thread.isAlive();
+    }
+
     /** Runs a task on the thread that runs the loop. */
     public void later(Runnable task) {
         tasks.add(task);

@@ -129,13 +129,20 @@ public final class ServedWorld implements AutoCloseable {
     /** Ends the world: sends {@code bye} to all its clients. */
     public void end() {
         ended = true;
-        sessions.values()
-                .forEach(
-                        session ->
-                                session.end(
-                                        CloseReason.regular(
-                                                "closing",
-                                                "the world " + Text.quote(name()) + " ends")));
+        sessions.values().forEach(session -> session.end(ends()));
+    }
+
+    /**
+     * Ends the world and all sessions, also those whose clients may reconnect. For the event loop's
+     * thread.
+     */
+    public void dismiss() {
+        ended = true;
+        sessions.values().forEach(session -> session.dismiss(ends()));
+    }
+
+    private CloseReason ends() {
+        return CloseReason.regular("closing", "the world " + Text.quote(name()) + " ends");
     }
 
     /** Unsubscribes from the frames of the world. */

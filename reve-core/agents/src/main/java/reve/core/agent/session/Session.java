@@ -505,8 +505,13 @@ public final class Session implements Client, Perceiver {
         CloseReason why =
                 CloseReason.cut(
                         "token-revoked", "your token was revoked or changed, or has expired");
+        dismiss(why); // the leave has no effect if the session has a connection again
+    }
+
+    /** Ends the session, and its connection, if there is one. */
+    void dismiss(CloseReason why) {
         end(why);
-        leave(why.code()); // has no effect if the session has a connection again
+        leave(why.code());
     }
 
     private void leave(String reason) {

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.cluster;
+
+import org.apache.pekko.coordination.lease.LeaseSettings;
+import org.apache.pekko.coordination.lease.javadsl.Lease;
+
+import reve.worlds.journal.PostgresCatalog;
+import reve.worlds.journal.PostgresUrl;
+
+import java.io.IOException;
+import java.time.Duration;
+import java.util.Optional;
+import java.util.UUID;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.CompletionException;
+import java.util.concurrent.CompletionStage;
+import java.util.concurrent.Executor;
+import java.util.concurrent.locks.LockSupport;
+import java.util.function.Consumer;
+
+/**
+ * A lease in the database of the worlds. If the nodes of a cluster are divided, the part that takes
+ * the lease continues. The owner extends the lease until it releases it. For any thread.
+ *
+ * <p>Pekko creates the object, from the section {@code reve.lease} of the configuration.
+ */
+public final class DatabaseLease extends Lease {
+    /** Interval between two attempts to reach the database [ns]. */
+    private static final long ATTEMPT_NANOSECONDS = 250_000_000L;
+
+    private static final Executor THREADS =
+            task -> Thread.ofVirtual().name("lease of a cluster").start(task);
+
+    private final LeaseSettings settings;
+    private final String owner;
+    private final Duration length;
+    private final PostgresCatalog catalog;
+    private volatile boolean held;
+    private volatile long confirmedNanos;
+
+    /** Creates the lease without taking it; connects at the first use. */
+    public DatabaseLease(LeaseSettings settings) {
+        PostgresUrl database =
+                PostgresUrl.find(settings.leaseConfig().getString("store")).orElseThrow();
+        this.settings = settings;
+        this.owner = settings.ownerName() + " " + UUID.randomUUID();
+        this.length = settings.timeoutSettings().getHeartbeatTimeout();
+        this.catalog = new PostgresCatalog(database);
+    }
+
+    @Override
+    public LeaseSettings getSettings() {
+        return settings;
+    }
+
+    @Override
+    public CompletionStage<Boolean> acquire() {
+        return acquire(_ -> {});
+    }
+
+    @Override
+    public CompletionStage<Boolean> acquire(Consumer<Optional<Throwable>> leaseLost) {
+        return CompletableFuture.supplyAsync(this::take, THREADS)
+                .whenComplete(
+                        (isTaken, failure) -> {
+                            if (failure == null && isTaken) {
+                                THREADS.execute(() -> extend(leaseLost));
+                            }
+                        });
+    }
+
+    /** Takes the lease. While the database is away, tries again for the limit of an operation. */
+    private boolean take() {
+        long end = System.nanoTime() + settings.timeoutSettings().getOperationTimeout().toNanos();
+        while (true) {
+            long now = System.nanoTime();
+            try {
+                boolean isTaken = catalog.takeLease(settings.leaseName(), owner, length);
+                if (isTaken) {
+                    confirmedNanos = now;
+                    held = true;
+                }
+                return isTaken;
+            } catch (IOException away) {
+                if (now - end > 0) {
+                    throw new CompletionException(away);
+                }
+                LockSupport.parkNanos(ATTEMPT_NANOSECONDS);
+            }
+        }
+    }
+
+    private void extend(Consumer<Optional<Throwable>> leaseLost) {
+        while (held) {
+            LockSupport.parkNanos(settings.timeoutSettings().getHeartbeatInterval().toNanos());
+            Optional<Throwable> failure = Optional.empty();
+            boolean isLost;
+            synchronized (catalog) { // a lease that was released must not be taken again
+                if (!held) {
+                    return;
+                }
+                long now = System.nanoTime();
+                boolean isDenied = false;
+                try {
+                    isDenied = !catalog.takeLease(settings.leaseName(), owner, length);
+                    confirmedNanos = isDenied ? confirmedNanos : now;
+                } catch (IOException away) {
+                    failure = Optional.of(away);
+                }
+                isLost = isDenied || !isConfirmed();
+                held = !isLost;
+            }
+            if (isLost) {
+                leaseLost.accept(failure);
+            }
+        }
+    }
+
+    private boolean isConfirmed() {
+        return System.nanoTime() - confirmedNanos < length.toNanos();
+    }
+
+    @Override
+    public CompletionStage<Boolean> release() {
+        held = false;
+        return CompletableFuture.supplyAsync(
+                () -> {
+                    try {
+                        synchronized (catalog) {
+                            catalog.endLease(settings.leaseName(), owner);
+                        }
+                        return true;
+                    } catch (IOException away) {
+                        throw new CompletionException(away);
+                    }
+                },
+                THREADS);
+    }
+
+    @Override
+    public boolean checkLease() {
+        return held && isConfirmed();
+    }
+}

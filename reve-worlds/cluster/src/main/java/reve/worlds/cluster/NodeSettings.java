@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.cluster;
+
+import reve.worlds.journal.PostgresUrl;
+
+import java.util.List;
+
+/**
+ * The settings of a node of a cluster.
+ *
+ * @param cluster name of the cluster, the same for all nodes
+ * @param listen address at which the node reaches the others; port 0 selects a free one
+ * @param seeds nodes through which the node joins; with none, it begins a new cluster
+ * @param store text of the database's URL, with its settings
+ */
+public record NodeSettings(
+        String cluster, NodeAddress listen, List<NodeAddress> seeds, String store) {
+    /** Form of the name of a cluster. */
+    public static final String NAME = "[A-Za-z0-9][A-Za-z0-9-]{0,63}";
+
+    /**
+     * Copies the list of seeds.
+     *
+     * @throws IllegalArgumentException if the name or the URL has another form
+     */
+    public NodeSettings {
+        if (!cluster.matches(NAME)) {
+            throw new IllegalArgumentException(
+                    "the cluster is called '"
+                            + cluster
+                            + "', expected 1 to 64 of A-Z a-z 0-9 - that begin with a letter or a"
+                            + " digit");
+        }
+        if (PostgresUrl.find(store).isEmpty()) {
+            throw new IllegalArgumentException(
+                    "the store of a cluster is " + store + ", expected the URL of a database");
+        }
+        seeds = List.copyOf(seeds);
+    }
+
+    /** Returns the database. */
+    public PostgresUrl database() {
+        return PostgresUrl.find(store).orElseThrow();
+    }
+}

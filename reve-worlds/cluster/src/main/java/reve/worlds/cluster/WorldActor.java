@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.cluster;
+
+import org.apache.pekko.actor.typed.Behavior;
+import org.apache.pekko.actor.typed.PostStop;
+import org.apache.pekko.actor.typed.javadsl.AbstractBehavior;
+import org.apache.pekko.actor.typed.javadsl.ActorContext;
+import org.apache.pekko.actor.typed.javadsl.Behaviors;
+import org.apache.pekko.actor.typed.javadsl.Receive;
+import org.jspecify.annotations.Nullable;
+
+import reve.worlds.server.WorldHost;
+
+import java.util.Optional;
+import java.util.concurrent.TimeUnit;
+import java.util.function.Consumer;
+
+/**
+ * One world of a cluster, on the node that runs it. Cluster sharding creates the actor when the
+ * first {@link WorldCommand.Wake} reaches the node, and sends {@link WorldCommand.Stop} before it
+ * places the world elsewhere. The world itself has a thread of its own.
+ */
+final class WorldActor extends AbstractBehavior<WorldCommand> {
+    /**
+     * Time after which a world that could not be opened, or has ended, is opened again [ns]. The
+     * reason may need a person, for example a law that this node may not open.
+     */
+    private static final long RETRY_NANOSECONDS = TimeUnit.SECONDS.toNanos(30);
+
+    private final Opener opener;
+    private WorldHost.@Nullable Hosting hosting;
+    private boolean stops;
+    private boolean hasFailed;
+    private long failedNanos;
+
+    /** Opens the world of an actor. */
+    interface Opener {
+        /**
+         * @param whenClosed is called on any thread, with the reason unless the world was stopped
+         */
+        WorldHost.Hosting open(Consumer<Optional<String>> whenClosed);
+    }
+
+    private WorldActor(ActorContext<WorldCommand> context, Opener opener) {
+        super(context);
+        this.opener = opener;
+    }
+
+    static Behavior<WorldCommand> of(Opener opener) {
+        return Behaviors.setup(context -> new WorldActor(context, opener));
+    }
+
+    @Override
+    public Receive<WorldCommand> createReceive() {
+        return newReceiveBuilder()
+                .onMessage(WorldCommand.Wake.class, _ -> wake())
+                .onMessage(WorldCommand.Stop.class, _ -> stop())
+                .onMessage(WorldCommand.Closed.class, this::closed)
+                .onSignal(PostStop.class, _ -> stopped())
+                .build();
+    }
+
+    private Behavior<WorldCommand> wake() {
+        boolean waits = hasFailed && System.nanoTime() - failedNanos < RETRY_NANOSECONDS;
+        if (hosting == null && !stops && !waits) {
+            var self = getContext().getSelf();
+            try {
+                hosting = opener.open(reason -> self.tell(new WorldCommand.Closed(reason)));
+            } catch (IllegalStateException stillClosing) {
+                // An earlier actor of this world was ended at once, and its world is not closed
+                // yet. The next message opens it.
+            }
+        }
+        return this;
+    }
+
+    private Behavior<WorldCommand> stop() {
+        stops = true;
+        if (hosting == null) {
+            return Behaviors.stopped();
+        }
+        hosting.stop();
+        return this;
+    }
+
+    private Behavior<WorldCommand> closed(WorldCommand.Closed closed) {
+        hosting = null;
+        hasFailed = closed.reason().isPresent();
+        failedNanos = System.nanoTime();
+        return stops ? Behaviors.stopped() : this;
+    }
+
+    /** Closes the world if the actor ends without a message, because the node ends. */
+    private Behavior<WorldCommand> stopped() {
+        if (hosting != null) {
+            hosting.stop();
+        }
+        return this;
+    }
+}

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterAll;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeAll;
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+import reve.agent.Join;
+import reve.tests.Reve.Outcome;
+import reve.worlds.journal.PostgresStore;
+import reve.worlds.journal.PostgresUrl;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Random;
+import java.util.TreeMap;
+import java.util.concurrent.TimeUnit;
+import java.util.concurrent.locks.LockSupport;
+import java.util.function.Predicate;
+import java.util.stream.Collectors;
+
+/** Nodes of a cluster, each a process of its own, which share the worlds of a database. */
+@Tag("slow")
+class ClusterIT {
+    private static final int NODES = 3;
+    private static final int RATE = 20;
+    private static final long PATIENCE_SECONDS = 90;
+    private static final List<String> WORLDS = List.of("w1", "w2", "w3", "w4", "w5", "w6");
+    private static final long SEED = Long.getLong("reve.test.seed", 20261129);
+
+    /** 100 in a long run. */
+    private static final int KILLS = Integer.getInteger("reve.test.cluster.kills", 1);
+
+    private static Postgres postgres;
+    private static int databases;
+
+    @TempDir private Path folder;
+    private final List<Node> nodes = new ArrayList<>();
+    private String url;
+    private int started;
+
+    /**
+     * @param address where other nodes reach it
+     * @param agents where agents reach it
+     */
+    private record Node(Server server, String address, String agents) {
+        JsonNode ready(String world, long epoch) throws IOException {
+            return server.events()
+                    .await(
+                            "ready",
+                            event ->
+                                    event.path("world").asString().equals(world)
+                                            && event.path("epoch").asLong() == epoch);
+        }
+
+        JsonNode cluster(String status, String other) throws IOException {
+            return server.events()
+                    .await(
+                            "cluster",
+                            event ->
+                                    event.path("status").asString().equals(status)
+                                            && event.path("node").asString().equals(other));
+        }
+    }
+
+    @BeforeAll
+    static void start() throws Exception {
+        postgres = new Postgres();
+    }
+
+    @AfterAll
+    static void stop() throws Exception {
+        postgres.close();
+    }
+
+    @AfterEach
+    void endNodes() {
+        nodes.forEach(node -> node.server().close());
+    }
+
+    private void database() throws Exception {
+        url = postgres.create("cluster" + ++databases);
+    }
+
+    private Server launch(String... more) throws IOException {
+        List<String> arguments =
+                new ArrayList<>(
+                        List.of("serve", "--cluster", "lab", "--port", "0", "--json", "--store"));
+        arguments.add(url);
+        arguments.addAll(List.of(more));
+        return Server.start(
+                Files.createDirectory(folder.resolve("node" + ++started)),
+                arguments.toArray(String[]::new));
+    }
+
+    /** Waits until a node listens. Its events are read from now on. */
+    private Node node(Server server) throws IOException {
+        JsonNode starts =
+                server.events()
+                        .await(
+                                "cluster",
+                                event -> event.path("status").asString().equals("starts"));
+        Node node =
+                new Node(server, starts.path("node").asString(), starts.path("agents").asString());
+        nodes.add(node);
+        return node;
+    }
+
+    /** Starts nodes through a first one; the last of them adds the worlds. */
+    private void startCluster(int count, List<String> worlds) throws IOException {
+        Node first = node(launch());
+        List<Server> others = new ArrayList<>();
+        for (int i = 2; i <= count; i++) {
+            List<String> more = new ArrayList<>(List.of("--seed", first.address()));
+            if (i == count) {
+                for (String world : worlds) {
+                    more.add(world(world).toString());
+                }
+            }
+            others.add(launch(more.toArray(String[]::new)));
+        }
+        for (Server other : others) {
+            node(other);
+        }
+        for (Node node : nodes) {
+            first.cluster("up", node.address());
+        }
+    }
+
+    /** Writes a world of this name: two bodies at 20 frames a second. */
+    private Path world(String name) throws IOException {
+        Path file = folder.resolve(name + ".yaml");
+        String sample = Files.readString(Project.WORLDS.resolve("spring-orbit/world.yaml"));
+        Files.writeString(
+                file,
+                sample.replace("name: spring-orbit", "name: " + name)
+                        .replace("rate: 60, steps: 4", "rate: " + RATE + ", steps: 12"));
+        return file;
+    }
+
+    private Map<String, PostgresStore.World> worlds() throws IOException {
+        Map<String, PostgresStore.World> worlds = new TreeMap<>();
+        for (PostgresStore.World world :
+                PostgresStore.worlds(PostgresUrl.find(url).orElseThrow())) {
+            worlds.put(world.name(), world);
+        }
+        return worlds;
+    }
+
+    /** Waits until all worlds run and meet a condition. */
+    private Map<String, PostgresStore.World> awaitAll(
+            List<String> names, Predicate<PostgresStore.World> wanted) throws IOException {
+        long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(PATIENCE_SECONDS);
+        while (true) {
+            Map<String, PostgresStore.World> now = worlds();
+            if (now.keySet().containsAll(names)
+                    && names.stream()
+                            .map(now::get)
+                            .allMatch(world -> !world.agents().isEmpty() && wanted.test(world))) {
+                return now;
+            }
+            if (System.nanoTime() > end) {
+                StringBuilder errors = new StringBuilder();
+                for (int i = 1; i <= started; i++) {
+                    errors.append(Files.readString(folder.resolve("node" + i + "/server.err")));
+                }
+                throw new AssertionError("the worlds do not run: " + now + "\n" + errors);
+            }
+            LockSupport.parkNanos(100_000_000);
+        }
+    }
+
+    private Node ownerOf(PostgresStore.World world) {
+        return nodes.stream()
+                .filter(node -> node.agents().equals(world.agents()))
+                .findFirst()
+                .orElseThrow(() -> new AssertionError(world + " is at none of " + nodes));
+    }
+
+    /** Returns the hash of a world that makes this number of frames by itself. */
+    private String undisturbedHash(String world, long frames) throws Exception {
+        Outcome run =
+                Reve.run(
+                        "run",
+                        world(world).toString(),
+                        "--seconds",
+                        Double.toString((double) frames / RATE),
+                        "--json");
+        assertThat(run.code()).as(run.err()).isZero();
+        return new JsonMapper().readTree(run.out()).path("stateHash").asString();
+    }
+
+    /**
+     * A node is killed, first the oldest, which places the worlds; then others at random. All its
+     * worlds run on the other nodes, from the last frame that the database had, with the state of a
+     * world that was never disturbed. Then a node ends regularly, and hands its worlds over.
+     */
+    @Test
+    void theWorldsOfALostNodeRunOnTheOthers() throws Exception {
+        database();
+        Random random = new Random(SEED);
+        startCluster(NODES, WORLDS);
+        awaitBalance();
+        for (int kill = 1; kill <= KILLS; kill++) {
+            String which = "kill " + kill + " of seed " + SEED;
+            Map<String, PostgresStore.World> before = worlds();
+            Node victim = kill == 1 ? nodes.getFirst() : nodes.get(random.nextInt(nodes.size()));
+            List<String> lost =
+                    WORLDS.stream().filter(world -> ownerOf(before.get(world)) == victim).toList();
+            assertThat(lost).as(which).hasSize(WORLDS.size() / NODES);
+            victim.server().process().destroyForcibly().onExit().join();
+            nodes.remove(victim);
+            Map<String, PostgresStore.World> after =
+                    awaitAll(
+                            lost,
+                            world ->
+                                    world.epoch() > before.get(world.name()).epoch()
+                                            && world.isOwned());
+            for (String world : lost) {
+                PostgresStore.World old = before.get(world);
+                PostgresStore.World now = after.get(world);
+                assertThat(now.epoch()).as(which).isEqualTo(old.epoch() + 1);
+                JsonNode ready = ownerOf(now).ready(world, now.epoch());
+                long frame = ready.path("frame").asLong();
+                assertThat(frame).as(which).isGreaterThanOrEqualTo(old.frame());
+                assertThat(ready.path("stateHash").asString())
+                        .as("%s, %s at frame %s", which, world, frame)
+                        .isEqualTo(undisturbedHash(world, frame));
+            }
+            for (String world : WORLDS) {
+                if (!lost.contains(world)) {
+                    assertThat(after.get(world).epoch())
+                            .as("%s does not touch %s", which, world)
+                            .isEqualTo(before.get(world).epoch());
+                }
+            }
+            nodes.getFirst().cluster("lost", victim.address());
+            if (kill < KILLS) {
+                Node next = node(launch("--seed", nodes.getFirst().address()));
+                nodes.getFirst().cluster("up", next.address());
+                awaitBalance();
+            }
+        }
+        handsItsWorldsOver();
+    }
+
+    /** Waits until each node has its share of the worlds; a new node begins with none. */
+    private void awaitBalance() throws IOException {
+        long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(PATIENCE_SECONDS);
+        while (true) {
+            Map<String, Long> shares =
+                    awaitAll(WORLDS, world -> world.isOwned() && world.frame() > 0)
+                            .values()
+                            .stream()
+                            .collect(
+                                    Collectors.groupingBy(
+                                            PostgresStore.World::agents, Collectors.counting()));
+            if (shares.size() == NODES
+                    && shares.values().stream().allMatch(share -> share == WORLDS.size() / NODES)) {
+                return;
+            }
+            if (System.nanoTime() > end) {
+                throw new AssertionError("the nodes have these numbers of worlds: " + shares);
+            }
+            LockSupport.parkNanos(100_000_000);
+        }
+    }
+
+    private void handsItsWorldsOver() throws Exception {
+        Node leaves = nodes.getFirst();
+        Node stays = nodes.getLast();
+        Map<String, PostgresStore.World> before = worlds();
+        leaves.server().process().toHandle().destroy();
+        assertThat(leaves.server().exitCode()).isZero();
+        assertThat(leaves.server().events().untilEnd())
+                .noneMatch(event -> event.path("event").asString().equals("fault"))
+                .last()
+                .satisfies(end -> assertThat(end.path("event").asString()).isEqualTo("end"));
+        awaitAll(WORLDS, world -> world.agents().equals(stays.agents()));
+        String acted = WORLDS.getFirst();
+        String[] at = stays.agents().split(":");
+        try (AgentClient agent =
+                AgentClient.connect(
+                        at[0], Integer.parseInt(at[1]), Join.as("ada").withWorld(acted))) {
+            assertThat(agent.act("red", "paint", Map.of("colour", "#00ff00")).accepted()).isTrue();
+        }
+        stays.server().process().toHandle().destroy();
+        JsonNode end = stays.server().events().await("end", event -> true);
+        assertThat(stays.server().exitCode()).isZero();
+        Map<String, String> hashes = new HashMap<>();
+        for (JsonNode report : end.path("worlds")) {
+            hashes.put(report.path("world").asString(), report.path("stateHash").asString());
+        }
+        for (String world : List.of(acted, WORLDS.getLast())) {
+            Outcome checked = Reve.run("store", "check", url, "--world", world, "--json");
+            assertThat(checked.code()).as(checked.out() + checked.err()).isZero();
+            JsonNode store = new JsonMapper().readTree(checked.out());
+            assertThat(hashes.get(world)).isEqualTo(store.path("stateHash").asString());
+            assertThat(store.path("frame").asLong())
+                    .isGreaterThanOrEqualTo(before.get(world).frame());
+        }
+    }
+
+    @Test
+    void optionsThatDoNotFitAreRefused() throws Exception {
+        String world = Project.WORLDS.resolve("spring-orbit").toString();
+        String nowhere = "postgresql://reve@127.0.0.1:1/worlds";
+        Outcome file = Reve.run("serve", world, "--cluster", "lab", "--store", "my.db");
+        assertThat(file.code()).isEqualTo(2);
+        assertThat(file.err()).contains("--cluster takes --store postgresql://", "my.db");
+        Outcome alone = Reve.run("serve", world, "--seed", "127.0.0.1:2551");
+        assertThat(alone.code()).isEqualTo(2);
+        assertThat(alone.err()).contains("--seed takes --cluster NAME");
+        Outcome name = Reve.run("serve", "--cluster", "my lab", "--store", nowhere);
+        assertThat(name.code()).isEqualTo(2);
+        assertThat(name.err()).contains("the cluster is called 'my lab'", "expected 1 to 64 of");
+        Outcome seed = Reve.run("serve", "--cluster", "lab", "--store", nowhere, "--seed", "here");
+        assertThat(seed.code()).isEqualTo(2);
+        assertThat(seed.err()).contains("--seed: found 'here', expected HOST:PORT");
+        Outcome standby = Reve.run("serve", "--cluster", "lab", "--store", nowhere, "--standby");
+        assertThat(standby.code()).isEqualTo(2);
+        assertThat(standby.err()).contains("--standby is for a server whose worlds are known");
+        Outcome open =
+                Reve.run(
+                        "serve",
+                        "--cluster",
+                        "lab",
+                        "--store",
+                        nowhere,
+                        "--cluster-listen",
+                        "0.0.0.0:0");
+        assertThat(open.code()).isEqualTo(5);
+        assertThat(open.err()).contains("--cluster-listen 0.0.0.0:0", "expected a loopback");
+        Outcome away = Reve.run("serve", "--cluster", "lab", "--store", nowhere, "--port", "0");
+        assertThat(away.code()).isEqualTo(1);
+        assertThat(away.err()).contains(nowhere + " could not be opened: ");
+    }
+}
