@@ -127,8 +127,7 @@ public record Sensor(
                             + " deg");
         }
         if (hearing && (camera.isPresent() || instrument.isPresent())) {
-            throw new IllegalArgumentException(
-                    "hearing: a camera or an instrument does not hear");
+            throw new IllegalArgumentException("hearing: a camera or an instrument does not hear");
         }
         if (every < 1) {
             throw new IllegalArgumentException("every: " + every + " frames, expected 1 or more");
@@ -285,7 +284,17 @@ public record Sensor(
     /** Returns a copy that does not see items behind other items. */
     public Sensor withLineOfSight() {
         return new Sensor(
-                name, touch, range, fieldOfView, true, every, symbols, aspects, camera, instrument, hearing);
+                name,
+                touch,
+                range,
+                fieldOfView,
+                true,
+                every,
+                symbols,
+                aspects,
+                camera,
+                instrument,
+                hearing);
     }
 
     /** Returns a copy with another interval [frames]. */

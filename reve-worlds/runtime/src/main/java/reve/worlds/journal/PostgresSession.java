@@ -61,9 +61,9 @@ final class PostgresSession implements AutoCloseable {
     }
 
     /**
-     * Runs a single statement, which is a transaction by itself. If a connection that was open before
-     * is lost, runs the work once more, on a new connection. The database may have done the first
-     * work then.
+     * Runs a single statement, which is a transaction by itself. If a connection that was open
+     * before is lost, runs the work once more, on a new connection. The database may have done the
+     * first work then.
      *
      * @param what the operation for messages, as a participle such as "read"
      * @throws IOException if the database refuses the statement or cannot be reached

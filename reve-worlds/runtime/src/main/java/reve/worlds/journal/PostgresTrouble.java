@@ -22,9 +22,7 @@ final class PostgresTrouble {
     static IOException of(PostgresUrl url, String what, SQLException e) {
         String message = url + " could not be " + what + ": " + reason(url, e);
         IOException trouble =
-                isAway(e)
-                        ? new JournalSink.AwayException(message)
-                        : new IOException(message);
+                isAway(e) ? new JournalSink.AwayException(message) : new IOException(message);
         trouble.initCause(e);
         return trouble;
     }
