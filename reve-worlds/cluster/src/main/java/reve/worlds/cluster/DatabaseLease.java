@@ -69,24 +69,35 @@ public final class DatabaseLease extends Lease {
                         });
     }
 
-    /** Takes the lease. While the database is away, tries again for the limit of an operation. */
+    /**
+     * Takes the lease. While another owner has it, waits for the time in which the lease of a lost
+     * owner ends. While the database is away, tries again for the limit of an operation.
+     *
+     * @return false if another owner extends the lease, or the lease does not end
+     */
     private boolean take() {
-        long end = System.nanoTime() + settings.timeoutSettings().getOperationTimeout().toNanos();
+        long start = System.nanoTime();
+        Optional<String> seen = Optional.empty();
         while (true) {
             long now = System.nanoTime();
             try {
-                boolean isTaken = catalog.takeLease(settings.leaseName(), owner, length);
-                if (isTaken) {
+                if (catalog.takeLease(settings.leaseName(), owner, length)) {
                     confirmedNanos = now;
                     held = true;
+                    return true;
                 }
-                return isTaken;
+                Optional<String> end = catalog.leaseEnd(settings.leaseName());
+                boolean isExtended = seen.isPresent() && end.isPresent() && !end.equals(seen);
+                if (isExtended || now - start > 2 * length.toNanos()) {
+                    return false;
+                }
+                seen = end;
             } catch (IOException away) {
-                if (now - end > 0) {
+                if (now - start > settings.timeoutSettings().getOperationTimeout().toNanos()) {
                     throw new CompletionException(away);
                 }
-                LockSupport.parkNanos(ATTEMPT_NANOSECONDS);
             }
+            LockSupport.parkNanos(ATTEMPT_NANOSECONDS);
         }
     }
 

@@ -6,6 +6,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.List;
+import java.util.Optional;
 
 /**
  * The list of the worlds of a database that several servers share, and the leases of these servers.
@@ -114,6 +115,26 @@ public final class PostgresCatalog implements AutoCloseable {
                 connection ->
                         PostgresSession.update(connection, TAKE, lease, owner, length.toMillis())
                                 == 1);
+    }
+
+    /**
+     * Returns the end of a lease by the clock of the database, as a text; empty if nobody has it.
+     *
+     * @throws IOException if the database is away
+     */
+    public Optional<String> leaseEnd(String lease) throws IOException {
+        return session.run(
+                "read",
+                connection ->
+                        PostgresSession.query(
+                                connection,
+                                "SELECT lease_until::text FROM reve.lease WHERE name = ? AND"
+                                        + " lease_until > clock_timestamp()",
+                                rows ->
+                                        rows.next()
+                                                ? Optional.of(rows.getString(1))
+                                                : Optional.<String>empty(),
+                                lease));
     }
 
     /**
