@@ -16,8 +16,9 @@ from typing import AsyncIterator, Awaitable, Callable, List, Optional, Tuple, Ty
 
 from . import protocol
 from .commands import Commands
-from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, welcome_in
+from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, Way, welcome_in
 from .errors import (
+    Disconnected,
     ReveError,
     broken,
     closed_by_server,
@@ -136,9 +137,24 @@ class Client:
         self._waiters: List[asyncio.Future[None]] = []
 
     async def _begin(self) -> None:
-        self._wire, welcome = await self._open(self._greeting, self._timeout)
+        self._wire, welcome = await self._follow()
         self._talk = Conversation(self._greeting, welcome)
         self._reader = asyncio.create_task(self._read())
+
+    async def _follow(self) -> Tuple[_Wire, Welcome]:
+        """Opens a connection to the server that has the world."""
+        loop = asyncio.get_running_loop()
+        deadline = loop.time() + self._timeout
+        way = Way(self._address)
+        while True:
+            self._address = way.address
+            try:
+                return await self._open(self._greeting, deadline - loop.time())
+            except (Disconnected, OSError) as error:
+                pause = way.after(error)
+                if loop.time() + pause > deadline:
+                    raise
+                await asyncio.sleep(pause)
 
     async def _open(self, greeting: Message, patience: float) -> Tuple[_Wire, Welcome]:
         try:

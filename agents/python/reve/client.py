@@ -24,8 +24,9 @@ from typing import (
 
 from . import protocol
 from .commands import Commands
-from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, welcome_in
+from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, Way, welcome_in
 from .errors import (
+    Disconnected,
     ReveError,
     broken,
     closed_by_server,
@@ -98,6 +99,9 @@ def connect(
 ) -> Agent:
     """Joins the world at an address as agent `name`, and returns when the agent has a body.
 
+    If another server of a cluster has the world, the client joins there. While the cluster starts
+    the world, the client tries again.
+
     `world` names one of the server's worlds; required only if the server has several.
     `body` names an item that the world grants to agents; without it the world chooses one.
     With `role` "observer" the client perceives everything and cannot act.
@@ -153,7 +157,7 @@ class Client:
         self._tls = tls
         self._sending = threading.Lock()  # a thread that needs both locks acquires this one first
         self._changed = threading.Condition()
-        self._wire, welcome = self._open(greeting, timeout)
+        self._wire, welcome = self._follow(greeting, timeout)
         self._talk = Conversation(greeting, welcome)
         self._reader = threading.Thread(
             target=self._read, name=f"reve agent {welcome.agent}", daemon=True
@@ -169,6 +173,20 @@ class Client:
                 error.errno or errno.ETIMEDOUT,
                 f"{host}:{port}: {error.strerror or error}; does a server run there?",
             ) from error
+
+    def _follow(self, greeting: Message, patience: float) -> Tuple[_Wire, Welcome]:
+        """Opens a connection to the server that has the world, within `patience` [s]."""
+        deadline = clock.monotonic() + patience
+        way = Way(self._address)
+        while True:
+            self._address = way.address
+            try:
+                return self._open(greeting, deadline - clock.monotonic())
+            except (Disconnected, OSError) as error:
+                pause = way.after(error)
+                if clock.monotonic() + pause > deadline:
+                    raise
+                clock.sleep(pause)
 
     def _open(self, greeting: Message, patience: float) -> Tuple[_Wire, Welcome]:
         """Connects and waits for the welcome, at most for `patience` [s]."""

@@ -41,6 +41,33 @@ _LOG = logging.getLogger("reve")
 _T = TypeVar("_T")
 
 
+class Way:
+    """The way to the server of a cluster that has the world."""
+
+    _MOST_MOVES = 4  # number of servers that may send a client to another one
+
+    def __init__(self, first: Tuple[str, int]) -> None:
+        self.address = first
+        self._first = first
+        self._moves = 0
+
+    def after(self, error: Exception) -> float:
+        """Sets the next address after a failure, and returns the time to wait before [s]. Raises
+        the failure if another attempt would fail, too."""
+        moved = error.address if isinstance(error, Disconnected) else None
+        if moved is not None and self._moves < self._MOST_MOVES:
+            self._moves += 1
+            self.address = moved
+            return 0.0
+        starts = isinstance(error, Disconnected) and error.code == "world-starting"
+        lost = isinstance(error, OSError) and self._moves > 0  # a server that was lost a moment ago
+        if not starts and not lost:
+            raise error
+        self._moves = 0
+        self.address = self._first
+        return RETRY_SECONDS
+
+
 def welcome_in(message: Optional[ServerMessage]) -> Optional[Welcome]:
     """Returns the welcome, or None if the client must read further messages.
 
@@ -52,7 +79,7 @@ def welcome_in(message: Optional[ServerMessage]) -> Optional[Welcome]:
     if isinstance(message, Welcome):
         return message
     if isinstance(message, Bye):
-        raise Disconnected(message.code, message.message, message.hint)
+        raise Disconnected(message.code, message.message, message.hint, message.address)
     if isinstance(message, Error):
         raise ReveError(message.code, message.message, message.hint)
     if not isinstance(message, Ping):
@@ -301,7 +328,7 @@ class Conversation:
         if isinstance(message, Ping):
             return self.encode(protocol.pong())
         if isinstance(message, Bye):
-            raise Disconnected(message.code, message.message, message.hint)
+            raise Disconnected(message.code, message.message, message.hint, message.address)
         if isinstance(message, Event) and message.type == "missed":
             self._miss(message)
         elif isinstance(message, Event):

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Optional, Tuple
 
 
 class ReveError(Exception):
@@ -17,7 +17,20 @@ class ReveError(Exception):
 
 
 class Disconnected(ReveError):
-    """The connection ended; `code` is the server's reason, or `lost` if it gave none."""
+    """The connection ended; `code` is the server's reason, or `lost` if it gave none.
+
+    `address` is the host and port of the server that has the world, if this server named another.
+    """
+
+    def __init__(
+        self,
+        code: str,
+        message: str,
+        hint: Optional[str] = None,
+        address: Optional[Tuple[str, int]] = None,
+    ) -> None:
+        super().__init__(code, message, hint)
+        self.address = address
 
 
 class ProtocolError(ReveError):

@@ -381,12 +381,16 @@ class Pong:
 
 @dataclass(frozen=True)
 class Bye:
-    """The end of the connection, and its reason."""
+    """The end of the connection, and its reason.
+
+    `address` is the address of the server that has the world, if it is another one.
+    """
 
     id: Optional[int]
     code: str
     message: str
     hint: Optional[str]
+    address: Optional[Tuple[str, int]] = None
 
 
 ServerMessage = Union[
@@ -758,6 +762,14 @@ def _result(message: Message) -> Result:
     return Result(message["id"], False, code=message["code"], reason=message["reason"])
 
 
+def _address(text: Optional[str]) -> Optional[Tuple[str, int]]:
+    """Reads HOST:PORT."""
+    if text is None:
+        return None
+    host, _, port = text.rpartition(":")
+    return host, int(port)
+
+
 _READERS: Mapping[str, Callable[[Message], ServerMessage]] = {
     "welcome": _welcome,
     "perception": _perception,
@@ -768,5 +780,7 @@ _READERS: Mapping[str, Callable[[Message], ServerMessage]] = {
     "error": lambda m: Error(m.get("id"), m["code"], m["message"], m.get("hint")),
     "ping": lambda m: Ping(m.get("id")),
     "pong": lambda m: Pong(m.get("id")),
-    "bye": lambda m: Bye(m.get("id"), m["code"], m["message"], m.get("hint")),
+    "bye": lambda m: Bye(
+        m.get("id"), m["code"], m["message"], m.get("hint"), _address(m.get("address"))
+    ),
 }

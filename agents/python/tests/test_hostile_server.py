@@ -72,6 +72,68 @@ class FakeServer:
         self._listening.close()
 
 
+def welcomes(connection, _):
+    connection.sendall(line(WELCOME))
+    connection.recv(65536)  # the bye
+
+
+def sends_to(port):
+    bye = {"t": "bye", "code": "moved", "message": "elsewhere", "address": f"127.0.0.1:{port}"}
+    return lambda connection, _: connection.sendall(line(bye))
+
+
+class Moved(unittest.TestCase):
+    """Servers of a cluster that send a client to another one."""
+
+    def test_the_client_joins_where_the_server_sends_it(self):
+        with FakeServer(welcomes) as second, FakeServer(sends_to(second.port)) as first:
+            with reve.connect("127.0.0.1", first.port, name="ada") as agent:
+                self.assertEqual(agent.welcome.world, "pond")
+
+            async def joins():
+                async with await reve.aio.connect("127.0.0.1", first.port, name="ada") as agent:
+                    return agent.welcome.world
+
+            self.assertEqual(asyncio.run(joins()), "pond")
+
+    def test_the_client_waits_while_the_world_starts(self):
+        starting = {"t": "bye", "code": "world-starting", "message": "in a second"}
+        answers = []
+
+        def talk(connection, ends):
+            answers.append(len(answers))
+            if len(answers) % 3:
+                connection.sendall(line(starting))
+            else:
+                welcomes(connection, ends)
+
+        with FakeServer(talk) as server:
+            with reve.connect("127.0.0.1", server.port, name="ada"):
+                self.assertEqual(len(answers), 3)
+
+            async def joins():
+                async with await reve.aio.connect("127.0.0.1", server.port, name="ada"):
+                    return len(answers)
+
+            self.assertEqual(asyncio.run(joins()), 6)
+
+    def test_the_client_does_not_follow_for_ever(self):
+        port = []
+        circle = FakeServer(lambda connection, ends: sends_to(port[0])(connection, ends))
+        with circle:
+            port.append(circle.port)
+            with self.assertRaises(reve.Disconnected) as refused:
+                reve.connect("127.0.0.1", circle.port, name="ada")
+            self.assertEqual(refused.exception.code, "moved")
+            self.assertEqual(refused.exception.address, ("127.0.0.1", circle.port))
+
+            async def joins():
+                await reve.aio.connect("127.0.0.1", circle.port, name="ada")
+
+            with self.assertRaises(reve.Disconnected):
+                asyncio.run(joins())
+
+
 def drip(data):
     """Returns a talk that sends these bytes ten times a second."""
 

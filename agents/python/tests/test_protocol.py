@@ -74,6 +74,8 @@ def written(message):
         fields["entered"] = [item(i) for i in message.entered]
         fields["changed"] = [item(i) for i in message.changed]
         return {"t": "perception", **{k: v for k, v in fields.items() if v != []}}
+    if "address" in fields:
+        fields["address"] = "{}:{}".format(*fields["address"])
     return {"t": t, **fields}
 
 

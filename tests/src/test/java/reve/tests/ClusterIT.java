@@ -215,6 +215,7 @@ class ClusterIT {
         Random random = new Random(SEED);
         startCluster(NODES, WORLDS);
         awaitBalance();
+        eachNodeSendsAgentsToAllWorlds();
         for (int kill = 1; kill <= KILLS; kill++) {
             String which = "kill " + kill + " of seed " + SEED;
             Map<String, PostgresStore.World> before = worlds();
@@ -277,6 +278,20 @@ class ClusterIT {
                 throw new AssertionError("the nodes have these numbers of worlds: " + shares);
             }
             LockSupport.parkNanos(100_000_000);
+        }
+    }
+
+    /** Observers change nothing, so the worlds stay undisturbed. */
+    private void eachNodeSendsAgentsToAllWorlds() throws IOException {
+        for (Node node : nodes) {
+            String[] at = node.agents().split(":");
+            for (String world : WORLDS) {
+                Join watcher = Join.as("watcher").withRole("observer").withWorld(world);
+                try (AgentClient client =
+                        AgentClient.connect(at[0], Integer.parseInt(at[1]), watcher)) {
+                    assertThat(client.welcome().world()).isEqualTo(world);
+                }
+            }
         }
     }
 

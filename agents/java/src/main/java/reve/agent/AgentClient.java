@@ -13,6 +13,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.TimeUnit;
+import java.util.concurrent.locks.LockSupport;
 import java.util.function.BooleanSupplier;
 import java.util.function.LongFunction;
 import java.util.function.Supplier;
@@ -35,6 +36,12 @@ public final class AgentClient implements AutoCloseable {
     public static final int MAX_EVENTS = 1024;
 
     private static final Duration RETRY = Duration.ofMillis(200);
+
+    /** Code of a refusal while no server of a cluster has the world. */
+    private static final String STARTING = "world-starting";
+
+    /** Maximum number of servers of a cluster that may send a client to another one. */
+    private static final int MOST_MOVES = 4;
 
     /** Code of a temporary refusal to resume the session; the client tries again. */
     private static final String TOO_OFTEN = "resumed-too-often";
@@ -61,7 +68,8 @@ public final class AgentClient implements AutoCloseable {
     private @Nullable AgentException end;
 
     /**
-     * Joins the world at an address, with a body that the world chooses.
+     * Joins the world at an address, with a body that the world chooses. If another server of a
+     * cluster has the world, joins there. While the cluster starts the world, tries again.
      *
      * @throws IOException if no server listens there
      * @throws DisconnectedException with the server's code if the agent may not join
@@ -76,13 +84,47 @@ public final class AgentClient implements AutoCloseable {
     }
 
     private AgentClient(InetSocketAddress address, Join join) throws IOException {
-        this.address = address;
         this.patience = join.patience();
-        Wire.Opened opened = open(address, join);
-        wire = opened.wire();
-        welcome = opened.welcome();
+        Found found = find(address, join);
+        this.address = found.address();
+        wire = found.opened().wire();
+        welcome = found.opened().welcome();
         talk = new Conversation(join, welcome);
         reader = Thread.ofVirtual().name("reve agent " + join.name()).start(this::read);
+    }
+
+    /** The server that has the world, and the connection to it. */
+    private record Found(InetSocketAddress address, Wire.Opened opened) {}
+
+    /**
+     * Connects to the server that has the world. A server of a cluster may send the client to
+     * another one. While the cluster starts the world, tries again until the patience is over.
+     */
+    private static Found find(InetSocketAddress first, Join join) throws IOException {
+        long end = System.nanoTime() + join.patience().toNanos();
+        InetSocketAddress at = first;
+        int moves = 0;
+        while (true) {
+            try {
+                return new Found(at, open(at, join));
+            } catch (DisconnectedException refused) {
+                if (refused.address().isPresent() && moves < MOST_MOVES) {
+                    moves++;
+                    at = refused.address().get();
+                    continue;
+                }
+                if (!refused.code().equals(STARTING) || System.nanoTime() - end > 0) {
+                    throw refused;
+                }
+            } catch (IOException lost) { // a server that was lost a moment ago
+                if (moves == 0 || System.nanoTime() - end > 0) {
+                    throw lost;
+                }
+            }
+            at = first;
+            moves = 0;
+            LockSupport.parkNanos(RETRY.toNanos());
+        }
     }
 
     private static Wire.Opened open(InetSocketAddress address, Join join) throws IOException {

@@ -271,8 +271,7 @@ final class Conversation {
             case ServerMessage.Ping ping -> {
                 return Optional.of(encode(Protocol.pong()));
             }
-            case ServerMessage.Bye bye ->
-                    throw new DisconnectedException(bye.code(), bye.message(), bye.hint());
+            case ServerMessage.Bye bye -> throw DisconnectedException.of(bye);
             case ServerMessage.Pong pong -> answer(pong.id(), pong);
             case ServerMessage.Error error -> {
                 if (error.id().isEmpty()) {

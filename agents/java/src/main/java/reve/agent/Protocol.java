@@ -259,7 +259,8 @@ final class Protocol {
                     new ServerMessage.Bye(
                             text(message, "code"),
                             text(message, "message"),
-                            optional(message, "hint"));
+                            optional(message, "hint"),
+                            optional(message, "address"));
             default -> throw new IllegalArgumentException("there is no such message");
         };
     }

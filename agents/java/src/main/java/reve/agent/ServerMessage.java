@@ -32,5 +32,6 @@ public sealed interface ServerMessage
     record Pong(OptionalLong id) implements ServerMessage {}
 
     /** The connection ends. */
-    record Bye(String code, String message, Optional<String> hint) implements ServerMessage {}
+    record Bye(String code, String message, Optional<String> hint, Optional<String> address)
+            implements ServerMessage {}
 }

@@ -170,8 +170,7 @@ final class Wire implements Closeable {
                     return welcome;
                 }
                 case ServerMessage.Ping ping -> write(encode(Protocol.pong(), Encoding.JSON));
-                case ServerMessage.Bye bye ->
-                        throw new DisconnectedException(bye.code(), bye.message(), bye.hint());
+                case ServerMessage.Bye bye -> throw DisconnectedException.of(bye);
                 case ServerMessage.Error error -> throw AgentException.refused(error);
                 case ServerMessage other -> throw AgentException.unexpected(other);
             }

@@ -45,6 +45,55 @@ class AgentClientTest {
             "frame":0,"rate":60,"encoding":"msgpack","limits":{"lineBytes":1,\
             "messagesPerSecond":1,"actsInFlight":1,"idleSeconds":1,"graceSeconds":1}}""";
 
+    private static Talk moved(ServerSocket to) {
+        return client ->
+                client.write(
+                        ("{\"t\":\"bye\",\"code\":\"moved\",\"message\":\"it is elsewhere\",\"address\":"
+                                        + "\"127.0.0.1:"
+                                        + to.getLocalPort()
+                                        + "\"}\n")
+                                .getBytes(StandardCharsets.UTF_8));
+    }
+
+    @Test
+    @Timeout(60)
+    void aClientFollowsAServerThatNamesAnother() throws IOException {
+        Talk welcomes =
+                client -> {
+                    client.write((WELCOME + "\n").getBytes(StandardCharsets.UTF_8));
+                    Thread.sleep(Duration.ofDays(1));
+                };
+        try (ServerSocket second = serve(welcomes);
+                ServerSocket first = serve(moved(second));
+                AgentClient ada =
+                        AgentClient.connect(
+                                "127.0.0.1",
+                                first.getLocalPort(),
+                                Join.as("ada").withPatience(Duration.ofSeconds(1)))) {
+            assertThat(ada.welcome().world()).isEqualTo("pond");
+        }
+    }
+
+    @Test
+    @Timeout(60)
+    void aClientDoesNotFollowForEver() throws IOException {
+        try (var circle = new ServerSocket(0, 8, InetAddress.getLoopbackAddress())) {
+            Thread.ofVirtual()
+                    .start(
+                            () -> {
+                                while (true) {
+                                    try (Socket client = circle.accept()) {
+                                        client.getInputStream().read(new byte[65_536]);
+                                        moved(circle).with(client.getOutputStream());
+                                    } catch (Exception closed) {
+                                        return;
+                                    }
+                                }
+                            });
+            assertRefused(circle, Join.as("ada"), "moved", "it is elsewhere");
+        }
+    }
+
     /** The behaviour of a faulty server after it has read the hello. */
     private interface Talk {
         void with(OutputStream client) throws Exception;

@@ -418,6 +418,7 @@ class ProtocolTest {
             case ServerMessage.Bye b -> {
                 json.put("t", "bye").put("code", b.code()).put("message", b.message());
                 put(json, "hint", b.hint());
+                put(json, "address", b.address());
             }
         }
         return JSON.readTree(json.toString());

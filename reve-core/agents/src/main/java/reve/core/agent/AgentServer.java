@@ -11,6 +11,7 @@ import reve.core.agent.net.Counters;
 import reve.core.agent.net.Descriptors;
 import reve.core.agent.net.EventLoop;
 import reve.core.agent.net.RateLimitedLog;
+import reve.core.agent.port.Elsewhere;
 import reve.core.agent.port.WorldPort;
 import reve.core.agent.protocol.AgentTimeouts;
 import reve.core.agent.protocol.CloseReason;
@@ -60,6 +61,7 @@ public final class AgentServer implements AutoCloseable {
     private final List<ServedWorld> worlds = new CopyOnWriteArrayList<>();
     private final EventLoop loop;
     private final InetSocketAddress address;
+    private final Admission admission;
     private final Connections connections;
     private final Descriptors descriptors;
     private final Optional<AuditLog> audit;
@@ -136,7 +138,7 @@ public final class AgentServer implements AutoCloseable {
         boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
         LockStep.Waiting waiting = helps ? new LoopHelper(loop) : LockStep.Waiting.IDLE;
         ports.forEach(port -> worlds.add(new ServedWorld(services, port, waiting)));
-        var admission =
+        this.admission =
                 new Admission(
                         worlds,
                         config.limits().maxConnections(),
@@ -273,6 +275,11 @@ public final class AgentServer implements AutoCloseable {
      */
     public void expect(String world, int agents) {
         served(world).expectAgents(agents);
+    }
+
+    /** Sends clients to the worlds of other servers from now on. For any thread. */
+    public void sendTo(Elsewhere others) {
+        admission.sendTo(others);
     }
 
     /** Returns the number of agents of a world that are in lock-step. */

@@ -22,8 +22,11 @@ import reve.core.world.SnapshotRing;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
+import tools.jackson.databind.JsonNode;
+
 import java.io.IOException;
 import java.util.List;
+import java.util.Map;
 
 /** Two worlds behind one port, stepped by hand independently. */
 class SeveralWorldsTest {
@@ -165,6 +168,32 @@ class SeveralWorldsTest {
             bob.say("{'t':'perceive','id':1}").sync();
             lake.loop.step();
             bob.expect("perception");
+        }
+    }
+
+    @Test
+    void aClientIsSentToTheServerThatHasItsWorld() throws IOException {
+        server.sendTo(
+                () ->
+                        Map.of(
+                                "sea", "10.0.0.2:7777",
+                                "pond", "10.0.0.3:7777",
+                                "well", ""));
+        JsonNode bye = refused("sea", "moved");
+        assertThat(bye.get("address").stringValue()).isEqualTo("10.0.0.2:7777");
+        assertThat(bye.get("message").stringValue()).contains("10.0.0.2:7777", "\"sea\"");
+        assertThat(refused("well", "world-starting").has("address")).isFalse();
+        assertThat(refused("dew", "no-such-world").get("hint").stringValue())
+                .endsWith("\"lake\" or \"pond\" or \"sea\" or \"well\"");
+        try (TestClient _ = join("ada", pond)) { // this server has it, whatever others say
+            assertThat(pond.world.find("ada")).isPresent();
+        }
+    }
+
+    private JsonNode refused(String world, String code) throws IOException {
+        try (TestClient client = new TestClient(server.address())) {
+            return client.say("{'t':'hello','protocol':1,'name':'ada','world':'" + world + "'}")
+                    .expectBye(code);
         }
     }
 

@@ -61,6 +61,9 @@ public final class ClusterNode implements AutoCloseable {
             Thread.ofPlatform().name("worlds of the cluster").unstarted(this::keep);
     private volatile boolean stops;
 
+    /** Addresses for agents of the worlds of other nodes, by name; for the agent server. */
+    private volatile Map<String, String> elsewhere = Map.of();
+
     /** Leases of the worlds as this node saw them first. For the thread of the keeper. */
     private final Map<String, Lease> leases = new HashMap<>();
 
@@ -174,10 +177,11 @@ public final class ClusterNode implements AutoCloseable {
                         : settings.seeds().stream().map(this::addressOf).toList();
         cluster.manager().tell(new JoinSeedNodes(seeds));
         Map<String, Object> fields = fields("starts", cluster.selfMember().address());
-        fields.put("agents", host.address().getHostString() + ":" + host.address().getPort());
+        fields.put("agents", agents());
         fields.put("agentPort", host.address().getPort());
         fields.put("pid", ProcessHandle.current().pid());
         events.happened("cluster", fields);
+        host.sendTo(() -> elsewhere);
         keeper.start();
     }
 
@@ -269,7 +273,9 @@ public final class ClusterNode implements AutoCloseable {
                 continue;
             }
             try {
-                for (PostgresStore.World world : catalog.worlds()) {
+                List<PostgresStore.World> worlds = catalog.worlds();
+                elsewhere = elsewhere(worlds);
+                for (PostgresStore.World world : worlds) {
                     if (!world.isOwned() || isSilent(world)) {
                         sharding.entityRefFor(WORLDS, world.name())
                                 .tell(WorldCommand.Wake.INSTANCE);
@@ -283,6 +289,24 @@ public final class ClusterNode implements AutoCloseable {
                 isAway = true;
             }
         }
+    }
+
+    /**
+     * Returns the addresses of worlds for clients of this node. A world that this node closes is at
+     * no address until another node opens it.
+     */
+    private Map<String, String> elsewhere(List<PostgresStore.World> worlds) {
+        String here = agents();
+        Map<String, String> found = new HashMap<>();
+        worlds.forEach(
+                world ->
+                        found.put(world.name(), world.agents().equals(here) ? "" : world.agents()));
+        return Map.copyOf(found);
+    }
+
+    /** Returns the address of this node for agents. */
+    private String agents() {
+        return host.address().getHostString() + ":" + host.address().getPort();
     }
 
     private void fault(String message) {

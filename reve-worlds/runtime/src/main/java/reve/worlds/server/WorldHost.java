@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
+import reve.core.agent.port.Elsewhere;
 import reve.core.frame.Pacing;
 
 import java.io.IOException;
@@ -72,6 +73,11 @@ public final class WorldHost implements AutoCloseable {
     /** Returns the address for agents. */
     public InetSocketAddress address() {
         return agents.address();
+    }
+
+    /** Sends agents to the worlds of other servers from now on. */
+    public void sendTo(Elsewhere others) {
+        agents.sendTo(others);
     }
 
     /**

@@ -16,13 +16,26 @@ public final class CloseReason extends Exception {
 
     private final transient Optional<String> hint;
 
+    /** Address at which the client finds its world. */
+    private final transient Optional<String> address;
+
     /** True if the client exceeded a limit. */
     private final boolean cut;
 
     private CloseReason(String code, String message, Optional<String> hint, boolean cut) {
+        this(code, message, hint, Optional.empty(), cut);
+    }
+
+    private CloseReason(
+            String code,
+            String message,
+            Optional<String> hint,
+            Optional<String> address,
+            boolean cut) {
         super(message, null, false, false);
         this.code = code;
         this.hint = hint;
+        this.address = address;
         this.cut = cut;
     }
 
@@ -46,6 +59,20 @@ public final class CloseReason extends Exception {
                 "name-taken",
                 "another client, or an item of the world, is called " + Text.quote(name),
                 "say hello with another name");
+    }
+
+    /**
+     * Returns the reason for sending a client to another server.
+     *
+     * @param address HOST:PORT of the server that has the world
+     */
+    public static CloseReason moved(String world, String address) {
+        return new CloseReason(
+                "moved",
+                "the server at " + address + " has the world " + Text.quote(world),
+                Optional.of("say hello there"),
+                Optional.of(address),
+                false);
     }
 
     /** Returns a reason for a client that exceeded a limit. */
@@ -91,6 +118,6 @@ public final class CloseReason extends Exception {
 
     /** Returns the message {@code bye} with this reason. It is the last message to the client. */
     public ServerMessage.Bye bye() {
-        return new ServerMessage.Bye(code, getMessage(), hint);
+        return new ServerMessage.Bye(code, getMessage(), hint, address);
     }
 }

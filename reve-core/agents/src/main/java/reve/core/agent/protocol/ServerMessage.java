@@ -144,8 +144,13 @@ public sealed interface ServerMessage {
     /** Answers a ping of the client. */
     record Pong(long id) implements ServerMessage {}
 
-    /** The connection ends. */
-    record Bye(String code, String message, Optional<String> hint) implements ServerMessage {}
+    /**
+     * The connection ends.
+     *
+     * @param address HOST:PORT of the server that has the client's world, if it is another one
+     */
+    record Bye(String code, String message, Optional<String> hint, Optional<String> address)
+            implements ServerMessage {}
 
     /** Returns the encoded message. */
     default byte[] in(Encoding encoding) {
@@ -200,6 +205,7 @@ public sealed interface ServerMessage {
                 fields.put("code", bye.code);
                 fields.put("message", bye.message);
                 bye.hint.ifPresent(hint -> fields.put("hint", hint));
+                bye.address.ifPresent(address -> fields.put("address", address));
             }
             case Ping ping -> {}
             case Pong pong -> {}

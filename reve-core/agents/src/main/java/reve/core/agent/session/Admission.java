@@ -8,14 +8,18 @@ import reve.core.agent.auth.Rights;
 import reve.core.agent.auth.TokenFile;
 import reve.core.agent.net.Connection;
 import reve.core.agent.net.Door;
+import reve.core.agent.port.Elsewhere;
 import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Role;
 import reve.core.agent.protocol.Text;
 
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
+import java.util.TreeMap;
 import java.util.stream.Collectors;
+import java.util.stream.Stream;
 
 /**
  * Decides by a client's hello whether the client is admitted, and to which world. For the event
@@ -28,6 +32,7 @@ public final class Admission implements Door {
     private final Optional<TokenFile> tokens;
     private final Optional<AuditLog> audit;
     private final Attempts attempts = new Attempts();
+    private volatile Elsewhere elsewhere = Elsewhere.NOWHERE;
 
     /**
      * @param maxClients maximum number of clients of all worlds, including disconnected ones
@@ -91,15 +96,24 @@ public final class Admission implements Door {
         return found.get();
     }
 
+    /** Sends clients to the worlds of other servers from now on. For any thread. */
+    public void sendTo(Elsewhere others) {
+        elsewhere = others;
+    }
+
     /**
      * Returns the world that the hello names. If it names none, returns the only world that the
      * client may join.
      */
     private ServedWorld requireWorld(Optional<String> name, Rights rights) throws CloseReason {
-        List<ServedWorld> open =
-                meant(Optional.empty()).stream()
-                        .filter(world -> rights.opensWorld(world.name()))
-                        .toList();
+        Map<String, ServedWorld> here = new TreeMap<>();
+        meant(Optional.empty()).stream()
+                .filter(world -> rights.opensWorld(world.name()))
+                .forEach(world -> here.put(world.name(), world));
+        Map<String, String> there = new TreeMap<>(elsewhere.worlds());
+        there.keySet().removeIf(world -> here.containsKey(world) || !rights.opensWorld(world));
+        List<String> open =
+                Stream.concat(here.keySet().stream(), there.keySet().stream()).sorted().toList();
         if (name.map(wanted -> !rights.opensWorld(wanted)).orElse(open.isEmpty())) {
             throw CloseReason.refused( // must not reveal which worlds exist
                     "not-permitted",
@@ -107,17 +121,25 @@ public final class Admission implements Door {
                             .orElse("your token opens no world of this server"),
                     "ask whoever runs the server for one that does");
         }
-        List<ServedWorld> meant = name.isPresent() ? meant(name) : open;
+        List<String> meant = open.stream().filter(each -> name.orElse(each).equals(each)).toList();
         if (meant.size() == 1) {
-            return meant.getFirst();
+            String world = meant.getFirst();
+            ServedWorld served = here.get(world);
+            if (served != null) {
+                return served;
+            }
+            String address = there.getOrDefault(world, "");
+            throw address.isEmpty()
+                    ? CloseReason.refused(
+                            "world-starting",
+                            "no server is ready to serve the world " + Text.quote(world) + " now",
+                            "try again in a second")
+                    : CloseReason.moved(world, address);
         }
         String problem =
                 name.map(unknown -> "this server has no world " + Text.quote(unknown))
                         .orElse("this server has " + open.size() + " worlds");
-        String names =
-                open.stream()
-                        .map(world -> Text.quote(world.name()))
-                        .collect(Collectors.joining(" or "));
+        String names = open.stream().map(Text::quote).collect(Collectors.joining(" or "));
         throw CloseReason.refused("no-such-world", problem, "say hello with \"world\": " + names);
     }
 

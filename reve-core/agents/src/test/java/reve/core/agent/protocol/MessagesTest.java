@@ -403,7 +403,8 @@ class MessagesTest {
                     new ServerMessage.Bye(
                             text(json, "code"),
                             text(json, "message"),
-                            json.has("hint") ? Optional.of(text(json, "hint")) : Optional.empty());
+                            json.optional("hint").map(JsonNode::stringValue),
+                            json.optional("address").map(JsonNode::stringValue));
             default -> throw new AssertionError("no such message: " + json);
         };
     }
