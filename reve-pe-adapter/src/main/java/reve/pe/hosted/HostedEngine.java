@@ -431,6 +431,7 @@ public final class HostedEngine implements PhysicsEngine {
     public void advance(double dt, int steps) {
         checkOpen();
         provider.checkArraysAlive();
+        losses.beginAttempt();
         try {
             HostProcess current = host();
             if (provider.hasPending()) {
@@ -453,7 +454,13 @@ public final class HostedEngine implements PhysicsEngine {
         try {
             long limit = frameLimit();
             current.begin(Request.ADVANCE).putDouble(dt).putInt(steps).putLong(limit);
-            Mailbox reply = current.call(limit, isApartWord, config.log());
+            Mailbox reply;
+            try {
+                reply = current.call(limit, isApartWord, config.log());
+            } catch (HostLost lost) {
+                losses.spend(lost.spentNanos);
+                throw lost;
+            }
             waitedNanos = current.waitedNanos();
             requireOk(reply);
             boolean kept = state.keep(reply);
@@ -679,7 +686,13 @@ public final class HostedEngine implements PhysicsEngine {
     private Calls calls(HostProcess to, long limitNanos) {
         return request -> {
             request.accept(to);
-            Mailbox reply = to.call(Math.max(limitNanos, frameLimit.toNanos()), config.log());
+            Mailbox reply;
+            try {
+                reply = to.call(Math.max(limitNanos, frameLimit.toNanos()), config.log());
+            } catch (HostLost lost) {
+                losses.spend(lost.spentNanos);
+                throw lost;
+            }
             requireOk(reply);
             return reply;
         };
@@ -752,9 +765,6 @@ public final class HostedEngine implements PhysicsEngine {
                 return true;
             }
         } catch (HostLost | RuntimeException failed) {
-            if (failed instanceof HostLost lost) {
-                losses.spend(lost.spentNanos);
-            }
             config.log().log(
                     System.Logger.Level.WARNING,
                     "a process that was ready to replace the engine's process failed: "

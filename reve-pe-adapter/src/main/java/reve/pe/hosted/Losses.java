@@ -18,6 +18,12 @@ final class Losses {
      */
     private static final long MOST_FAILED_NANOS = 4_000_000_000L;
 
+    /**
+     * Least time of the first attempt to make a frame [ns], if requests before the frame have
+     * failed for long. Without it, laws that only build their data structures would be late.
+     */
+    private static final long LEAST_FIRST_NANOS = 1_000_000_000L;
+
     private final HostedProvider provider;
 
     /** The loaded libraries; the engine changes this list. */
@@ -25,6 +31,7 @@ final class Losses {
 
     private boolean alone;
     private long failedNanos;
+    private boolean attempted;
 
     /** Number of successive losses by SIGKILL with the same library at which it is the cause. */
     private static final int MOST_KILLS = 5;
@@ -59,6 +66,14 @@ final class Losses {
         return Math.clamp(MOST_FAILED_NANOS - failedNanos, 0, limitNanos);
     }
 
+    /** Begins an attempt to make a frame. */
+    void beginAttempt() {
+        if (!attempted) {
+            attempted = true;
+            failedNanos = Math.min(failedNanos, MOST_FAILED_NANOS - LEAST_FIRST_NANOS);
+        }
+    }
+
     /** Adds the time of a request that did not make the frame [ns]. */
     void spend(long nanos) {
         failedNanos += nanos;
@@ -68,11 +83,11 @@ final class Losses {
     void forget() {
         suspected = 0;
         failedNanos = 0;
+        attempted = false;
     }
 
     /** Returns the failure of the law that ended the host, or did not return. */
     PhysicsException blame(HostLost lost) {
-        spend(lost.spentNanos);
         List<Loaded> running =
                 lost.running.stream()
                         .map(word -> (int) (word >>> Integer.SIZE))
@@ -111,7 +126,6 @@ final class Losses {
 
     /** Returns the failure of a library during whose loading a new host ended or did not answer. */
     PhysicsException blameForLoad(HostLost lost, Loaded library) {
-        spend(lost.spentNanos);
         if (!lost.isLate()
                 && mayHaveAnotherCause(library, lost.killed ? MOST_KILLS : MOST_CRASHES)) {
             return engineLost(lost, "library " + library.library.name() + " was loaded");
