@@ -52,6 +52,7 @@ class ClusterIT {
     private final List<Node> nodes = new ArrayList<>();
     private String url;
     private int started;
+    private boolean certified;
 
     /**
      * @param address where other nodes reach it
@@ -101,10 +102,65 @@ class ClusterIT {
                 new ArrayList<>(
                         List.of("serve", "--cluster", "lab", "--port", "0", "--json", "--store"));
         arguments.add(url);
+        arguments.addAll(certified ? certificate() : List.of());
         arguments.addAll(List.of(more));
         return Server.start(
                 Files.createDirectory(folder.resolve("node" + ++started)),
                 arguments.toArray(String[]::new));
+    }
+
+    /** Makes a certificate by the commands of docs/cluster.md, and returns the options for it. */
+    private List<String> certificate() throws IOException {
+        String node = "node" + started;
+        if (!Files.exists(folder.resolve("ca.crt"))) {
+            openssl("-days", "2", "-subj", "/CN=lab", "-keyout", "ca.key", "-out", "ca.crt");
+        }
+        openssl(
+                "-days",
+                "2",
+                "-subj",
+                "/CN=" + node,
+                "-addext",
+                "subjectAltName=IP:127.0.0.1",
+                "-addext",
+                "basicConstraints=critical,CA:FALSE",
+                "-CA",
+                "ca.crt",
+                "-CAkey",
+                "ca.key",
+                "-keyout",
+                node + ".key",
+                "-out",
+                node + ".crt");
+        return List.of(
+                "--cluster-certificate",
+                folder.resolve(node + ".crt").toString(),
+                "--cluster-key",
+                folder.resolve(node + ".key").toString(),
+                "--cluster-ca",
+                folder.resolve("ca.crt").toString());
+    }
+
+    private void openssl(String... arguments) throws IOException {
+        List<String> command =
+                new ArrayList<>(
+                        List.of(
+                                "openssl",
+                                "req",
+                                "-x509",
+                                "-nodes",
+                                "-newkey",
+                                "ec",
+                                "-pkeyopt",
+                                "ec_paramgen_curve:P-256"));
+        command.addAll(List.of(arguments));
+        Process process =
+                new ProcessBuilder(command)
+                        .directory(folder.toFile())
+                        .redirectErrorStream(true)
+                        .start();
+        String output = new String(process.getInputStream().readAllBytes());
+        assertThat(process.onExit().join().exitValue()).as(output).isZero();
     }
 
     /** Waits until a node listens. Its events are read from now on. */
@@ -213,6 +269,7 @@ class ClusterIT {
     void theWorldsOfALostNodeRunOnTheOthers() throws Exception {
         database();
         Random random = new Random(SEED);
+        certified = true;
         startCluster(NODES, WORLDS);
         awaitBalance();
         eachNodeSendsAgentsToAllWorlds();
@@ -358,8 +415,26 @@ class ClusterIT {
                         nowhere,
                         "--cluster-listen",
                         "0.0.0.0:0");
-        assertThat(open.code()).isEqualTo(5);
-        assertThat(open.err()).contains("--cluster-listen 0.0.0.0:0", "expected a loopback");
+        assertThat(open.code()).isEqualTo(2);
+        assertThat(open.err()).contains("--cluster-listen 0.0.0.0:0 stands for all addresses");
+        Outcome plain =
+                Reve.run(
+                        "serve",
+                        "--cluster",
+                        "lab",
+                        "--store",
+                        nowhere,
+                        "--cluster-listen",
+                        "192.0.2.1:2551");
+        assertThat(plain.code()).isEqualTo(5);
+        assertThat(plain.err())
+                .contains(
+                        "--cluster-listen 192.0.2.1:2551: other machines reach it, so nodes take"
+                                + " TLS there");
+        Outcome some =
+                Reve.run("serve", "--cluster", "lab", "--store", nowhere, "--cluster-ca", "ca.crt");
+        assertThat(some.code()).isEqualTo(2);
+        assertThat(some.err()).contains("--cluster-key and --cluster-ca belong together");
         Outcome away = Reve.run("serve", "--cluster", "lab", "--store", nowhere, "--port", "0");
         assertThat(away.code()).isEqualTo(1);
         assertThat(away.err()).contains(nowhere + " could not be opened: ");

@@ -8,11 +8,15 @@ import picocli.CommandLine.Spec;
 
 import reve.worlds.cluster.NodeAddress;
 import reve.worlds.cluster.NodeSettings;
+import reve.worlds.cluster.NodeTls;
 
+import java.io.IOException;
 import java.net.BindException;
 import java.net.UnknownHostException;
+import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 
 /** The options of a server that is a node of a cluster. */
@@ -46,6 +50,28 @@ final class ClusterOptions {
                             + " it, the node begins a cluster.")
     private List<String> seeds = new ArrayList<>();
 
+    @Option(
+            names = "--cluster-certificate",
+            paramLabel = "FILE",
+            description =
+                    "Certificate of this node for TLS with the other nodes (PEM). Needed unless"
+                            + " --cluster-listen is a loopback address.")
+    private Optional<Path> certificate = Optional.empty();
+
+    @Option(
+            names = "--cluster-key",
+            paramLabel = "FILE",
+            description = "Private key of the node's certificate (PEM).")
+    private Optional<Path> key = Optional.empty();
+
+    @Option(
+            names = "--cluster-ca",
+            paramLabel = "FILE",
+            description =
+                    "Certificates of the authorities whose nodes this one accepts (PEM). Use an"
+                            + " authority that signs nothing else.")
+    private Optional<Path> authority = Optional.empty();
+
     /** Returns whether the server is a node of a cluster. */
     boolean isGiven() {
         return name.isPresent();
@@ -56,9 +82,10 @@ final class ClusterOptions {
      *
      * @param store the store of the worlds, if one was given
      * @throws ParameterException if the options contradict each other
-     * @throws BindException if other machines can reach the address
+     * @throws BindException if other machines can reach the address without TLS
+     * @throws IOException if a file of TLS cannot be used
      */
-    NodeSettings settings(Optional<StoreArgument> store) throws BindException {
+    NodeSettings settings(Optional<StoreArgument> store) throws IOException {
         if (store.flatMap(StoreArgument::url).isEmpty()) {
             throw new ParameterException(
                     spec.commandLine(),
@@ -69,30 +96,49 @@ final class ClusterOptions {
         }
         NodeAddress address = parse("--cluster-listen", listen.orElse("127.0.0.1:0"));
         List<NodeAddress> known = seeds.stream().map(seed -> parse("--seed", seed)).toList();
-        requireLoopback(address);
+        Optional<NodeTls.Files> tls = tls();
+        requireReachable(address, tls.isPresent());
         try {
-            return new NodeSettings(name.orElseThrow(), address, known, store.get().given());
+            return new NodeSettings(name.orElseThrow(), address, known, store.get().given(), tls);
         } catch (IllegalArgumentException wrong) {
             throw new ParameterException(spec.commandLine(), wrong.getMessage());
         }
     }
 
-    /** Prints that other programs of this machine reach the node. */
+    /** Prints that other programs of this machine reach the node, unless it uses TLS. */
     void warn(NodeSettings settings) {
+        if (settings.tls().isPresent()) {
+            return;
+        }
         spec.commandLine()
                 .getErr()
                 .println(
                         "reve: the nodes of the cluster "
                                 + settings.cluster()
-                                + " talk without encryption: each user of this machine can join"
-                                + " it. Other machines cannot reach it");
+                                + " talk without TLS: each user of this machine can join it."
+                                + " Other machines cannot reach it");
         spec.commandLine().getErr().flush();
+    }
+
+    /** Returns the files that these options name, by option. */
+    Map<String, Optional<Path>> files() {
+        return Map.of(
+                "--cluster-certificate",
+                certificate,
+                "--cluster-key",
+                key,
+                "--cluster-ca",
+                authority);
     }
 
     /** Refuses the options of a cluster without {@code --cluster}. */
     void requireNone() {
         PartnerOption.require(spec, "--cluster-listen", listen.isPresent(), "--cluster NAME", name);
         PartnerOption.require(spec, "--seed", !seeds.isEmpty(), "--cluster NAME", name);
+        files().forEach(
+                        (option, file) ->
+                                PartnerOption.require(
+                                        spec, option, file.isPresent(), "--cluster NAME", name));
     }
 
     private NodeAddress parse(String option, String text) {
@@ -103,10 +149,34 @@ final class ClusterOptions {
         }
     }
 
-    private void requireLoopback(NodeAddress address) throws BindException {
+    private Optional<NodeTls.Files> tls() throws IOException {
+        List<Optional<Path>> given = List.of(certificate, key, authority);
+        if (given.stream().allMatch(Optional::isEmpty)) {
+            return Optional.empty();
+        }
+        if (given.stream().anyMatch(Optional::isEmpty)) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--cluster-certificate, --cluster-key and --cluster-ca belong together; found"
+                            + " only some of them");
+        }
+        NodeTls.Files files = new NodeTls.Files(certificate.get(), key.get(), authority.get());
+        files.context(); // refuses files that cannot be used
+        return Optional.of(files);
+    }
+
+    private void requireReachable(NodeAddress address, boolean hasTls) throws BindException {
         boolean isLoopback;
         try {
             isLoopback = address.isLoopback();
+            if (address.isWildcard()) {
+                throw new ParameterException(
+                        spec.commandLine(),
+                        "--cluster-listen "
+                                + address
+                                + " stands for all addresses of this machine; name the one at"
+                                + " which the other nodes reach it");
+            }
         } catch (UnknownHostException unknown) {
             throw new ParameterException(
                     spec.commandLine(),
@@ -114,12 +184,14 @@ final class ClusterOptions {
                             + address
                             + ": there is no such address; expected an address of this machine");
         }
-        if (!isLoopback) {
+        if (!isLoopback && !hasTls) {
             throw new BindException(
                     "--cluster-listen "
                             + address
-                            + ": other machines reach it, and the messages of nodes are not"
-                            + " encrypted; expected a loopback address such as 127.0.0.1:2551");
+                            + ": other machines reach it, so nodes take TLS there; add"
+                            + " --cluster-certificate node.crt --cluster-key node.key --cluster-ca"
+                            + " ca.crt (docs/cluster.md shows how to make them), or name a loopback"
+                            + " address such as 127.0.0.1:2551");
         }
     }
 }

@@ -599,7 +599,9 @@ public final class ServeCommand implements Callable<Integer> {
     /** Refuses two options that would write to the same file, before any file is opened. */
     private void requireOwnFiles() throws IOException {
         Map<Path, String> taken = new LinkedHashMap<>();
-        for (Map.Entry<String, Optional<Path>> read : new TreeMap<>(listen.files()).entrySet()) {
+        Map<String, Optional<Path>> readFiles = new TreeMap<>(listen.files());
+        readFiles.putAll(cluster.files());
+        for (Map.Entry<String, Optional<Path>> read : readFiles.entrySet()) {
             if (read.getValue().isPresent()) {
                 taken.put(real(read.getValue().get()), read.getKey());
             }

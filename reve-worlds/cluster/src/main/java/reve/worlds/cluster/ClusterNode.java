@@ -138,16 +138,19 @@ public final class ClusterNode implements AutoCloseable {
     }
 
     private static Config config(NodeSettings settings) {
-        return ConfigFactory.parseMap(
-                        Map.of(
-                                "pekko.remote.artery.transport",
-                                "tcp",
-                                "pekko.remote.artery.canonical.hostname",
-                                settings.listen().host(),
-                                "pekko.remote.artery.canonical.port",
-                                settings.listen().port(),
-                                "reve.lease.store",
-                                settings.store()))
+        Map<String, Object> values = new HashMap<>();
+        values.put("pekko.remote.artery.transport", settings.tls().isPresent() ? "tls-tcp" : "tcp");
+        values.put("pekko.remote.artery.canonical.hostname", settings.listen().host());
+        values.put("pekko.remote.artery.canonical.port", settings.listen().port());
+        values.put("reve.lease.store", settings.store());
+        settings.tls()
+                .ifPresent(
+                        files -> {
+                            values.put("reve.tls.certificate", files.certificate().toString());
+                            values.put("reve.tls.key", files.key().toString());
+                            values.put("reve.tls.authority", files.authority().toString());
+                        });
+        return ConfigFactory.parseMap(values)
                 .withFallback(ConfigFactory.parseResources(ClusterNode.class, "cluster.conf"))
                 .withFallback(ConfigFactory.load());
     }

@@ -3,7 +3,9 @@ package reve.worlds.cluster;
 
 import reve.worlds.journal.PostgresUrl;
 
+import java.net.UnknownHostException;
 import java.util.List;
+import java.util.Optional;
 
 /**
  * The settings of a node of a cluster.
@@ -12,16 +14,23 @@ import java.util.List;
  * @param listen address at which the node reaches the others; port 0 selects a free one
  * @param seeds nodes through which the node joins; with none, it begins a new cluster
  * @param store text of the database's URL, with its settings
+ * @param tls certificate and key of the node; without them, only programs of this machine may reach
+ *     the node
  */
 public record NodeSettings(
-        String cluster, NodeAddress listen, List<NodeAddress> seeds, String store) {
+        String cluster,
+        NodeAddress listen,
+        List<NodeAddress> seeds,
+        String store,
+        Optional<NodeTls.Files> tls) {
     /** Form of the name of a cluster. */
     public static final String NAME = "[A-Za-z0-9][A-Za-z0-9-]{0,63}";
 
     /**
      * Copies the list of seeds.
      *
-     * @throws IllegalArgumentException if the name or the URL has another form
+     * @throws IllegalArgumentException if the name or the URL has another form, or other machines
+     *     reach the node without TLS
      */
     public NodeSettings {
         if (!cluster.matches(NAME)) {
@@ -35,7 +44,19 @@ public record NodeSettings(
             throw new IllegalArgumentException(
                     "the store of a cluster is " + store + ", expected the URL of a database");
         }
+        if (tls.isEmpty() && !isLoopback(listen)) {
+            throw new IllegalArgumentException(
+                    "other machines reach " + listen + ", so nodes take TLS there");
+        }
         seeds = List.copyOf(seeds);
+    }
+
+    private static boolean isLoopback(NodeAddress address) {
+        try {
+            return address.isLoopback();
+        } catch (UnknownHostException unknown) {
+            return false;
+        }
     }
 
     /** Returns the database. */

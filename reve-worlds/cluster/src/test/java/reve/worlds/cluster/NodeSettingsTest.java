@@ -9,6 +9,7 @@ import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
 
 import java.util.List;
+import java.util.Optional;
 
 class NodeSettingsTest {
     private static final NodeAddress HERE = new NodeAddress("127.0.0.1", 0);
@@ -35,16 +36,25 @@ class NodeSettingsTest {
 
     @Test
     void aClusterHasANameAndADatabase() {
-        assertThat(new NodeSettings("lab-2", HERE, List.of(), STORE).database().tls())
+        assertThat(
+                        new NodeSettings("lab-2", HERE, List.of(), STORE, Optional.empty())
+                                .database()
+                                .tls())
                 .containsEntry("sslmode", "disable");
         for (String name : List.of("", "-lab", "my lab", "l".repeat(65))) {
             assertThatIllegalArgumentException()
-                    .isThrownBy(() -> new NodeSettings(name, HERE, List.of(), STORE))
+                    .isThrownBy(
+                            () -> new NodeSettings(name, HERE, List.of(), STORE, Optional.empty()))
                     .withMessageContaining("the cluster is called '" + name + "'");
         }
         assertThatIllegalArgumentException()
-                .isThrownBy(() -> new NodeSettings("lab", HERE, List.of(), "my.db"))
+                .isThrownBy(
+                        () -> new NodeSettings("lab", HERE, List.of(), "my.db", Optional.empty()))
                 .withMessageContaining("the store of a cluster is my.db");
+        NodeAddress open = new NodeAddress("10.0.0.1", 2551);
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> new NodeSettings("lab", open, List.of(), STORE, Optional.empty()))
+                .withMessageContaining("other machines reach 10.0.0.1:2551, so nodes take TLS");
     }
 
     @Test

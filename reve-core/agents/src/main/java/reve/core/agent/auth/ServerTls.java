@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.auth;
 
+import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
@@ -32,6 +33,8 @@ import java.util.regex.Pattern;
 import javax.net.ssl.KeyManagerFactory;
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLEngine;
+import javax.net.ssl.TrustManager;
+import javax.net.ssl.TrustManagerFactory;
 
 /**
  * TLS 1.3 with the server's certificate. Reads the files of certificate and private key again when
@@ -181,6 +184,45 @@ public final class ServerTls {
         requireFile(certificate);
         requireFile(key);
         Certificate[] chain = chain(certificate);
+        return new Pair(
+                context(certificate, key, chain, null),
+                ((X509Certificate) chain[0]).getNotAfter().toInstant());
+    }
+
+    /**
+     * Returns the context of one side of a connection whose sides both present certificates.
+     *
+     * @param certificate certificate of this side first, then its issuers
+     * @param key private key of the first certificate, as in {@link #of(Path, Path)}
+     * @param authorities certificates of the issuers that this side trusts
+     * @throws IOException naming the file and the error
+     */
+    public static SSLContext mutual(Path certificate, Path key, Path authorities)
+            throws IOException {
+        requireFile(certificate);
+        requireFile(key);
+        requireFile(authorities);
+        try {
+            var trusted = KeyStore.getInstance("PKCS12");
+            trusted.load(null, IN_MEMORY);
+            for (Certificate each : chain(authorities)) {
+                trusted.setCertificateEntry("authority " + trusted.size(), each);
+            }
+            var trust = TrustManagerFactory.getInstance(TrustManagerFactory.getDefaultAlgorithm());
+            trust.init(trusted);
+            return context(certificate, key, chain(certificate), trust.getTrustManagers());
+        } catch (GeneralSecurityException e) {
+            throw new IOException("TLS with " + authorities + ": " + e.getMessage(), e);
+        }
+    }
+
+    /**
+     * @param trust decides which certificates of the other side are accepted; null for the
+     *     authorities of Java
+     */
+    private static SSLContext context(
+            Path certificate, Path key, Certificate[] chain, TrustManager @Nullable [] trust)
+            throws IOException {
         PrivateKey secret = key(key, chain[0].getPublicKey().getAlgorithm());
         try {
             if (!fit(secret, chain[0])) {
@@ -193,8 +235,8 @@ public final class ServerTls {
             var keys = KeyManagerFactory.getInstance(KeyManagerFactory.getDefaultAlgorithm());
             keys.init(store, IN_MEMORY);
             var context = SSLContext.getInstance("TLS");
-            context.init(keys.getKeyManagers(), null, null);
-            return new Pair(context, ((X509Certificate) chain[0]).getNotAfter().toInstant());
+            context.init(keys.getKeyManagers(), trust, null);
+            return context;
         } catch (GeneralSecurityException e) {
             throw new IOException(
                     "TLS with " + certificate + " and " + key + ": " + e.getMessage(), e);
