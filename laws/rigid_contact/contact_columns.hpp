@@ -21,10 +21,13 @@ struct ContactColumns {
   OptionalRead<int32_t> sensor{"touchSensor", "body", units::one};
   OptionalRead<int32_t> part{"partOfBody", "body", units::one};
   OptionalWrite<int32_t> touch_count{"touchCount", "body", units::one};
+  OptionalWrite<Vec3<Real>> reaction{"reactionForce", "body", units::newton};
 
   /** Return the columns in two groups, whose places in the order of the law's columns differ. */
   auto FirstProperties() { return std::tie(friction, restitution); }
-  auto LaterProperties() { return std::tie(rolling, layer, passes, sensor, part, touch_count); }
+  auto LaterProperties() {
+    return std::tie(rolling, layer, passes, sensor, part, touch_count, reaction);
+  }
 
   /** Returns the value of a shape: the value of its body, or `otherwise` for scenery. */
   template <class Column>

@@ -116,6 +116,7 @@ struct RigidContact {
     FindContacts(step);
     Solve(step, solver);
     Remember();
+    if (contact_columns.reaction.present()) ScatterReactions(step);
     joint_columns.Scatter(joints_, *this, step.dt);
     Scatter(step);
   }
@@ -417,6 +418,7 @@ struct RigidContact {
     contact.b = BodyOf(parts_.BodyOf(pair.b));
     contact.normal = Narrow<Real>(manifold.normal);
     contact.count = manifold.count;
+    contact.spent = {};
     const auto [rub_a, rub_b] = OfBoth(contact_columns.friction, pair, friction.value());
     contact.friction = static_cast<Real>(std::sqrt(rub_a * rub_b));
     const auto [e_a, e_b] = OfBoth(contact_columns.restitution, pair, restitution.value());
@@ -549,6 +551,20 @@ struct RigidContact {
       for (uint32_t slot = used_[i]; slot < kSlots && partners[i][slot] != 0; ++slot) {
         partners[i][slot] = 0;
       }
+    }
+  }
+
+  /** Writes the mean force on each body at its contacts. The force on a part is that on its body.
+   */
+  void ScatterReactions(const Step& step) {
+    const auto& reaction = contact_columns.reaction;
+    std::fill(reaction.begin(), reaction.end(), Vector3{});
+    const Real per_time = 1 / static_cast<Real>(step.dt);
+    for (size_t i = 0; i < contacts_.size(); ++i) {
+      const Vector3 force = contacts_[i].TotalImpulse() * per_time;
+      const uint32_t a = parts_.BodyOf(touches_[i].a), b = parts_.BodyOf(touches_[i].b);
+      if (a < rows()) reaction[a] -= force;
+      if (b < rows()) reaction[b] += force;
     }
   }
 

@@ -50,6 +50,48 @@ TYPED_TEST(RigidContactTest, EveryShapeRestsOnTheGround) {
   }
 }
 
+TYPED_TEST(RigidContactTest, ContactForcesOfAStackAreItsWeights) {
+  RigidScene<TypeParam> scene;
+  scene.gravity = {0, TypeParam(-kG), 0};
+  scene.AddBox({4, 1, 4}, 0, {0, -0.5, 0});
+  for (int i = 0; i < 3; ++i) scene.AddBox({1, 1, 1}, 2, {0, 0.5 + i, 0});
+  scene.AddBox({1, 1, 1}, 5, {0, 50, 0});
+  scene.reaction.assign(scene.position.size(), 7);
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(kFrame, 120);
+  // The immovable ground bears the stack. The net force on each box is its own weight.
+  const double expected[] = {-6 * kG, 2 * kG, 2 * kG, 2 * kG, 0};
+  for (uint32_t i = 0; i < 5; ++i) {
+    const Vector force = scene.Wide(scene.At(scene.reaction, i));
+    EXPECT_NEAR(force.y, expected[i], 1e-3 * 6 * kG) << i;
+    EXPECT_NEAR(force.x, 0, 1e-3 * 6 * kG) << i;
+    EXPECT_NEAR(force.z, 0, 1e-3 * 6 * kG) << i;
+  }
+}
+
+// The force is the change of momentum that gravity does not explain, also in an impact with
+// friction and restitution.
+TYPED_TEST(RigidContactTest, ContactForcesExplainTheChangeOfMomentumInABounce) {
+  for (const double restitution : {0.0, 0.7}) {
+    RigidScene<TypeParam> scene;
+    scene.gravity = {0, TypeParam(-kG), 0};
+    scene.AddGround();
+    scene.Add(ShapeCode::kSphere, {1, 1, 1}, 3, {0, 1.2, 0}, {2, -1, 0.5});
+    scene.reaction.assign(scene.position.size(), 0);
+    PhysicsEngine engine = scene.MakeRigidEngine({{"restitution", restitution}});
+    double largest = 0;
+    for (int step = 0; step < 90; ++step) {
+      const Vector before = scene.Velocity(0);
+      engine.Advance(kFrame, 1);
+      const Vector force = scene.Wide(scene.At(scene.reaction, 0));
+      const Vector expected = (scene.Velocity(0) - before) * (3 / kFrame) + Vector{0, 3 * kG, 0};
+      EXPECT_NEAR(Length(force - expected), 0, 2e-4 * (Length(expected) + 3 * kG)) << step;
+      largest = std::max(largest, Length(force));
+    }
+    EXPECT_GT(largest, 10 * 3 * kG) << "the impact";
+  }
+}
+
 TYPED_TEST(RigidContactTest, StackOfFiveBoxesStands) {
   RigidScene<TypeParam> scene;
   scene.gravity = {0, TypeParam(-kG), 0};

@@ -22,6 +22,7 @@ struct RigidScene : Scene<Real> {
   std::vector<int32_t> shape;                            // (bodies)
   std::vector<double> size;                              // (bodies x 3) [m]
   std::vector<Real> orientation, spin, torque, inertia;  // (bodies x 4), (bodies x 3)
+  std::vector<Real> reaction;  // (bodies x 3) [N], empty unless a test measures it
   std::vector<int32_t> mesh_form, carrier, part, layer, passes, sensor, touch_count;  // (bodies)
   std::vector<Real> rolling;                                                          // (bodies)
   bool has_parts = false, has_layers = false, has_rolling = false;
@@ -217,6 +218,7 @@ struct RigidScene : Scene<Real> {
       provider.AddPhysicalProperty("jointTravel", joint_travel);
       for (auto& [name, column] : joint_loads) provider.AddPhysicalProperty(name, column);
     }
+    if (!reaction.empty()) provider.AddPhysicalProperty("reactionForce", reaction);
     engine.LoadPhysicsLaw("gravity_field");
     engine.LoadPhysicsLaw("rigid_contact", parameters);
     return engine;

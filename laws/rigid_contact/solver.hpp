@@ -103,6 +103,7 @@ struct Contact {
   Real mean_mass;                 // effective mass at the mean of the points [kg]
   std::array<Point, Manifold::kMost> points;
   int count;
+  Vector spent;  // impulses of points that have bounced in this step, on body b [N s]
 
   static Real MassAlong(const Vector& direction, const Vector& arm_a, const Vector& arm_b,
                         const Motion<Real>& body_a, const Motion<Real>& body_b) {
@@ -153,6 +154,13 @@ struct Contact {
 
   Vector Impulse(const Point& p) const {
     return normal * p.press + across[0] * p.rub[0] + across[1] * p.rub[1];
+  }
+
+  /** Returns the impulse of this step on body b, at all points [N s]. */
+  Vector TotalImpulse() const {
+    Vector total = spent;
+    for (int i = 0; i < count; ++i) total += Impulse(points[i]);
+    return total;
   }
 
   /** Applies the impulses of the last step as a first guess. */
@@ -249,6 +257,7 @@ struct Contact {
     for (int i = 0; i < count; ++i) {
       Point& p = points[i];
       if (p.approach > -step.restitution_speed || p.press == 0) continue;
+      spent += Impulse(p);
       p.press = p.rub[0] = p.rub[1] = roll[0] = roll[1] = 0;
     }
   }

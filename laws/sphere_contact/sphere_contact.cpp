@@ -44,6 +44,7 @@ struct SphereContact {
   OptionalRead<Vector> spin{"angularVelocity", "body", units::radian_per_second};
   Accumulate<Vector> force{"externalForce", "body", units::newton};
   OptionalAccumulate<Vector> torque{"torque", "body", units::newton_metre};
+  OptionalAccumulate<Vector> contact_force{"contactForce", "body", units::newton};
   // For each contact in which this sphere is the smaller one, `partner` contains the row of the
   // other sphere plus one. The rows are in ascending order and end with 0. `slip` contains the
   // accumulated slip of the surfaces.
@@ -52,7 +53,8 @@ struct SphereContact {
 
   auto Parameters() { return std::tie(stiffness, damping, friction, floor_height); }
   auto Properties() {
-    return std::tie(mass, radius, position, velocity, spin, force, torque, partner, slip);
+    return std::tie(mass, radius, position, velocity, spin, force, torque, partner, slip,
+                    contact_force);
   }
 
   void Advance(const Step& step) {
@@ -195,6 +197,7 @@ struct SphereContact {
     }
     force[i] += pull;
     if (torque.present()) torque[i] += turn;
+    if (contact_force.present()) contact_force[i] += pull;
   }
 
   /** Adds the forces of the contacts in which a ball is the larger one. */
@@ -203,6 +206,7 @@ struct SphereContact {
       const Contact& contact = contacts_[pair];
       if (!(contact.depth > 0)) continue;
       force[i] += contact.force;
+      if (contact_force.present()) contact_force[i] += contact.force;
       if (torque.present()) torque[i] -= contact.moment * Arm(balls_[i], contact.depth);
     }
   }

@@ -40,6 +40,22 @@ TYPED_TEST(SphereContactTest, BallRestsOnTheFloorByItsWeightOverTheStiffness) {
   EXPECT_NEAR(scene.velocity[1], 0, 1e-4);
 }
 
+TYPED_TEST(SphereContactTest, ContactForcesAtRestAreTheWeights) {
+  SphereScene<TypeParam> scene;
+  scene.AddSphere(2, 0.5, {0, TypeParam(0.5), 0});
+  scene.AddSphere(3, 0.4, {0, TypeParam(1.4), 0});
+  scene.AddSphere(1, 0.5, {9, 40, 0});
+  scene.gravity = {0, -10, 0};
+  scene.contact.assign(scene.position.size(), 7);
+  PhysicsEngine engine = scene.MakeSphereEngine({{"floorHeight", 0.0}, {"stiffness", 1e4}});
+  engine.Advance(1.0 / 1000, 2500);
+  // The net contact force on each ball is its own weight.
+  EXPECT_NEAR(scene.contact[1], 20, 1e-2);
+  EXPECT_NEAR(scene.contact[4], 30, 1e-2);
+  EXPECT_NEAR(scene.contact[0], 0, 1e-2);
+  EXPECT_EQ(scene.contact[7], 0) << "in free fall";
+}
+
 TYPED_TEST(SphereContactTest, SlidingBallComesToRollWithFiveSeventhsOfItsSpeed) {
   SphereScene<TypeParam> scene;
   scene.AddSphere(2, 0.5, {0, TypeParam(0.499), 0}, {7, 0, 0});

@@ -17,6 +17,7 @@ struct SphereScene : Scene<Real> {
   std::vector<Real> spin;         // (bodies x 3) [rad/s]
   std::vector<Real> orientation;  // (bodies x 4)
   std::vector<Real> torque;       // (bodies x 3) [N m]
+  std::vector<Real> contact;      // (bodies x 3) [N], empty unless a test measures it
 
   /// Adds a solid ball.
   void AddSphere(Real m, Real r, Vec3<Real> at, Vec3<Real> moving = {}, Vec3<Real> turning = {}) {
@@ -39,6 +40,7 @@ struct SphereScene : Scene<Real> {
     provider.AddPhysicalProperty("angularVelocity", spin);
     provider.AddPhysicalProperty("orientation", orientation);
     provider.AddPhysicalProperty("torque", torque);
+    if (!contact.empty()) provider.AddPhysicalProperty("contactForce", contact);
     for (const char* law : {"gravity_field", "newton_motion", "angular_motion"}) {
       engine.LoadPhysicsLaw(law);
     }

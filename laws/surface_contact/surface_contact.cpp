@@ -71,6 +71,7 @@ struct SurfaceContact {
   Read<Vec3<Real>> position{"position", "body", units::metre};
   Read<Vec3<Real>> velocity{"velocity", "body", units::metre_per_second};
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
+  OptionalAccumulate<Vec3<Real>> contact_force{"contactForce", "body", units::newton};
   /// Elongation of each body's friction spring.
   Scratch<Vec3<Real>> stretch{"frictionStretch", "body", units::metre};
   /// The last step in which a contact stretched the friction spring, and this contact. The contact
@@ -81,7 +82,7 @@ struct SurfaceContact {
   auto Parameters() { return std::tie(maximum_depth); }
   auto Properties() {
     return std::tie(vertices, hardness, damping, friction, position, velocity, force, stretch,
-                    stretched_by);
+                    stretched_by, contact_force);
   }
 
   void Bind() {
@@ -116,7 +117,10 @@ struct SurfaceContact {
     // same body, and an edge may use the friction springs of both its ends.
     for (Chunk& chunk : chunks_) {
       for (const auto& contact : chunk.edge_contacts) PushEdge(contact, step, chunk);
-      for (const auto& [body, reaction] : chunk.reactions) force[body] += reaction;
+      for (const auto& [body, reaction] : chunk.reactions) {
+        force[body] += reaction;
+        if (contact_force.present()) contact_force[body] += reaction;
+      }
     }
   }
 
@@ -388,7 +392,9 @@ struct SurfaceContact {
             position[body], velocity[body], {each->at}, {1}, each->at.depth, 1};
         const Spring spring = each == deepest ? Spring{body, kOwn} : Spring{};
         const Response<Real> response = Exert(touch, step, spring, chunk);
-        force[body] += each->at.normal * response.push + response.drag;
+        const Vec3<Real> push = each->at.normal * response.push + response.drag;
+        force[body] += push;
+        if (contact_force.present()) contact_force[body] += push;
       }
     }
   }

@@ -45,6 +45,25 @@ TYPED_TEST(SurfaceContactTest, RestsWhereTheHardnessCarriesTheWeight) {
   EXPECT_NEAR(Length(scene.At(scene.velocity, ball)), 0, Rounding<TypeParam>(1000));
 }
 
+TYPED_TEST(SurfaceContactTest, ContactForcesAtRestAreTheWeightAndItsReaction) {
+  const double mass = 3, k = 2000;
+  ContactScene<TypeParam> scene;
+  scene.gravity = {0, static_cast<TypeParam>(-kGravity), 0};
+  scene.AddGround({k, 2 * std::sqrt(k * mass), 0});
+  const uint32_t ball = scene.AddBody(mass, {0.3f, 0.001f, 0.2f});
+  std::vector<TypeParam> contact(scene.position.size(), 7);
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.PropertyProvider().AddPhysicalProperty("contactForce", contact);
+  for (const char* law : {"gravity_field", "surface_contact", "newton_motion"}) {
+    engine.LoadPhysicsLaw(law);
+  }
+  engine.Advance(1e-3, 2000);
+  EXPECT_NEAR(scene.At(contact, ball).y, mass * kGravity, 1e-4 * mass * kGravity);
+  double sum = 0;
+  for (size_t i = 1; i < contact.size(); i += 3) sum += contact[i];
+  EXPECT_NEAR(sum, 0, 1e-4 * mass * kGravity) << "the ground bears the ball";
+}
+
 TYPED_TEST(SurfaceContactTest, MassZeroBearsTheWeightAndKeepsItsBits) {
   const double mass = 3, k = 2000;
   ContactScene<TypeParam> scene;

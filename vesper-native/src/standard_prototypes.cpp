@@ -234,6 +234,10 @@ constexpr vesper_property_descriptor kProperties[] = {
              "Mean acceleration of the last frame minus gravity, in the axes of the body."),
     Describe(real, 3, "body", "angularRate", VESPER_UNIT_RADIAN_PER_SECOND, VESPER_READ,
              "Angular velocity in the axes of the body."),
+    Describe(real, 3, "body", "contactForce", VESPER_UNIT_NEWTON, kAccumulator,
+             "Sum of the forces of the stage that laws of phase FORCE exert at contacts."),
+    Describe(real, 3, "body", "reactionForce", VESPER_UNIT_NEWTON, VESPER_READ_WRITE,
+             "Mean force of the last step that a law of phase INTEGRATE exerts at contacts."),
 };
 
 template <vesper_scalar_type real>

@@ -136,6 +136,8 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"driveDamping", {"joint", 1, "N*s/m", VESPER_READ}},
       {"specificForce", {"body", 3, "m/s^2", VESPER_READ}},
       {"angularRate", {"body", 3, "rad/s", VESPER_READ}},
+      {"contactForce", {"body", 3, "N", kSum}},
+      {"reactionForce", {"body", 3, "N", VESPER_READ_WRITE}},
   };
   const vesper_prototype* prototype = vesper_prototype_standard("si-f64");
   ASSERT_EQ(prototype->property_count, expected.size());

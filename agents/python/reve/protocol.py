@@ -183,6 +183,7 @@ class Reading:
     |---|---|---|
     | `imu` | `specificForce` | (3,) [m/s²], in the body's own axes: acceleration minus gravity |
     | `imu` | `angularVelocity` | (3,) [rad/s], in the body's own axes |
+    | `contactForce` | `force` | (3,) [N], in the axes of the world, or of the body |
     | `lidar` | `distances` | (rows * columns,) [m], row by row; `math.inf` where nothing was met |
 
     `columns` is the number of rays side by side of a lidar, and None for other instruments:

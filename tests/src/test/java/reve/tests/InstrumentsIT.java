@@ -129,4 +129,108 @@ class InstrumentsIT {
             assertThat(rough(ada)).usingRecursiveComparison().isEqualTo(first);
         }
     }
+
+    private static Perception steps(AgentClient agent, int count) {
+        for (int i = 1; i < count; i++) {
+            agent.step();
+        }
+        return agent.step();
+    }
+
+    /** The box on the plate lies on its side. */
+    @Test
+    void agentsMeasureTheWeightAtTheirContacts() throws Exception {
+        try (Server server =
+                serve(
+                        """
+                                laws: [gravity_field, rigid_contact]
+                                constants: {gravity: [0, -9.81, 0]}
+                                agents: {bodies: [box, plate]}
+                                items:
+                                  - name: box
+                                    physical: {shape: box, size: [1, 1, 1], location: [0, 1, 0], orientation: {axis: [0, 0, 1], angle: 90 deg}}
+                                    physics: {mass: 3 kg}
+                                    sensors: {world: {contactForce: {}}, own: {contactForce: {axes: body}}}
+                                  - name: plate
+                                    physical: {shape: box, size: [4, 1, 4]}
+                                    physics: {mass: 0}
+                                    sensors: {load: {contactForce: {}}}
+                                """)) {
+            double weight = 3 * 9.81;
+            try (AgentClient ada = join(server, inLockStep(Encoding.JSON).withBody("box"))) {
+                ada.observe();
+                Perception now = steps(ada, 120);
+                assertThat(numbers(now, "world", "force"))
+                        .containsExactly(new double[] {0, weight, 0}, within(1e-3 * weight));
+                assertThat(numbers(now, "own", "force"))
+                        .as("the body's own +X axis points up")
+                        .containsExactly(new double[] {weight, 0, 0}, within(1e-3 * weight));
+            }
+            try (AgentClient ada =
+                    join(server, inLockStep(Encoding.MESSAGEPACK).withBody("plate"))) {
+                ada.observe();
+                assertThat(numbers(steps(ada, 3), "load", "force"))
+                        .containsExactly(new double[] {0, -weight, 0}, within(1e-3 * weight));
+            }
+        }
+    }
+
+    @Test
+    void theForcesOfSphereContactAreMeasuredToo() throws Exception {
+        try (Server server =
+                        serve(
+                                """
+                                frame: {rate: 60, steps: 20}
+                                laws: [gravity_field, newton_motion, {name: sphere_contact, parameters: {floorHeight: 0, stiffness: 1e4, dampingRatio: 0.7}}]
+                                constants: {gravity: [0, -9.81, 0]}
+                                agents: {bodies: [ball]}
+                                items:
+                                  - name: ball
+                                    physical: {shape: sphere, radius: 0.5, location: [0, 0.5, 0]}
+                                    physics: {mass: 2 kg, radius: 0.5}
+                                    sensors: {load: {contactForce: {}}}
+                                """);
+                AgentClient ada = join(server, inLockStep(Encoding.JSON))) {
+            ada.observe();
+            double weight = 2 * 9.81;
+            assertThat(numbers(steps(ada, 120), "load", "force"))
+                    .containsExactly(new double[] {0, weight, 0}, within(1e-3 * weight));
+        }
+    }
+
+    /** Rays at -45, 0 and 45 degrees: past the wall, at the wall, and past the wall. */
+    @Test
+    void anAgentReadsTheDistancesOfItsLidarInBothEncodings() throws Exception {
+        String world =
+                """
+                laws: [newton_motion]
+                agents: {bodies: [cart]}
+                items:
+                  - name: cart
+                    physical: {shape: box, size: [1, 1, 1]}
+                    physics: {mass: 1 kg, velocity: [0, 0, 3]}
+                    sensors: {scan: {lidar: {rays: 3, angle: 90 deg, range: 20 m}}}
+                  - {name: wall, physical: {shape: box, size: [2, 2, 1], location: [0, 0, 9.5]}}
+                """;
+        for (Encoding encoding : Encoding.values()) {
+            try (Server server = serve(world);
+                    AgentClient ada = join(server, inLockStep(encoding))) {
+                ada.observe();
+                Perception now = steps(ada, 5);
+                assertThat(now.items())
+                        .extracting(Perception.Item::name)
+                        .as("the wall is not disclosed")
+                        .containsExactly("cart");
+                assertThat(now.readings().get("scan").columns()).hasValue(3);
+                assertThat(numbers(now, "scan", "distances"))
+                        .containsExactly(
+                                new double[] {
+                                    Double.POSITIVE_INFINITY,
+                                    9 - 3 * now.time(),
+                                    Double.POSITIVE_INFINITY
+                                },
+                                within(1e-9));
+            }
+        }
+    }
 }

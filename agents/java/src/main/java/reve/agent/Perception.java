@@ -96,7 +96,7 @@ public record Perception(
      * <p>An {@code imu} measures in the body's own axes: {@code specificForce}, 3 numbers [m/s²],
      * the acceleration minus gravity, and {@code angularVelocity}, 3 numbers [rad/s]. A {@code
      * lidar} measures {@code distances} [m], row by row, which are infinite where a ray met
-     * nothing.
+     * nothing. A sensor of the {@code contactForce} measures {@code force}, 3 numbers [N].
      *
      * @param frame the frame of the measurement
      * @param quantities the measured numbers, by the name of the quantity

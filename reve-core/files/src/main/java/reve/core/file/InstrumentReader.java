@@ -6,6 +6,7 @@ import reve.core.world.Instrument;
 import reve.core.world.Instrument.Errors;
 import reve.core.world.WorldPrototype;
 
+import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 import java.util.function.Supplier;
@@ -14,7 +15,9 @@ import java.util.function.Supplier;
 final class InstrumentReader {
     static final String IMU = "imu";
     static final String LIDAR = "lidar";
-    private static final List<String> KEYS = List.of(IMU, LIDAR);
+    static final String CONTACT_FORCE = "contactForce";
+    static final String OWN_AXES = "body";
+    private static final List<String> KEYS = List.of(IMU, LIDAR, CONTACT_FORCE);
 
     private static final Unit ACCELERATION = Unit.parse("m/s^2");
     private static final Unit METRE = Unit.parse("m");
@@ -36,14 +39,30 @@ final class InstrumentReader {
 
     /** Returns the properties of bodies into which the world writes what a sensor measures. */
     static List<String> measured(Node sensor) {
-        return sensor.isMapping() && sensor.get(IMU).isPresent()
-                ? WorldPrototype.measuredBy(PLAIN_IMU)
-                : List.of();
+        if (!sensor.isMapping()) {
+            return List.of();
+        }
+        List<String> properties = new ArrayList<>();
+        if (sensor.get(IMU).isPresent()) {
+            properties.addAll(WorldPrototype.measuredBy(PLAIN_IMU));
+        }
+        if (sensor.get(CONTACT_FORCE).isPresent()) {
+            properties.addAll(WorldPrototype.measuredBy(new Instrument.ContactForce(false)));
+        }
+        return properties;
     }
 
     /** Reads an instrument. If it is invalid, records a problem and returns empty. */
     Optional<Instrument> read(Node node) {
-        return node.key().equals(LIDAR) ? readLidar(node) : readImu(node);
+        return switch (node.key()) {
+            case LIDAR -> readLidar(node);
+            case CONTACT_FORCE -> Optional.of(new Instrument.ContactForce(isOwn(node)));
+            default -> readImu(node);
+        };
+    }
+
+    private static boolean isOwn(Node contact) {
+        return contact.get("axes").flatMap(Node::text).equals(Optional.of(OWN_AXES));
     }
 
     private Optional<Instrument> readImu(Node node) {

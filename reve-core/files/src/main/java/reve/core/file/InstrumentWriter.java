@@ -23,6 +23,12 @@ final class InstrumentWriter {
                 putSeed(tree, imu.seed());
                 sensor.put(InstrumentReader.IMU, tree);
             }
+            case Instrument.ContactForce contact -> {
+                if (contact.ownAxes()) {
+                    tree.put("axes", InstrumentReader.OWN_AXES);
+                }
+                sensor.put(InstrumentReader.CONTACT_FORCE, tree);
+            }
             case Instrument.Lidar lidar -> {
                 tree.put("rays", YamlWriter.Numeral.of(lidar.columns()));
                 tree.put("angle", YamlWriter.Numeral.of(lidar.width()));

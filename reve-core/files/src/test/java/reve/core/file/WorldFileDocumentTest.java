@@ -103,6 +103,8 @@ class WorldFileDocumentTest {
     @Test
     void theInstrumentsOfTheExamplesMeasure() throws Exception {
         assertThat(instruments("name: level", "drone")).containsExactly(Instrument.Imu.class);
+        assertThat(instruments("name: scales", "plate"))
+                .containsExactly(Instrument.ContactForce.class);
         assertThat(instruments("name: corridor", "cart"))
                 .containsExactly(Instrument.Lidar.class, Instrument.Lidar.class);
     }

@@ -5,7 +5,8 @@ package reve.core.world;
  * Settings of a sensor that measures numbers. Such a sensor senses no items. Its agent receives the
  * numbers with its perceptions, as readings.
  */
-public sealed interface Instrument permits Instrument.Imu, Instrument.Lidar {
+public sealed interface Instrument
+        permits Instrument.Imu, Instrument.Lidar, Instrument.ContactForce {
 
     /** Greatest seed of noise, the greatest integer that a double represents with all below it. */
     long GREATEST_SEED = (1L << 53) - 1;
@@ -112,6 +113,15 @@ public sealed interface Instrument permits Instrument.Imu, Instrument.Lidar {
             return rows == 1 ? 0 : height * ((double) row / (rows - 1) - 0.5);
         }
     }
+
+    /**
+     * A sensor of the force [N] that other items exert on the body at its contacts: the sum of the
+     * properties {@link WorldPrototype#CONTACT_FORCE} and {@link WorldPrototype#REACTION_FORCE},
+     * which laws of contact write. It is that of the last physics step of the frame.
+     *
+     * @param ownAxes true for the axes of the body, false for those of the world
+     */
+    record ContactForce(boolean ownAxes) implements Instrument {}
 
     /**
      * The errors of a measured vector, in the unit of the vector. Noise is normally distributed and

@@ -56,6 +56,18 @@ public final class WorldPrototype {
      */
     public static final String ANGULAR_RATE = "angularRate";
 
+    /**
+     * Force on a body at its contacts [N], in the axes of the world, by laws that exert forces,
+     * such as {@code sphere_contact}.
+     */
+    public static final String CONTACT_FORCE = "contactForce";
+
+    /**
+     * Force on a body at its contacts [N], in the axes of the world, by laws that move bodies, such
+     * as {@code rigid_contact}.
+     */
+    public static final String REACTION_FORCE = "reactionForce";
+
     /** The mass of a body. Laws do not move a body of mass 0. */
     static final String MASS = "mass";
 
@@ -152,6 +164,7 @@ public final class WorldPrototype {
         return switch (instrument) {
             case Instrument.Imu _ -> List.of(SPECIFIC_FORCE, ANGULAR_RATE);
             case Instrument.Lidar _ -> List.of();
+            case Instrument.ContactForce _ -> List.of(CONTACT_FORCE, REACTION_FORCE);
         };
     }
 
@@ -398,7 +411,9 @@ public final class WorldPrototype {
     private static List<PropertyDescriptor> measurements(ScalarType real) {
         return List.of(
                 number(BODY, SPECIFIC_FORCE, real, 3, "m/s^2", "Of an IMU, in the body's axes."),
-                number(BODY, ANGULAR_RATE, real, 3, "rad/s", "Of an IMU, in the body's axes."));
+                number(BODY, ANGULAR_RATE, real, 3, "rad/s", "Of an IMU, in the body's axes."),
+                number(BODY, CONTACT_FORCE, real, 3, "N", "Force of contacts, by force laws."),
+                number(BODY, REACTION_FORCE, real, 3, "N", "Force of contacts, by movers."));
     }
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {

@@ -3,6 +3,7 @@ package reve.worlds.check;
 
 import reve.core.file.WorldDescription;
 import reve.core.text.Rounded;
+import reve.core.world.Instrument;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Mesh;
 import reve.core.world.Shape;
@@ -32,6 +33,9 @@ final class ContactChecks {
      */
     private static final double OFF_CENTRE = 0.1;
 
+    private static final String CONTACT_FORCE = WorldPrototype.CONTACT_FORCE;
+    private static final String REACTION_FORCE = WorldPrototype.REACTION_FORCE;
+
     private final WorldDescription world;
     private final LawFacts laws;
     private final ItemFacts items;
@@ -54,6 +58,7 @@ final class ContactChecks {
 
     void run() {
         checkRadii();
+        checkForceSensors();
         if (laws.isUsed(LawFacts.MESH)) {
             checkHulls();
         }
@@ -78,6 +83,36 @@ final class ContactChecks {
                                 + " does not set, so nothing touches it; add radius: "
                                 + Rounded.of(((Shape.Sphere) ball.item().shape()).radius())
                                 + " m under `physics`");
+    }
+
+    /** Checks for sensors of contact forces in a world in which no law computes contact forces. */
+    private void checkForceSensors() {
+        boolean computed =
+                laws.all().stream()
+                        .anyMatch(
+                                law ->
+                                        laws.uses(law, WorldPrototype.BODY, CONTACT_FORCE)
+                                                || laws.uses(
+                                                        law, WorldPrototype.BODY, REACTION_FORCE));
+        if (computed) {
+            return;
+        }
+        findings.items(
+                items.all().stream().filter(ContactChecks::hasForceSensor).toList(),
+                "sensors",
+                body ->
+                        "sensors: the contact force on "
+                                + body.name()
+                                + " is always 0, because no law of this world computes it; add a"
+                                + " law that does, for example rigid_contact");
+    }
+
+    private static boolean hasForceSensor(ItemFacts.Entry entry) {
+        return entry.item().sensors().stream()
+                .anyMatch(
+                        sensor ->
+                                sensor.instrument().orElse(null)
+                                        instanceof Instrument.ContactForce);
     }
 
     /**

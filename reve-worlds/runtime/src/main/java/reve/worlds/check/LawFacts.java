@@ -46,6 +46,8 @@ final class LawFacts {
                     "torque",
                     WorldPrototype.SPECIFIC_FORCE,
                     WorldPrototype.ANGULAR_RATE,
+                    WorldPrototype.CONTACT_FORCE,
+                    WorldPrototype.REACTION_FORCE,
                     "length",
                     "softening");
 

@@ -18,8 +18,14 @@ import java.util.Map;
  */
 final class Measurements {
 
+    private final SensedWorld bodies;
+
     /** Copies of columns by name, (rows x components). */
     private final Map<String, double[]> columns = new LinkedHashMap<>();
+
+    Measurements(SensedWorld bodies) {
+        this.bodies = bodies;
+    }
 
     /** Includes the columns that these sensors need in the copies from now on. */
     void expect(List<Sensor> sensors) {
@@ -75,9 +81,27 @@ final class Measurements {
                                         imu.angularVelocity(),
                                         noise)));
             }
+            case Instrument.ContactForce contact -> {
+                double[] force = new double[3];
+                for (int axis = 0; axis < 3; axis++) {
+                    force[axis] =
+                            number(WorldPrototype.CONTACT_FORCE, row, axis)
+                                    + number(WorldPrototype.REACTION_FORCE, row, axis);
+                }
+                if (contact.ownAxes()) {
+                    bodies.turnBack(row, force);
+                }
+                yield new Reading(
+                        sensor.name(), frame, List.of(new Reading.Quantity("force", force)));
+            }
             case Instrument.Lidar _ ->
                     throw new IllegalStateException("a lidar takes time, see LidarScanner");
         };
+    }
+
+    private double number(String property, int row, int axis) {
+        double[] column = columns.get(property);
+        return column == null ? 0 : column[3 * row + axis];
     }
 
     private Reading.Quantity quantity(
@@ -86,11 +110,10 @@ final class Measurements {
             int row,
             Instrument.Errors errors,
             MeasurementNoise noise) {
-        double[] column = columns.get(property);
         double[] measured = new double[3];
         for (int axis = 0; axis < 3; axis++) {
-            double exact = column == null ? 0 : column[3 * row + axis];
-            measured[axis] = exact + errors.bias(axis) + noise.next(errors.noise());
+            measured[axis] =
+                    number(property, row, axis) + errors.bias(axis) + noise.next(errors.noise());
         }
         return new Reading.Quantity(name, measured);
     }

@@ -58,7 +58,7 @@ public final class Observatory {
 
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
-    private final Measurements measurements = new Measurements();
+    private final Measurements measurements = new Measurements(bodies);
     private final LidarScanner lidars = new LidarScanner(bodies, this::shapeIn);
 
     /** Bodies that last hid others from the eye of any body, for tests of single items. */

@@ -227,6 +227,20 @@ public final class SensedWorld {
         System.arraycopy(orientation, 4 * row, into, 3, 4);
     }
 
+    /** Converts a vector from the axes of the world to those of the body in a row. */
+    void turnBack(int row, double[] vector) {
+        double ux = -orientation[4 * row];
+        double uy = -orientation[4 * row + 1];
+        double uz = -orientation[4 * row + 2];
+        double w = orientation[4 * row + 3];
+        double cx = 2 * (uy * vector[2] - uz * vector[1]);
+        double cy = 2 * (uz * vector[0] - ux * vector[2]);
+        double cz = 2 * (ux * vector[1] - uy * vector[0]);
+        vector[0] += w * cx + (uy * cz - uz * cy);
+        vector[1] += w * cy + (uz * cx - ux * cz);
+        vector[2] += w * cz + (ux * cy - uy * cx);
+    }
+
     /** Returns the index of the boxes of this frame. The keys are rows. */
     BoxIndex index() {
         buildIndex();
