@@ -119,7 +119,9 @@ public final class DatabaseLease extends Lease {
                     failure = Optional.of(away);
                 }
                 isLost = isDenied || !isConfirmed();
-                held = !isLost;
+                if (isLost) { // never set to true here: the lease may have been released meanwhile
+                    held = false;
+                }
             }
             if (isLost) {
                 leaseLost.accept(failure);
