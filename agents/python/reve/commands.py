@@ -108,6 +108,11 @@ class Commands(ABC, Generic[R, Q]):
         """Returns, as the value of the result, the times of the parts of the frames."""
         return self._command("profile")
 
+    def cluster(self) -> R:
+        """Returns, as the value of the result, the nodes and worlds of the cluster to which the
+        server belongs."""
+        return self._command("cluster")
+
     def changes(self) -> R:
         """Returns, as the value of the result, all changes since the last call except those by
         laws."""

@@ -273,6 +273,7 @@ class ClusterIT {
         startCluster(NODES, WORLDS);
         awaitBalance();
         eachNodeSendsAgentsToAllWorlds();
+        eachNodeKnowsAllNodesAndWorlds();
         for (int kill = 1; kill <= KILLS; kill++) {
             String which = "kill " + kill + " of seed " + SEED;
             Map<String, PostgresStore.World> before = worlds();
@@ -336,6 +337,45 @@ class ClusterIT {
             }
             LockSupport.parkNanos(100_000_000);
         }
+    }
+
+    /** The state as one node tells it equals the one that this test knows. */
+    private void eachNodeKnowsAllNodesAndWorlds() throws Exception {
+        Node asked = nodes.getLast();
+        String port = asked.agents().split(":")[1];
+        Outcome told =
+                Reve.run(
+                        "cluster",
+                        "status",
+                        "--port",
+                        port,
+                        "--world",
+                        WORLDS.getFirst(),
+                        "--json");
+        assertThat(told.code()).as(told.err()).isZero();
+        JsonNode state = new JsonMapper().readTree(told.out());
+        assertThat(state.path("cluster").asString()).isEqualTo("lab");
+        Map<String, String> agents = new TreeMap<>();
+        for (JsonNode node : state.path("nodes")) {
+            assertThat(node.path("status").asString()).isEqualTo("up");
+            assertThat(node.path("worlds").asInt()).isEqualTo(WORLDS.size() / NODES);
+            agents.put(node.path("node").asString(), node.path("agents").asString());
+        }
+        assertThat(agents)
+                .isEqualTo(nodes.stream().collect(Collectors.toMap(Node::address, Node::agents)));
+        Map<String, PostgresStore.World> known = worlds();
+        assertThat(state.path("worlds")).hasSize(WORLDS.size());
+        for (JsonNode world : state.path("worlds")) {
+            PostgresStore.World stored = known.get(world.path("world").asString());
+            assertThat(world.path("node").asString()).isEqualTo(ownerOf(stored).address());
+            assertThat(world.path("epoch").asLong()).isEqualTo(stored.epoch());
+        }
+        Outcome text = Reve.run("cluster", "status", "--port", port, "--world", WORLDS.getFirst());
+        assertThat(text.out())
+                .contains("node " + asked.address() + ": up, worlds: 2", "world w1: frame ");
+        Outcome unnamed = Reve.run("cluster", "status", "--port", port);
+        assertThat(unnamed.code()).isEqualTo(1);
+        assertThat(unnamed.err()).contains("no-such-world");
     }
 
     /** Observers change nothing, so the worlds stay undisturbed. */

@@ -4,6 +4,7 @@ package reve.worlds.cli;
 import org.jspecify.annotations.Nullable;
 
 import picocli.CommandLine.Command;
+import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
@@ -13,13 +14,10 @@ import picocli.CommandLine.Spec;
 import reve.agent.ActResult;
 import reve.agent.AgentClient;
 import reve.agent.AgentException;
-import reve.agent.Join;
-import reve.agent.Trust;
 import reve.core.text.Suggestion;
 
 import java.io.IOException;
 import java.io.PrintWriter;
-import java.net.UnknownHostException;
 import java.nio.charset.MalformedInputException;
 import java.nio.file.Files;
 import java.nio.file.Path;
@@ -27,7 +25,6 @@ import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
-import java.util.Optional;
 import java.util.Set;
 import java.util.TreeMap;
 import java.util.TreeSet;
@@ -39,15 +36,13 @@ import java.util.concurrent.Callable;
         description =
                 "Sends a command to a running world: pause, step, run, speed, snapshot, rewind, "
                         + "save, edit, add, change, remove, rule, batch, load-law, set-law, set-budget, "
-                        + "unload-law, release, profile, changes, near, region, picture, "
+                        + "unload-law, release, profile, cluster, changes, near, region, picture, "
                         + "shut-down; or asks: state, laws, inspect, ledger. For example: "
                         + "control rewind image=calm, "
                         + "control add item.yaml, "
                         + "control change item=blue physics.velocity=0,3,0, "
                         + "control load-law file=wind.law.")
 public final class ControlCommand implements Callable<Integer> {
-    private static final String TOKEN = "REVE_TOKEN";
-    private static final int MAX_PORT = 65_535;
     private static final int MAX_TEXT_BYTES = 65_536;
 
     /**
@@ -70,6 +65,7 @@ public final class ControlCommand implements Callable<Integer> {
                             Map.entry("rule", Set.of("name", "rule")),
                             Map.entry("batch", Set.of()),
                             Map.entry("profile", Set.of()),
+                            Map.entry("cluster", Set.of()),
                             Map.entry("changes", Set.of()),
                             Map.entry("near", Set.of("location", "distance", "most")),
                             Map.entry("region", Set.of("from", "to")),
@@ -116,43 +112,7 @@ public final class ControlCommand implements Callable<Integer> {
                             + "of YAML or JSON.")
     private List<String> given = new ArrayList<>();
 
-    @Option(
-            names = "--host",
-            paramLabel = "ADDRESS",
-            defaultValue = "127.0.0.1",
-            description = "Host of the server (default: ${DEFAULT-VALUE}).")
-    private String host = "";
-
-    @Option(
-            names = "--port",
-            paramLabel = "N",
-            defaultValue = ListenOptions.DEFAULT_PORT,
-            description = "Agent port of the server (default: ${DEFAULT-VALUE}).")
-    private int port;
-
-    @Option(
-            names = "--world",
-            paramLabel = "NAME",
-            description = "Name of the world, if the server has several.")
-    private Optional<String> world = Optional.empty();
-
-    @Option(
-            names = "--name",
-            paramLabel = "NAME",
-            defaultValue = "control",
-            description =
-                    "Client name of the sender (default: ${DEFAULT-VALUE}). "
-                            + "A token is taken from "
-                            + TOKEN
-                            + ".")
-    private String name = "";
-
-    @Option(
-            names = "--tls-trust",
-            paramLabel = "FILE",
-            description =
-                    "Use TLS, and verify the server with the certificates in this file (PEM).")
-    private Optional<Path> trust = Optional.empty();
+    @Mixin private ControlTarget target = new ControlTarget();
 
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
@@ -160,7 +120,7 @@ public final class ControlCommand implements Callable<Integer> {
     @Override
     public Integer call() throws IOException {
         Map<String, Object> fields = fields();
-        try (AgentClient client = connect()) {
+        try (AgentClient client = target.connect()) {
             if (QUESTIONS.containsKey(command)) {
                 Json.print(spec, client.report(command, fields).content());
                 return ExitCode.OK;
@@ -169,31 +129,8 @@ public final class ControlCommand implements Callable<Integer> {
             tell(result);
             return result.accepted() ? ExitCode.OK : ExitCode.FAILURE;
         } catch (AgentException refused) {
-            throw new IOException(host + ":" + port + " answers " + refused.getMessage(), refused);
+            throw target.refused(refused);
         }
-    }
-
-    private AgentClient connect() throws IOException {
-        if (port < 1 || port > MAX_PORT) {
-            throw wrong("--port is " + port + ", expected 1 to " + MAX_PORT);
-        }
-        Join join = join();
-        try {
-            return AgentClient.connect(host, port, join);
-        } catch (UnknownHostException e) {
-            throw new IOException("--host " + host + ": there is no such address", e);
-        }
-    }
-
-    private Join join() throws IOException {
-        Join join = Join.as(name).withRole("control");
-        if (world.isPresent()) {
-            join = join.withWorld(world.get());
-        }
-        if (System.getenv(TOKEN) != null) {
-            join = join.withToken(System.getenv(TOKEN));
-        }
-        return trust.isPresent() ? join.withTls(Trust.file(trust.get())) : join;
     }
 
     private Map<String, Object> fields() throws IOException {

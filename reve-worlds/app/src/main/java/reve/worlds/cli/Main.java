@@ -67,6 +67,7 @@ public final class Main {
                     ControlCommand.class,
                     TokenCommand.class,
                     StoreCommand.class,
+                    ClusterCommand.class,
                     NewCommand.class,
                     PackCommand.class,
                     ImportCommand.class,

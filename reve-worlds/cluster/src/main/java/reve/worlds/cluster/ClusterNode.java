@@ -9,6 +9,7 @@ import org.apache.pekko.actor.typed.ActorSystem;
 import org.apache.pekko.actor.typed.Behavior;
 import org.apache.pekko.actor.typed.javadsl.Behaviors;
 import org.apache.pekko.cluster.ClusterEvent;
+import org.apache.pekko.cluster.Member;
 import org.apache.pekko.cluster.MemberStatus;
 import org.apache.pekko.cluster.sharding.typed.ShardingEnvelope;
 import org.apache.pekko.cluster.sharding.typed.ShardingMessageExtractor;
@@ -19,6 +20,7 @@ import org.apache.pekko.cluster.typed.Cluster;
 import org.apache.pekko.cluster.typed.JoinSeedNodes;
 import org.apache.pekko.cluster.typed.Subscribe;
 import org.apache.pekko.remote.RemoteTransportException;
+import org.jspecify.annotations.Nullable;
 
 import reve.worlds.journal.PostgresCatalog;
 import reve.worlds.journal.PostgresStore;
@@ -28,11 +30,16 @@ import reve.worlds.server.WorldPlan;
 
 import java.io.IOException;
 import java.net.BindException;
+import java.util.ArrayList;
 import java.util.HashMap;
+import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
+import java.util.TreeMap;
 import java.util.concurrent.locks.LockSupport;
 
 /**
@@ -46,6 +53,9 @@ public final class ClusterNode implements AutoCloseable {
 
     /** Time without an extension after which a lease of 10 s counts as ended [ns]. */
     private static final long SILENCE_NANOSECONDS = 11_000_000_000L;
+
+    /** Begins the role of a node that contains its address for agents. */
+    private static final String AGENTS = "agents=";
 
     private static final EntityTypeKey<WorldCommand> WORLDS =
             EntityTypeKey.create(WorldCommand.class, "world");
@@ -63,6 +73,9 @@ public final class ClusterNode implements AutoCloseable {
 
     /** Addresses for agents of the worlds of other nodes, by name; for the agent server. */
     private volatile Map<String, String> elsewhere = Map.of();
+
+    /** The worlds of the database when they were last read. */
+    private volatile List<PostgresStore.World> worlds = List.of();
 
     /** Leases of the worlds as this node saw them first. For the thread of the keeper. */
     private final Map<String, Lease> leases = new HashMap<>();
@@ -110,7 +123,8 @@ public final class ClusterNode implements AutoCloseable {
         this.catalog = new PostgresCatalog(settings.database());
         try {
             catalog.prepare();
-            this.system = ActorSystem.create(members(), settings.cluster(), config(settings));
+            this.system =
+                    ActorSystem.create(members(), settings.cluster(), config(settings, agents()));
         } catch (RemoteTransportException unbound) {
             catalog.close();
             throw unbound(settings, unbound);
@@ -137,11 +151,12 @@ public final class ClusterNode implements AutoCloseable {
         return node;
     }
 
-    private static Config config(NodeSettings settings) {
+    private static Config config(NodeSettings settings, String agents) {
         Map<String, Object> values = new HashMap<>();
         values.put("pekko.remote.artery.transport", settings.tls().isPresent() ? "tls-tcp" : "tcp");
         values.put("pekko.remote.artery.canonical.hostname", settings.listen().host());
         values.put("pekko.remote.artery.canonical.port", settings.listen().port());
+        values.put("pekko.cluster.roles", List.of(AGENTS + agents));
         values.put("reve.lease.store", settings.store());
         settings.tls()
                 .ifPresent(
@@ -184,7 +199,7 @@ public final class ClusterNode implements AutoCloseable {
         fields.put("agentPort", host.address().getPort());
         fields.put("pid", ProcessHandle.current().pid());
         events.happened("cluster", fields);
-        host.sendTo(() -> elsewhere);
+        host.join(() -> elsewhere, this::state);
         keeper.start();
     }
 
@@ -276,7 +291,7 @@ public final class ClusterNode implements AutoCloseable {
                 continue;
             }
             try {
-                List<PostgresStore.World> worlds = catalog.worlds();
+                worlds = catalog.worlds();
                 elsewhere = elsewhere(worlds);
                 for (PostgresStore.World world : worlds) {
                     if (!world.isOwned() || isSilent(world)) {
@@ -310,6 +325,72 @@ public final class ClusterNode implements AutoCloseable {
     /** Returns the address of this node for agents. */
     private String agents() {
         return host.address().getHostString() + ":" + host.address().getPort();
+    }
+
+    /**
+     * Returns the nodes and worlds of the cluster, for operators: as this node knows them, and as
+     * the database had them at most about a second ago.
+     */
+    public Map<String, Object> state() {
+        List<PostgresStore.World> known = worlds;
+        var members = cluster.state();
+        Set<Address> unreachable = new HashSet<>();
+        members.getUnreachable().forEach(member -> unreachable.add(member.address()));
+        Map<String, Member> sorted = new TreeMap<>();
+        members.getMembers()
+                .forEach(member -> sorted.put(textOf(member.address()).toString(), member));
+        List<Map<String, Object>> nodes = new ArrayList<>();
+        Map<String, String> nodesByAgents = new HashMap<>();
+        sorted.forEach(
+                (address, member) -> {
+                    String agents = agentsOf(member);
+                    nodesByAgents.put(agents, address);
+                    Map<String, Object> node = new LinkedHashMap<>();
+                    node.put("node", address);
+                    node.put(
+                            "status",
+                            unreachable.contains(member.address())
+                                    ? "unreachable"
+                                    : member.status().toString().toLowerCase(Locale.ROOT));
+                    node.put("agents", agents);
+                    node.put(
+                            "worlds",
+                            known.stream().filter(world -> world.agents().equals(agents)).count());
+                    nodes.add(node);
+                });
+        Map<String, Object> state = new LinkedHashMap<>();
+        state.put("cluster", settings.cluster());
+        state.put("node", address().toString());
+        state.put("nodes", nodes);
+        state.put(
+                "worlds",
+                known.stream()
+                        .map(world -> fields(world, nodesByAgents.get(world.agents())))
+                        .toList());
+        return state;
+    }
+
+    private static Map<String, Object> fields(PostgresStore.World world, @Nullable String node) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("world", world.name());
+        if (node != null) {
+            fields.put("node", node);
+        }
+        fields.put("agents", world.agents());
+        fields.put("frame", world.frame());
+        fields.put("epoch", world.epoch());
+        fields.put("running", world.isOwned());
+        return fields;
+    }
+
+    /** Returns the address for agents that a node announces as one of its roles. */
+    private static String agentsOf(Member member) {
+        for (String role : member.getRoles()) {
+            if (role.startsWith(AGENTS)) {
+                return role.substring(AGENTS.length());
+            }
+        }
+        return "";
     }
 
     private void fault(String message) {

@@ -30,6 +30,7 @@ import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
+import java.util.function.Supplier;
 
 /**
  * One world of a server, with its journals and its watched folders of laws. The calling thread owns
@@ -73,6 +74,22 @@ final class HostedWorld implements AutoCloseable {
      */
     HostedWorld(WorldPlan plan, Pacing pacing, Optional<Path> lawsFolder, ServerEvents events)
             throws IOException {
+        this(plan, pacing, lawsFolder, events, Optional::empty);
+    }
+
+    /**
+     * Builds the world of a server in a cluster, like {@link #HostedWorld(WorldPlan, Pacing,
+     * Optional, ServerEvents)}.
+     *
+     * @param cluster returns the state of the cluster, for operators; on the world's thread
+     */
+    HostedWorld(
+            WorldPlan plan,
+            Pacing pacing,
+            Optional<Path> lawsFolder,
+            ServerEvents events,
+            Supplier<Optional<Map<String, Object>>> cluster)
+            throws IOException {
         this.plan = plan;
         this.lawsFolder = lawsFolder;
         this.events = events;
@@ -104,7 +121,8 @@ final class HostedWorld implements AutoCloseable {
                                     plan.pictures(),
                                     plan.persistence().saves(),
                                     events,
-                                    shadows));
+                                    shadows,
+                                    cluster));
             cameras =
                     closing.add(
                             new BodyCameras(

@@ -35,6 +35,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalInt;
 import java.util.function.Consumer;
+import java.util.function.Supplier;
 import java.util.regex.Pattern;
 
 /**
@@ -80,20 +81,22 @@ final class ServerControl implements WorldControl, AutoCloseable {
      *
      * @param saves folder for world files; empty if saving is not permitted
      * @param shadows trials of new versions of laws
+     * @param cluster returns the state of the cluster to which the server belongs
      */
     ServerControl(
             Simulation simulation,
             Pictures pictures,
             Optional<Path> saves,
             ServerEvents events,
-            Shadows shadows) {
+            Shadows shadows,
+            Supplier<Optional<Map<String, Object>>> cluster) {
         this.simulation = simulation;
         this.shadows = shadows;
         this.pictures = pictures;
         this.saves = saves;
         this.events = events;
         this.ledger = new Ledger(simulation.physics());
-        this.answers = new WorldAnswers(simulation);
+        this.answers = new WorldAnswers(simulation, cluster);
         this.trust = new LawTrust(simulation.shippedLaws());
     }
 

@@ -18,6 +18,8 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Locale;
 import java.util.Map;
+import java.util.Optional;
+import java.util.function.Supplier;
 
 /** The answers to operators' questions about a world. For the world's thread, between frames. */
 final class WorldAnswers {
@@ -28,14 +30,19 @@ final class WorldAnswers {
     private static final String BAD = "out-of-range";
 
     private final Simulation simulation;
+    private final Supplier<Optional<Map<String, Object>>> cluster;
 
     /** The collected changes since the last question about them; null before the first question. */
     private @Nullable List<Map<String, Object>> changes;
 
     private long lost;
 
-    WorldAnswers(Simulation simulation) {
+    /**
+     * @param cluster returns the state of the cluster to which the server belongs
+     */
+    WorldAnswers(Simulation simulation, Supplier<Optional<Map<String, Object>>> cluster) {
         this.simulation = simulation;
+        this.cluster = cluster;
         simulation.onPublish("changes", this::follow);
     }
 
@@ -45,6 +52,13 @@ final class WorldAnswers {
             case "changes" -> changes();
             case "near" -> near(arguments);
             case "region" -> region(arguments);
+            case "cluster" ->
+                    cluster.get()
+                            .orElseThrow(
+                                    () ->
+                                            new ActionRefused(
+                                                    "unsupported",
+                                                    "this server belongs to no cluster"));
             default -> throw new ActionRefused("unsupported", "this server answers no " + what);
         };
     }

@@ -19,6 +19,7 @@ import java.util.concurrent.Callable;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.locks.ReentrantLock;
 import java.util.function.Consumer;
+import java.util.function.Supplier;
 
 /**
  * A server that opens and closes worlds while it runs, and serves them to agents at one address.
@@ -41,6 +42,7 @@ public final class WorldHost implements AutoCloseable {
     /** Guarded by itself. */
     private final List<String> unkept = new ArrayList<>();
 
+    private volatile Supplier<Optional<Map<String, Object>>> cluster = Optional::empty;
     private volatile boolean closing;
 
     /**
@@ -75,8 +77,14 @@ public final class WorldHost implements AutoCloseable {
         return agents.address();
     }
 
-    /** Sends agents to the worlds of other servers from now on. */
-    public void sendTo(Elsewhere others) {
+    /**
+     * Joins a cluster: sends agents to the worlds of other servers from now on, and answers
+     * operators' questions about the cluster.
+     *
+     * @param state returns the answer, for any thread and at once
+     */
+    public void join(Elsewhere others, Supplier<Map<String, Object>> state) {
+        cluster = () -> Optional.of(state.get());
         agents.sendTo(others);
     }
 
@@ -155,7 +163,12 @@ public final class WorldHost implements AutoCloseable {
         private HostedWorld build(WorldPlan made) throws IOException, InterruptedException {
             building.lockInterruptibly();
             try {
-                return new HostedWorld(made, pacing, lawsFolder, new NamedEvents(name, events));
+                return new HostedWorld(
+                        made,
+                        pacing,
+                        lawsFolder,
+                        new NamedEvents(name, events),
+                        () -> cluster.get());
             } finally {
                 building.unlock();
             }

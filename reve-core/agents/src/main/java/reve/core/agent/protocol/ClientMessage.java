@@ -251,6 +251,7 @@ public sealed interface ClientMessage {
                 Map.of(
                         "profile", List.of(),
                         "changes", List.of(),
+                        "cluster", List.of(),
                         "near", List.of("location", "distance*", "most*"),
                         "region", List.of("from", "to"));
 

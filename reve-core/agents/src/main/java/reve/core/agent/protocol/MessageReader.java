@@ -212,7 +212,7 @@ public final class MessageReader {
                             fields.required(),
                             (int) fields.integer("frames", 0, MAX_EVERY),
                             fields.has("changes") ? Optional.of(fields.batch()) : Optional.empty());
-            case "profile", "changes", "near", "region" -> fields.ask();
+            case "profile", "cluster", "changes", "near", "region" -> fields.ask();
             case "release" -> new ClientMessage.Release(fields.required(), fields.text("library"));
             case "shut-down" -> new ClientMessage.ShutDown(fields.required());
             case "speed" ->
@@ -251,7 +251,7 @@ public final class MessageReader {
                                     + " laws; in the role control also pause, run, step, speed,"
                                     + " load-law, set-law, set-budget, unload-law, release, edit, add, change,"
                                     + " remove, rule, batch, picture, snapshot, rewind, save, fork,"
-                                    + " ledger, profile, changes, near, region or shut-down");
+                                    + " ledger, profile, cluster, changes, near, region or shut-down");
         };
     }
 
