@@ -125,6 +125,8 @@ class InstrumentKeysTest {
                     {lidar: {rays: 3, angle: 1, range: 3 s}}   ! range: unit s does not fit m
                     {lidar: {rays: 3, angle: 1, range: 0}}     ! range: 0.0 m is not more than 0
                     {lidar: {rays: 65, angle: 1, rows: 64, rowAngle: 1, range: 9}} ! rays: 4160 in all rows, expected 1 to 4096
+                    {contactForce: {axes: up}}                 ! axes: found text `up`, expected one of `world`, `body`
+                    {contactForce: {}, touch: true}            ! touch: a sensor with `contactForce` only measures; leave it out
                     {imu: {}, camera: {size: [3, 3]}}          ! camera: a sensor with `imu` only measures; leave it out
                     """)
     void aMistakeIsReportedAtItsLine(String sensor, String message) {
@@ -161,6 +163,29 @@ class InstrumentKeysTest {
                 .isEqualTo(sensors);
         assertThat(world.prototype().properties())
                 .doesNotContainAnyElementsOf(world.prototype().propertiesOnDemand());
+    }
+
+    @Test
+    void aSensorOfContactForcesHasTheAxesOfTheWorldOrOfTheBody() throws WorldFileException {
+        WorldDescription world =
+                parse(
+                        """
+                        items:
+                          - name: a
+                            physics: {mass: 1}
+                            sensors: {one: {contactForce: {}}, other: {contactForce: {axes: body}}}
+                        """);
+        List<Sensor> sensors = world.items().getFirst().sensors();
+        assertThat(sensors)
+                .extracting(sensor -> sensor.instrument().orElseThrow())
+                .containsExactly(
+                        new Instrument.ContactForce(false), new Instrument.ContactForce(true));
+        for (String property : List.of("contactForce", "reactionForce")) {
+            assertThat(world.prototype().find("body", property)).as(property).isPresent();
+        }
+        assertThat(world.prototype().find("body", "specificForce")).isEmpty();
+        assertThat(WorldFileTest.parse(WorldWriter.write(world)).items().getFirst().sensors())
+                .isEqualTo(sensors);
     }
 
     @Test

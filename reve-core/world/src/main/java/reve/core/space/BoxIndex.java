@@ -34,6 +34,10 @@ public final class BoxIndex {
     private final RankedOrder ranked = new RankedOrder();
     private final Queue queue = new Queue();
     private final int[] stack = new int[FAN_OUT * MAX_LEVELS];
+
+    /** Distance at which a ray enters each node of the stack, see {@link #nearestOnRay}. */
+    private final double[] entries = new double[FAN_OUT * MAX_LEVELS];
+
     private double[] lows = {};
     private double[] highs = {};
     private long[] givenKeys = {};
@@ -189,17 +193,21 @@ public final class BoxIndex {
         double nearest = Double.POSITIVE_INFINITY;
         double limit = most;
         int depth = pushTop();
+        if (depth > 0) {
+            entries[0] = entry(stack[0], from, direction, limit);
+        }
         while (depth > 0) {
             int node = stack[--depth];
-            if (isOnRay(node, from, direction, limit)) {
-                if (node >= size()) {
-                    depth = pushChildren(node, depth);
-                } else {
-                    double distance = test.distance(keys[node], limit);
-                    if (distance <= limit) {
-                        nearest = distance;
-                        limit = distance;
-                    }
+            if (entries[depth] > limit + ROUNDING * (1 + limit)) {
+                continue;
+            }
+            if (node >= size()) {
+                depth = pushNearestLast(node, depth, from, direction, limit);
+            } else {
+                double distance = test.distance(keys[node], limit);
+                if (distance <= limit) {
+                    nearest = distance;
+                    limit = distance;
                 }
             }
         }
@@ -207,10 +215,35 @@ public final class BoxIndex {
     }
 
     /**
-     * Returns whether a ray meets a node up to a distance, by the slab method. Rounding errors
-     * never hide a box whose content the ray meets.
+     * Pushes those children of a node on the stack that a ray meets, the nearest last, so that the
+     * search visits it first. Returns the new depth of the stack.
      */
-    private boolean isOnRay(int node, double[] from, double[] direction, double most) {
+    private int pushNearestLast(
+            int node, int depth, double[] from, double[] direction, double most) {
+        int level = levelOf(node);
+        int first = firstChild(node, level);
+        int after = depth;
+        for (int child = first; child < lastChild(first, level); child++) {
+            double entry = entry(child, from, direction, most);
+            if (entry < Double.POSITIVE_INFINITY) {
+                int at = after++;
+                for (; at > depth && entries[at - 1] < entry; at--) {
+                    stack[at] = stack[at - 1];
+                    entries[at] = entries[at - 1];
+                }
+                stack[at] = child;
+                entries[at] = entry;
+            }
+        }
+        return after;
+    }
+
+    /**
+     * Returns the distance at which a ray enters a node, by the slab method; infinite if it does
+     * not meet the node up to a distance. Rounding errors never hide a box whose content the ray
+     * meets.
+     */
+    private double entry(int node, double[] from, double[] direction, double most) {
         int at = SIDES * node;
         double enter = 0;
         double leave = most;
@@ -220,7 +253,7 @@ public final class BoxIndex {
             if (direction[axis] == 0) {
                 double error = ROUNDING * (Math.abs(low) + Math.abs(high));
                 if (from[axis] < low - error || from[axis] > high + error) {
-                    return false;
+                    return Double.POSITIVE_INFINITY;
                 }
             } else {
                 double a = (low - from[axis]) / direction[axis];
@@ -229,7 +262,7 @@ public final class BoxIndex {
                 leave = Math.min(leave, Math.max(a, b));
             }
         }
-        return enter <= leave + ROUNDING * (1 + Math.abs(leave));
+        return enter <= leave + ROUNDING * (1 + Math.abs(leave)) ? enter : Double.POSITIVE_INFINITY;
     }
 
     /**
