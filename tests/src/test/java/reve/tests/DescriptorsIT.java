@@ -8,6 +8,7 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
 import reve.agent.AgentClient;
+import reve.agent.DisconnectedException;
 import reve.agent.Join;
 import reve.tests.Reve.Outcome;
 
@@ -81,7 +82,10 @@ class DescriptorsIT {
                 ada.perceive();
             }
             limit(server, LIMIT);
-            try (AgentClient bob = join(server, "bob")) {
+            for (Socket socket : sockets) {
+                socket.close();
+            }
+            try (AgentClient bob = joinAfterThese(server)) {
                 bob.perceive();
             }
         } finally {
@@ -113,6 +117,18 @@ class DescriptorsIT {
 
     private static AgentClient join(Server server, String name) throws Exception {
         return AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), Join.as(name));
+    }
+
+    /** Joins as soon as the server has noticed that the connections before this one are closed. */
+    private static AgentClient joinAfterThese(Server server) throws Exception {
+        while (true) {
+            try {
+                return join(server, "bob");
+            } catch (DisconnectedException early) {
+                assertThat(early.code()).isEqualTo("too-many-connections");
+                Thread.sleep(20);
+            }
+        }
     }
 
     private static Socket connect(Server server) throws IOException {

@@ -52,7 +52,7 @@ class DamagedWorldsTest {
         int refused = 0;
         for (int i = 0; i < MUTANTS; i++) {
             Object mutant = WorldTrees.copy(worlds.get(random.nextInt(worlds.size())));
-            for (int changes = 1 + random.nextInt(3); changes > 0; changes--) {
+            for (int changes = 1 + random.nextInt(2); changes > 0; changes--) {
                 WorldTrees.mutate(mutant, random);
             }
             String text = text(mutant);
