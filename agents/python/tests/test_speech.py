@@ -122,7 +122,7 @@ class MeetingTest(unittest.TestCase):
                 first, r"^\d+ 13\.00 m a voice " + some_of(r"here I am, call number \d+")
             )
             self.assertIn(LOST, seeker, "words are lost")
-            self.assertIn(" m caller ", seeker, "who is touched has a name")
+            self.assertIn(" m caller ", seeker, "an agent that is touched has a name")
             replayed = reve("replay", str(log))
             self.assertEqual(replayed.returncode, 0, replayed.stdout + replayed.stderr)
             self.assertRegex(replayed.stdout, r"^identical: \d+ frames")

@@ -121,11 +121,12 @@ class DescriptorsIT {
 
     /** Joins as soon as the server has noticed that the connections before this one are closed. */
     private static AgentClient joinAfterThese(Server server) throws Exception {
-        while (true) {
+        for (int attempt = 1; ; attempt++) {
             try {
                 return join(server, "bob");
             } catch (DisconnectedException early) {
                 assertThat(early.code()).isEqualTo("too-many-connections");
+                assertThat(attempt).as("attempts, 20 ms apart").isLessThan(500);
                 Thread.sleep(20);
             }
         }

@@ -11,7 +11,7 @@ package reve.core.world;
  * R. Schroeder, Acustica 4, 1954). The {@code fading} is the distance at which the mean intensity
  * equals the lowest intensity that a listener understands.
  *
- * @param range distance beyond which nobody hears the voice [m], infinite for no limit
+ * @param range greatest distance at which agents hear the voice [m], infinite for no limit
  * @param fading distance at which a word arrives with the probability 1/e [m]; infinite if no word
  *     is lost
  */

@@ -118,7 +118,7 @@ public final class PostgresCatalog implements AutoCloseable {
     }
 
     /**
-     * Returns the end of a lease by the clock of the database, as a text; empty if nobody has it.
+     * Returns the end of a lease by the clock of the database, as a text; empty if it has no owner.
      *
      * @throws IOException if the database is away
      */
