@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures what a frame costs besides physics, the two bulk copies and DERIVE.
+"""Measures the time of a frame without physics, the two bulk copies and DERIVE.
 
 Runs a world of bodies under newton_motion and gravity_field at full speed. Prints the parts of the
 busy time per body, as medians over the runs. The share is a ratio within one run, so it does not

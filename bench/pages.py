@@ -47,8 +47,8 @@ def write(file, title, script, text, note=""):
     """Writes a page with the table in `text`.
 
     If the existing page was measured on the same processor and has the same columns, keeps some of
-    its rows: those whose first cell, a number, is in no row of the new table. So sizes can be
-    measured separately.
+    its rows: those whose first cell, a number, is in no row of the new table. Different sizes can
+    therefore be measured separately.
     """
     page = RESULTS / file
     heading, rows = table(text)

@@ -12,7 +12,8 @@ import pages
 README = pages.RESULTS.parents[1] / "README.md"
 MARKS = "<!-- from here on by bench/plot.py -->\n", "<!-- until here -->\n"
 
-# Page, subject, peer, column of the ratio, columns that name a row, rows to draw.
+# Each row contains the page, the subject, the peer, the column of the ratio, the columns that name
+# a row, and the rows to draw.
 TABLES = [
     (
         "all_pairs.md",
@@ -53,6 +54,14 @@ TABLES = [
         "times Jolt",
         ["balls", ""],
         lambda row: "Vesper" in row[""],
+    ),
+    (
+        "bodies.md",
+        "stacks, piles and a wall of boxes",
+        "Jolt's rigid bodies",
+        "times Jolt",
+        ["scene"],
+        lambda row: True,
     ),
     (
         "icosahedra.md",

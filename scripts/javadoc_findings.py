@@ -3,8 +3,9 @@
 
     gradle javadoc 2>&1 | javadoc_findings.py ROOT
 
-Ignored are warnings about missing tags for results, exceptions and parameters, because a sentence
-may describe these. Exits with 1 if another warning remains: a comment is missing or broken.
+The script ignores warnings about missing tags for results, exceptions and parameters, because a
+sentence may describe these. Exits with 1 if another warning remains: a comment is missing or
+broken.
 """
 
 import re

@@ -27,7 +27,8 @@ from pathlib import Path
 import test_summary
 
 JAVA_ROOMS = ["reve-core", "reve-pe-adapter", "reve-worlds", "agents-java", "tests"]
-# Rooms of several Gradle projects; each project has a class path and a JVM of its own.
+# Rooms that consist of several Gradle projects. Each project has its own class path, and its tests
+# run in a separate JVM.
 PROJECTS = {
     "reve-core": ["world", "files", "agents"],
     "reve-worlds": ["runtime", "web", "cluster", "app"],
@@ -37,10 +38,15 @@ ROOMS = [*NATIVE_ROOMS, *JAVA_ROOMS, "python", "format"]
 
 # Tests that --quick skips. In Java and Python the tests are marked: @Tag("slow"), mark slow.
 SLOW_NATIVE = "opencl|OpenCl|OnADevice|NBodyWorld|/threads"
+SLOW_CONTRACT = ["opencl"]
 
 # The classes of these rooms start servers and wait for them. They are divided into this number of
 # batches, which several JVMs run concurrently.
 BATCHED = {"tests": 12}
+
+# These classes wait for minutes for what they do not compute themselves, such as the end of a lease.
+# One suite runs them beside all others, from the start.
+WAITING = ["ClusterPartitionIT", "ClusterFaultIT", "ClusterUpgradeIT", "ClusterIT"]
 
 # The classes that take longest come first, so that each is in another batch.
 SLOWEST = ["StoreIT", "PageIT", "DiskFaultIT", "EngineProcessIT", "RunningWorldsIT", "ReconnectIT"]
@@ -53,28 +59,34 @@ SLOWEST += [
     "WritingALawIT",
 ]
 
-# The rooms that take minutes and are not divided.
+# Rooms whose tests take minutes and are not divided into batches.
 LONG = {"laws", "python"}
 
-# For a JVM that lives for seconds, in which the second compiler would take half of the processor
-# time and never pay: of the commands and servers that tests start, and of the batches.
+# Option of a JVM that lives for seconds: the commands and servers that tests start, and the
+# batches. The second compiler would take half of the processor time of such a JVM without making it
+# faster.
 SHORT_LIVED = "-XX:TieredStopAtLevel=1"
 SHORT_LIVES = {"REVE_JAVA_OPTIONS": SHORT_LIVED}
 
-# Rooms whose tests take less processor time without the second compiler, too: by a third.
+# Rooms whose tests take a third less processor time without the second compiler.
 FIRST_COMPILER = {"reve-core/world", "reve-core/files", "reve-core/agents"}
 
-# More than two processors: many tests wait for servers.
+# Number of suites that run at the same time. It may exceed the number of processors, because many
+# tests wait for servers.
 AT_ONCE = 4
 PROGRESS_SECONDS = 20
 
-# A finished test, as printed by ctest, JUnit's feed and pytest.
+BUILD = "build of the tests"  # named in the summary if it failed
+
+# Pattern of a line that reports a finished test. It matches the lines of ctest, GoogleTest, JUnit's
+# feed and pytest.
 ENDED = re.compile(
     r"^\s*\d+/\d+ Test +#\d+: .*?(?P<ctest>Passed|\*\*\*\w+)"
+    r"|^\[ +(?P<googletest>OK|FAILED|SKIPPED) +\] .* \(\d+ ms\)$"
     r"|:: (?P<junit>SUCCESSFUL|FAILED|SKIPPED)\s*$"
     r"|^\S+\.py::.* (?P<pytest>PASSED|FAILED|SKIPPED|ERROR)\b"
 )
-GOOD = {"Passed", "SUCCESSFUL", "PASSED", "SKIPPED", "***Skipped"}
+GOOD = {"Passed", "OK", "SUCCESSFUL", "PASSED", "SKIPPED", "***Skipped"}
 
 
 @dataclass
@@ -100,6 +112,8 @@ class Plan:
         self.quick = quick
 
     def suites(self, room, parts):
+        if room == "laws":
+            return [self.contract(parts), self.native(room, parts)]
         if room in NATIVE_ROOMS:
             return [self.native(room, parts)]
         if room == "python":
@@ -135,16 +149,25 @@ class Plan:
             self.reports / room / "ctest.xml",
         ]
         if parts:
-            # The tests of the law hooke_spring are named HookeSpring….
-            camel = [
-                re.sub(r"(?:^|_)(\w)", lambda found: found[1].upper(), part)
-                for part in parts
-                if re.fullmatch("[a-z0-9_]+", part)
-            ]
-            command += ["-R", "|".join(map(re.escape, [*parts, *camel]))]
+            command += ["-R", "|".join(map(re.escape, native_names(parts)))]
+        excluded = ["^LawContract$"]  # runs as a suite of its own
         if self.quick:
-            command += ["-E", SLOW_NATIVE]
+            excluded.append(SLOW_NATIVE)
+        command += ["-E", "|".join(excluded)]
         return self.suite(room, room, command)
+
+    def contract(self, parts):
+        """The contract of all laws. One process runs all its checks, because the start of a process
+        for each check, as in ctest, takes about 10 ms."""
+        chosen = [f"*{name}*" for name in native_names(parts)] or ["*"]
+        left_out = [f"*{name}*" for name in SLOW_CONTRACT] if self.quick else []
+        command = [
+            self.root / NATIVE_ROOMS["laws"] / "law-contract/law_contract_test",
+            "--gtest_color=no",
+            f"--gtest_output=xml:{self.reports}/laws/contract.xml",
+            f"--gtest_filter={':'.join(chosen)}-{':'.join(left_out)}",
+        ]
+        return self.suite("laws", "law-contract", command)
 
     def python(self, parts):
         tests = self.root / "agents/python/tests"
@@ -179,8 +202,8 @@ class Plan:
         )
 
     def places(self, room, parts):
-        """Yields where tests of a room run, with the parts that narrow each place: the room, or
-        its projects that have such tests."""
+        """Yields the places where tests of a room run: the room itself, or its projects with such
+        tests. Yields each place with the parts that select tests there."""
         if room not in PROJECTS:
             yield room, parts
             return
@@ -230,11 +253,14 @@ class Plan:
                 file=sys.stderr,
             )
             return
-        classes.sort(key=order)
         base = place.replace("/", "-")
-        count = min(BATCHED.get(place, 1), len(classes))
+        waiting = [one for one in classes if simple_name(one) in WAITING]
+        others = sorted((one for one in classes if one not in waiting), key=order)
+        count = min(BATCHED.get(place, 1), len(others))
+        batches = {f"{base}-waiting": waiting} if waiting else {}
         for number in range(count):
-            name = base if count == 1 else f"{base}-{number + 1}"
+            batches[base if count == 1 else f"{base}-{number + 1}"] = others[number::count]
+        for name, batch in batches.items():
             command = [
                 os.environ["REVE_JAVA_HOME"] + "/bin/java",
                 "-XX:+UseSerialGC",  # as in a release; needs less processor time than G1
@@ -242,8 +268,8 @@ class Plan:
                 "-ea",
                 "--enable-native-access=ALL-UNNAMED",
                 "-XX:+RestoreMXCSROnJNICalls",
-                "--sun-misc-unsafe-memory-access=allow",  # required by msgpack-core, and by
-                # protobuf in CEL
+                # The libraries msgpack-core and protobuf, which CEL uses, require this option.
+                "--sun-misc-unsafe-memory-access=allow",
                 "-Dreve.check.thread=true",
                 f"-Dreve.native.path={self.root}/build/native",
                 f"-Dreve.root={self.root}",
@@ -261,13 +287,28 @@ class Plan:
                 command += [f"--include-methodname={method_pattern(part)}" for part in parts]
             if self.quick:
                 command.append("--exclude-tag=slow")
-            command += [f"--select-class={c}" for c in classes[number::count]]
+            command += [f"--select-class={c}" for c in batch]
             yield self.suite(place, name, command, **(SHORT_LIVES if place in BATCHED else {}))
+
+
+def native_names(parts):
+    """Returns what the names of native tests contain: the tests of the law hooke_spring are named
+    HookeSpring...."""
+    camel = [
+        re.sub(r"(?:^|_)(\w)", lambda found: found[1].upper(), part)
+        for part in parts
+        if re.fullmatch("[a-z0-9_]+", part)
+    ]
+    return [*parts, *camel]
+
+
+def simple_name(class_name):
+    return class_name.rpartition(".")[2]
 
 
 def order(class_name):
     """Returns the place of a class: those of SLOWEST in their order, then all others."""
-    name = class_name.rpartition(".")[2]
+    name = simple_name(class_name)
     return SLOWEST.index(name) if name in SLOWEST else len(SLOWEST)
 
 
@@ -320,7 +361,8 @@ class Runner:
                 for line in process.stdout:
                     log.write(line)
                     ended = ENDED.search(line)
-                    if ended:
+                    # ctest repeats the lines of a test that failed.
+                    if ended and (ended.lastgroup != "googletest" or suite.name == "law-contract"):
                         suite.ended += 1
                         if ended[ended.lastgroup] not in GOOD:
                             suite.failed += 1
@@ -392,12 +434,19 @@ def main():
     places = [place for room in rooms for place in plan.places(room, parts[room])]
     for place, _ in places:
         (reports / place).mkdir(parents=True)
-    # Long suites come first, so that both threads end at about the same time.
+    # Long suites come first, so that all threads end at about the same time.
     ordered = sorted(places, key=lambda one: (one[0] not in LONG, one[0] in BATCHED))
     suites = [suite for place, narrow in ordered for suite in plan.suites(place, narrow)]
+    suites.sort(key=lambda suite: not suite.name.endswith("-waiting"))
     Runner(suites).run()
     write_times(suites, reports / "times.csv")
-    return test_summary.report(reports, [place for place, _ in places])
+    reported = [place for place, _ in places]
+    if os.environ.get("REVE_TESTS_NOT_BUILT"):
+        # Tests of an earlier build may have run instead. A place without reports counts as a
+        # failure.
+        (reports / BUILD).mkdir()
+        reported.insert(0, BUILD)
+    return test_summary.report(reports, reported)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,8 @@ say() { printf '%s\n' "reve: $*" >&2; }
 # build NAME SANITIZERS: builds the engine and the laws in build/sanitize-NAME.
 build() {
   local out=$root/build/sanitize-$1 flags="-fsanitize=$2 -fno-sanitize-recover=all -fno-omit-frame-pointer"
-  # -O1, because sanitizers find the same faults as without optimisation, and compilation is faster.
+  # The option -O1 is used, because sanitizers then find the same faults as without optimisation,
+  # and compilation is faster.
   local debug=(-DCMAKE_BUILD_TYPE=Debug "-DCMAKE_C_FLAGS_DEBUG=-O1 -g1" "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1")
   cmake -S "$root/vesper-native" -B "$out/engine" -G Ninja "${debug[@]}" -DVESPER_SANITIZE="$2" &&
   cmake --build "$out/engine" -- -j"$jobs" &&
@@ -55,10 +56,10 @@ check() { # NAME SANITIZERS
 
 rm -rf "$reports"
 mkdir -p "$reports"
-# Mesa, which draws for the renderer, has its own threads and is built without the sanitizer. So the
-# thread sanitizer sees Mesa's accesses to memory but not its locks, and reports races that do not
-# exist. The same is true for TBB. The sanitizer still checks the engine's code on TBB's threads,
-# see vesper-native/src/thread_sanitizer.hpp.
+# Mesa, which draws for the renderer, has its own threads and is built without the sanitizer. The
+# thread sanitizer therefore sees Mesa's accesses to memory but not its locks, and reports races
+# that do not exist. The same is true for TBB. The sanitizer still checks the engine's code on TBB's
+# threads, see vesper-native/src/thread_sanitizer.hpp.
 printf '%s\n' race:libOSMesa.so called_from_lib:libtbb.so > "$reports/thread.supp"
 export TSAN_OPTIONS="suppressions=$reports/thread.supp"
 check address address,undefined

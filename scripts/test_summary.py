@@ -34,10 +34,12 @@ def cases(room):
 
 def case(element):
     name, owner, file = (element.get(key, "") for key in ("name", "classname", "file"))
-    if file:  # pytest
-        # Class names, if any, follow the module's name.
+    if file.endswith(".py"):  # pytest
+        # The names of classes, if there are any, follow the name of the module.
         inside = [piece for piece in owner.split(".")[1:] if piece]
         full, part = f"{file}::{name}", "::".join([file, *inside, name.split("[")[0]])
+    elif file:  # GoogleTest
+        full = part = f"{owner}.{name}"
     elif not owner or owner == name:  # ctest
         full = part = name
     else:  # JUnit: CLASS and METHOD(PARAMETERS)[NUMBER]

@@ -49,7 +49,8 @@ double Now() {
   throw std::runtime_error(what + (errno != 0 ? ": " + std::string(std::strerror(errno)) : ""));
 }
 
-// MessagePack encoders for the messages of clients: texts of up to 31 bytes, small numbers.
+// The functions below encode the messages of clients in MessagePack. They support only texts of up
+// to 31 bytes and small numbers.
 Bytes Text(std::string_view text) { return char(0xa0 | text.size()) + Bytes(text); }
 
 Bytes Number(uint64_t number) {

@@ -42,7 +42,10 @@ class CrashCost {
             List.of("gravity_field", "drag", "sphere_contact", "newton_motion");
     private static final int KINDS = 4;
 
-    /** Frames before a crash: in the first ones, the engine starts a process with its laws. */
+    /**
+     * Minimum number of frames before a crash. In the first of these frames, the engine starts a
+     * process with its laws.
+     */
     private static final int FEWEST_FRAMES = 16;
 
     private static final int MORE_FRAMES = 12;

@@ -18,7 +18,7 @@ int Overflow(int depth) {
   return Overflow(depth + 1) + page[0];
 }
 
-/** Exerts 1 N on each body, and ends the process in step `step`. */
+/** A law that exerts 1 N on each body, and ends the process in step `step`. */
 template <class Real>
 struct Crash {
   static constexpr auto kName = "crash", kVersion = "1.0.0";

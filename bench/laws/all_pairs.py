@@ -12,7 +12,7 @@ from sides import THREADS, Program, arguments, attract, errors, exact, in_turn, 
 SOFTENING = 0.01
 LAWS = {"law": "newton_gravitation", "law, fast": "newton_gravitation fast=1"}
 KERNEL = "kernel for AVX-512"
-# Maximum number of bodies; with more, a step of REBOUND takes minutes.
+# Maximum number of bodies for REBOUND. A step with more bodies takes minutes.
 MOST_FOR_REBOUND = 16384
 
 

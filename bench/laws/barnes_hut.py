@@ -10,8 +10,9 @@ import pytreegrav
 from sides import THREADS, Program, arguments, errors, exact, in_turn, rounds, timed
 
 SOFTENING = 1e-4
-# pytreegrav's opening angle and use of quadrupoles, and the law's theta with about the same error,
-# up to 100,000 bodies and beyond.
+# Each case contains pytreegrav's opening angle and its use of quadrupoles. It also contains two
+# values of the law's theta with about the same error: for up to 100,000 bodies, and for more
+# bodies.
 CASES = [(0.7, False, (0.88, 0.78)), (0.5, True, (0.5, 0.48))]
 
 
@@ -29,7 +30,8 @@ def compare(given, points, rows, expected, case):
     bodies = len(points)
     theta = thetas[bodies > 100_000]
     masses = np.full(bodies, 1 / bodies)
-    # Its softening is a cubic spline with this support, as soft at the centre as Plummer's.
+    # The softening of pytreegrav is a cubic spline. With this support, it is as soft at the centre
+    # as Plummer's softening.
     softening = np.full(bodies, 2.8 * SOFTENING)
     peer = {}
 

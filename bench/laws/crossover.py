@@ -8,7 +8,7 @@ from barnes_hut import SOFTENING, plummer
 from sides import Program, arguments, in_turn, rounds
 
 SIZES = (1000, 3000, 5000, 7000, 10_000, 30_000, 100_000, 300_000, 1_000_000)
-# Maximum number of bodies in f64; with more, a step of all pairs takes minutes.
+# Maximum number of bodies in f64. A step over all pairs of more bodies takes minutes.
 MOST_IN_DOUBLE = 300_000
 
 

@@ -29,9 +29,9 @@ import java.util.Random;
  * new process, the memory of an item, and the cost of queries, updates and attached items. See
  * docs/benchmarks.md.
  *
- * <p>The memory of a world is the memory that further worlds of the same size add. Outside of the
- * heap, it is the growth of the resident set, because the heap is resident from the start. In the
- * heap, it is the growth of used memory after a garbage collection.
+ * <p>The memory of a world is the memory that further worlds of the same size add. The memory
+ * outside of the heap is the growth of the resident set, because the heap is resident from the
+ * start. The memory in the heap is the growth of used memory after a garbage collection.
  */
 final class StoreBench {
 

@@ -3,7 +3,7 @@
 """Measures the time [s] from `./reve serve WORLD` to "ready", as a median over new processes.
 
 WORLD is a world file of a few lines that makes ITEMS moving balls by `repeat:`. Prints the time
-with one ball, which is what starting a server costs, and with all of them.
+with one ball, which is the time to start a server, and the time with all balls.
 """
 
 import json

@@ -2,7 +2,8 @@
 """Measures OpenMM's custom forces beside laws as text with the same formula, in turn, on one thread.
 
 Arguments: the command of text_bench with its first two arguments, and the number of rounds. Prints
-a table. The time of OpenMM is that of a step with the force less that of a step without it.
+a table. The time of OpenMM is the time of a step with the force, minus the time of a step without
+it.
 """
 
 import statistics

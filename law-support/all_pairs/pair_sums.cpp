@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-// On x86 the remaining targets are the baseline (one lane), AVX2 with FMA, and AVX-512. Vectors of
-// unknown length do not match the packets.
+// On x86 the remaining targets are the baseline (one lane), AVX2 with FMA, and AVX-512. Targets
+// with vectors of unknown length are disabled, because such vectors do not match the packets.
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -26,14 +26,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 // The rows of a group share the loaded columns.
 constexpr uint64_t kGroup = 4;
 
-/// Some lanes of the sums of a group, in registers.
+/// A part of the lanes of the sums of a group. It is in registers.
 template <class V>
 struct GroupSums {
   V x[kGroup], y[kGroup], z[kGroup];
 };
 
 /// Adds the forces between the bodies [row, row + kGroup) of one packet and a vector of bodies,
-/// from `lane` on, of a later packet or of the same packet. Within one packet each pair occurs in
+/// from `lane` on, of a later packet or of the same packet. Each pair within one packet occurs in
 /// both orders. Therefore only the rows get sums in this case (`both` is false).
 template <class Root, bool both, class Real, class D, class V = hn::Vec<D>>
 HWY_INLINE void SumBlock(D d, const BodyPacket<Real>& rows, uint64_t row,
@@ -175,7 +175,7 @@ HWY_INLINE double SumPotentialsOf(const BodyPacket<double>* bodies, uint64_t p, 
       const auto dz = hn::Sub(hn::Load(d, bodies[q].z + lane), hn::Set(d, own.z[row]));
       const auto r2 = Fused(d, dx, dx, Fused(d, dy, dy, Fused(d, dz, dz, hn::Set(d, softening2))));
       const auto potential = hn::Div(hn::Load(d, bodies[q].weight + lane), hn::Sqrt(r2));
-      // In its own packet, a body is paired only with the bodies behind it.
+      // A body is paired only with the bodies after it in its own packet.
       const auto first = hn::Set(d, q == p ? static_cast<double>(row + 1) : 0.0);
       const auto none =
           hn::Or(hn::Lt(hn::Iota(d, static_cast<double>(lane)), first), hn::Eq(r2, hn::Zero(d)));

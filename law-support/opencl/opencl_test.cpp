@@ -42,7 +42,7 @@ class OpenClTest : public ::testing::Test {
     return engine;
   }
 
-  /// Returns the scene after `steps` steps under these laws.
+  /// Returns the scene after `steps` steps with these laws.
   Scene<Real> After(int steps, std::initializer_list<const char*> laws) {
     Scene<Real> scene = scene_;
     PhysicsEngine engine = MakeEngine(scene);

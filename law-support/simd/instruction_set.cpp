@@ -5,7 +5,8 @@ namespace vesper {
 
 InstructionSet BestInstructionSet() {
 #if defined(__x86_64__)
-  // Features of Highway's two targets; the compiler's test also checks the operating system.
+  // These are the features of Highway's two targets. The compiler's test also checks whether the
+  // operating system supports them.
   __builtin_cpu_init();
   const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
                     __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("f16c") &&

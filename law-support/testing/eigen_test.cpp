@@ -95,7 +95,8 @@ TYPED_TEST(EigenTest, CompilingForAWiderCpuChangesNoBit) {
   for (uint32_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(seed);
     this->scene_ = RandomNetwork<TypeParam>(101, seed);
-    // Far from the origin, the last bit of the sum of masses affects every force.
+    // The bodies are far from the origin, where the last bit of the sum of masses affects every
+    // force.
     for (TypeParam& x : this->scene_.position) x += 1000;
     this->scene_.mass[0] = 2;
     this->Step(kLaws);

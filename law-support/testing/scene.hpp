@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <random>
 #include <type_traits>
@@ -31,6 +32,8 @@ struct Scene {
   std::vector<Real> damping_constant;  // (springs) [N s/m]
   // world
   std::vector<Real> gravity = {0, 0, 0};  // (1 x 3) [m/s^2]
+  // Receives the lines that laws write to the log; none if empty.
+  std::function<void(uint32_t, const char*)> log;
 
   uint32_t AddBody(Real m, Vec3<Real> at, Vec3<Real> moving = {}) {
     mass.push_back(m);
@@ -54,7 +57,8 @@ struct Scene {
                          {.threads = threads,
                           .validate = validate,
                           .law_path = VESPER_LAW_PATH,
-                          .deferred = deferred});
+                          .deferred = deferred,
+                          .log = log});
     PhysicalPropertyProvider provider = engine.PropertyProvider();
     provider.AddPhysicalProperty("mass", mass);
     provider.AddPhysicalProperty("position", position);

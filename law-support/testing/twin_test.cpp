@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws that are compiled and are there as text too give the same numbers, up to rounding.
+// Laws that are compiled and are there as text too give the same numbers, up to rounding. Each
+// folder of laws/ has such a text, or the README of laws/ says why it has none.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
 #include <random>
+#include <regex>
+#include <set>
+#include <sstream>
 #include <string>
 
 #include "scene.hpp"
@@ -87,14 +95,16 @@ template <class Real>
 class TwinTest : public ::testing::Test {};
 TYPED_TEST_SUITE(TwinTest, Precisions);
 
+/// The laws that this test compares, and whether each is an integrator.
+constexpr std::pair<const char*, bool> kTwins[] = {
+    {"gravity_field", false},      {"drag", false},
+    {"lorentz_field", false},      {"hooke_spring", false},
+    {"newton_gravitation", false}, {"coulomb", false},
+    {"newton_motion", true},       {"velocity_verlet", true},
+    {"runge_kutta4", true}};
+
 TYPED_TEST(TwinTest, TextAndCompiledLawGiveTheSameNumbers) {
-  const std::pair<const char*, bool> laws[] = {
-      {"gravity_field", false},      {"drag", false},
-      {"lorentz_field", false},      {"hooke_spring", false},
-      {"newton_gravitation", false}, {"coulomb", false},
-      {"newton_motion", true},       {"velocity_verlet", true},
-      {"runge_kutta4", true}};
-  for (const auto& [law, integrates] : laws) {
+  for (const auto& [law, integrates] : kTwins) {
     Twins<TypeParam> compiled, text;
     const std::string name = law;
     const double expected = Run(compiled, name, integrates);
@@ -105,6 +115,60 @@ TYPED_TEST(TwinTest, TextAndCompiledLawGiveTheSameNumbers) {
     EXPECT_NEAR(energy, expected,
                 std::abs(expected) * 1e3 * std::numeric_limits<TypeParam>::epsilon())
         << name;
+  }
+}
+
+std::string ReadFile(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Returns the folders of laws/ and whether each contains a text of its name.
+std::map<std::string, bool> LawFolders() {
+  std::map<std::string, bool> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(LAW_SOURCES)) {
+    if (!entry.is_directory()) continue;
+    const std::string name = entry.path().filename();
+    folders[name] = std::filesystem::exists(entry.path() / (name + ".law"));
+  }
+  return folders;
+}
+
+TEST(TwinsTest, EveryTextOfTheFoldersIsCompared) {
+  std::set<std::string> compared, texts;
+  for (const auto& [law, integrates] : kTwins) compared.insert(law);
+  for (const auto& [law, has_text] : LawFolders()) {
+    if (has_text) texts.insert(law);
+  }
+  // The test of angular_motion compares its text on bodies that rotate.
+  const std::string spinning = ReadFile(LAW_SOURCES "/angular_motion/angular_motion_test.cpp");
+  EXPECT_NE(spinning.find("\"angular_motion.law\""), std::string::npos);
+  compared.insert("angular_motion");
+  EXPECT_EQ(compared, texts);
+}
+
+/// The last column of the table in laws/README.md is `NAME.law` files or the reason for none.
+TEST(TwinsTest, EachFolderHasATextOrTheReadmeSaysWhyItHasNone) {
+  const std::string page = ReadFile(LAW_SOURCES "/README.md");
+  std::map<std::string, std::string> told;
+  const std::regex link("\\[([a-z0-9_]+)\\]\\([a-z0-9_]+/README\\.md\\)");
+  std::istringstream lines(page);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("| [")) continue;
+    ASSERT_TRUE(line.ends_with(" |")) << line;
+    const size_t last = line.rfind(" | ");
+    const std::string names = line.substr(0, line.find(" | "));
+    for (std::sregex_iterator name(names.begin(), names.end(), link), end; name != end; ++name) {
+      told[(*name)[1]] = line.substr(last + 3, line.size() - last - 5);
+    }
+  }
+  const std::map<std::string, bool> folders = LawFolders();
+  EXPECT_EQ(told.size(), folders.size());
+  for (const auto& [law, has_text] : folders) {
+    ASSERT_TRUE(told.contains(law)) << law;
+    const bool says_text = told[law].find("(" + law + "/" + law + ".law)") != std::string::npos;
+    EXPECT_EQ(says_text, has_text) << law << ": " << told[law];
+    EXPECT_EQ(told[law].starts_with("no: "), !has_text) << law << ": " << told[law];
   }
 }
 

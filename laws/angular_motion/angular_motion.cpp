@@ -53,7 +53,7 @@ struct AngularMotion {
 
   void Turn(uint64_t i, const std::array<double, 3>& moments, double dt) const {
     Quaternion q = Quaternion::Load(orientation[i]).Normalised();
-    // Angular momentum in the world frame, which is constant without torque.
+    // The angular momentum in the world frame is constant, because no torque acts here.
     const Vector spin = q.Inverse().Rotate(Wide(angular_velocity[i]));
     const Vector momentum =
         q.Rotate({spin.x * moments[0], spin.y * moments[1], spin.z * moments[2]}) +

@@ -71,8 +71,8 @@ void ExpectNear(const Vec3<double>& a, const Vec3<double>& b, double tolerance) 
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-// Landau-Lifshitz section 33: the axis of a symmetric top precesses about L at |L| / I1, and the
-// top rotates about its axis with the remainder of its spin.
+// The test follows Landau-Lifshitz section 33. The axis of a symmetric top precesses about L at |L|
+// / I1, and the top rotates about its axis with the remainder of its spin.
 TYPED_TEST(AngularMotionTest, FreeSymmetricTopPrecessesAsTheClosedFormSays) {
   for (const int axis : {0, 1, 2}) {
     std::vector<TypeParam> moments(3, 2);
@@ -105,8 +105,8 @@ TYPED_TEST(AngularMotionTest, FreeBodyKeepsMomentumEnergyAndTheLengthOfItsQuater
   }
 }
 
-// Landau-Lifshitz section 37: a body that rotates about its middle axis flips periodically, with
-// the period of an elliptic function (the Dzhanibekov effect).
+// The test follows Landau-Lifshitz section 37. A body that rotates about its middle axis flips
+// periodically, with the period of an elliptic function (the Dzhanibekov effect).
 TYPED_TEST(AngularMotionTest, BodySpunAboutItsMiddleAxisTurnsOverWithThePeriodOfTheClosedForm) {
   Top<TypeParam> top({1, 2, 3}, {0, 10, 0.5});
   const double energy2 = 2 * top.Energy(), m2 = std::pow(Length(top.Momentum()), 2);
@@ -149,7 +149,7 @@ body angularVelocity: real x3 [rad/s] read_write
 body orientation: real x4 [1] read_write
 )";
 
-// Semi-implicit Euler: w = t tau / I and angle = t (t + dt) tau / I / 2.
+// Semi-implicit Euler gives w = t tau / I and angle = t (t + dt) tau / I / 2.
 TYPED_TEST(AngularMotionTest, ConstantTorqueSpinsUpAsTheSchemeSays) {
   const std::string real = std::is_same_v<TypeParam, double> ? "real f64" : "real f32";
   const LoadedPrototype prototype("prototype driven\n" + real + kDriven, "driven");
@@ -219,7 +219,7 @@ TYPED_TEST(AngularMotionTest, TurnsBesideTheIntegratorsOfOneStageAndIsRefusedBes
   }
 }
 
-// The text computes the same rotations, in another order and with sine and cosine.
+// The text computes the same rotations. It uses another order of operations, and sine and cosine.
 TYPED_TEST(AngularMotionTest, TextGivesTheSameMotion) {
   const Vec3<TypeParam> moments[] = {{1, 2, 3}, {3, 1, 2}, {2, 3, 1}, {5, 2, 2}, {2, 2, 5},
                                      {2, 5, 2}, {2, 2, 2}, {4, 4, 1}, {0, 2, 3}};

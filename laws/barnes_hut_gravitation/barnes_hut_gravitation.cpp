@@ -15,8 +15,8 @@ namespace {
 using namespace vesper;
 using namespace vesper::barnes_hut;
 
-/** Newton's gravitation of many bodies by the method of Barnes and Hut: a cell of a tree replaces
- *  all its bodies if it is distant. */
+/** Newton's gravitation of many bodies by the method of Barnes and Hut. A distant cell of a tree
+ *  replaces all its bodies. */
 template <class Real>
 class BarnesHutGravitation {
  public:

@@ -289,7 +289,7 @@ TYPED_TEST(BarnesHutGravitationTest, BodiesInAPlaneAndOnALineStayThere) {
   EXPECT_LT(Errors(plane, 37)[81], 1e-3) << "seed " << kSeed;
 }
 
-// All bodies but one have the same cell of the key grid.
+// The outlier makes the key grid so coarse that all other bodies have the same cell.
 TYPED_TEST(BarnesHutGravitationTest, AFarOutlierCostsNoAccuracy) {
   auto cloud = Plummer<TypeParam>(6000);
   cloud.AddBody(1, {TypeParam(1e9), 0, 0});
@@ -324,7 +324,8 @@ TYPED_TEST(BarnesHutGravitationTest, ThePotentialEnergyIsThatOfThePairs) {
   EXPECT_NEAR(law.PotentialEnergy() / cloud.Potential(), 1, 1e-3);
 }
 
-// Relaxation and the scheme's errors are much slower than the duration of 6, about one period.
+// The run lasts 6 time units, which is about one period. Relaxation and the errors of the scheme
+// are much slower.
 TYPED_TEST(BarnesHutGravitationTest, APlummerSphereInEquilibriumKeepsItsEnergyAndMomentum) {
   auto cloud = Plummer<TypeParam>(4300);
   cloud.softening = {TypeParam(0.05)};

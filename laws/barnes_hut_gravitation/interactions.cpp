@@ -41,7 +41,7 @@ class Block {
     hn::Store(az_, d, targets.az + at);
   }
 
-  /// Adds the pull of a body: w = m / (d^2 + softening2)^(3/2), a += w d.
+  /// Adds the pull of a body, with w = m / (d^2 + softening2)^(3/2) and a += w d.
   HWY_INLINE void Add(const Source<Real>& source, V softening2) {
     const D d;
     const V dx = hn::Sub(hn::Set(d, source.position.x), x_);

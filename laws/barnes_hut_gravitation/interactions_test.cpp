@@ -145,7 +145,7 @@ TYPED_TEST(InteractionsTest, ABodyOnTopOfATargetPullsWithNothing) {
 
 using CellTest = InteractionsTest<double>;
 
-// The first neglected term is of third order: half the size gives an eighth of the error.
+// The first neglected term is of third order. Half the size therefore gives an eighth of the error.
 TEST_F(CellTest, ErrorOfACellFallsWithTheCubeOfItsSize) {
   const auto sources = RandomSources(20, {}, 1);
   const auto error = [&](double size, double softening2) {

@@ -11,7 +11,8 @@ struct Coulomb {
   static constexpr auto kName = "coulomb", kVersion = "1.0.0";
   static constexpr auto kDoc = "Electrostatic forces between all pairs of charges, softened.";
   static constexpr auto kPhase = Phase::kForce;
-  static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
+  static constexpr uint32_t kClaims =
+      kMomentum | kAngularMomentum | kTranslation | kRotation | kEnergy;
 
   Parameter fast{
       "fast",     "Above 0: roots from the processor's approximation; bits differ with it.",

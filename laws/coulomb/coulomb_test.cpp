@@ -107,8 +107,8 @@ TYPED_TEST(CoulombTest, ChargesOfASquareBalanceTheOneAtItsCentre) {
   for (int i = 0; i < 5; ++i) EXPECT_LT(Length(charges.Force(i)), Rounding<Real>(8)) << i;
 }
 
-// Gauss's law: outside a uniform shell the field is that of its charge at the centre; inside it is
-// zero.
+// By Gauss's law, the field outside of a uniform shell is that of its charge at the centre. The
+// field inside is zero.
 TYPED_TEST(CoulombTest, ShellActsAsGaussSays) {
   using Real = TypeParam;
   const int shell = 2000;
@@ -130,7 +130,7 @@ TYPED_TEST(CoulombTest, ShellActsAsGaussSays) {
   EXPECT_LT(Length(charges.Force(1) + away * (1 / cube) - Vec3<double>{0, 1 / 25.0, 0}), 1e-5);
 }
 
-// Circular orbit: m v^2 / r = k q q' / r^2.
+// The speed of a circular orbit follows from m v^2 / r = k q q' / r^2.
 TYPED_TEST(CoulombTest, ChargeCirclesAnImmovableOneInTheClosedFormsPeriod) {
   using Real = TypeParam;
   Charges<Real> charges;
@@ -142,7 +142,8 @@ TYPED_TEST(CoulombTest, ChargeCirclesAnImmovableOneInTheClosedFormsPeriod) {
   EXPECT_EQ(charges.Place(0), Vec3<double>{});
 }
 
-// In a head-on approach, a charge turns back where its kinetic energy equals k q q' / r.
+// A charge that approaches another one head-on turns back where its kinetic energy equals k q q' /
+// r.
 TYPED_TEST(CoulombTest, ChargeTurnsAtTheClosestApproach) {
   using Real = TypeParam;
   Charges<Real> charges;

@@ -62,7 +62,7 @@ TYPED_TEST(DragTest, EitherCoefficientMayBeAbsent) {
   EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{-7.5, 0, 10}));
 }
 
-// Where drag and weight balance, the scheme is stationary. Its terminal speed is exact except for
+// The scheme is stationary where drag and weight balance. Its terminal speed is exact except for
 // the rounding of the steps in which the initial error decays (32 and 64 steps).
 TYPED_TEST(DragTest, FallingBodiesReachTheirTerminalSpeed) {
   DragScene<TypeParam> scene;

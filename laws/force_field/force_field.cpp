@@ -7,7 +7,7 @@ namespace {
 
 using namespace vesper;
 
-// Bodies per call of the field, and bodies per chunk of a thread.
+// Number of bodies per call of the field (kBatch), and per chunk of a thread (kGrain).
 constexpr uint64_t kBatch = 128, kGrain = 8 * kBatch;
 
 /** A force that is an arbitrary function of position: F(x), provided by the client or by a law

@@ -14,7 +14,7 @@ struct GravityField {
   static constexpr auto kName = "gravity_field", kVersion = "1.0.0";
   static constexpr auto kDoc = "Weight in the world's uniform gravity, F = m g.";
   static constexpr auto kPhase = Phase::kForce;
-  static constexpr uint32_t kClaims = kTranslation | kRotation;
+  static constexpr uint32_t kClaims = kTranslation | kRotation | kEnergy;
 
   Read<Vec3<Real>> gravity{"gravity", "world", units::metre_per_second_squared};
   Read<Real> mass{"mass", "body", units::kilogram};
@@ -31,7 +31,7 @@ struct GravityField {
     });
   }
 
-  /** Returns minus the sum of m g.x: the potential energy is zero at the origin. */
+  /** Returns minus the sum of m g.x. The potential energy is zero at the origin. */
   double PotentialEnergy() const {
     if (gravity.size() == 0) return 0;
     double energy = 0;

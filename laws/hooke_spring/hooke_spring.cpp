@@ -20,16 +20,16 @@ constexpr uint64_t kGrain = 16384;
 // Maximum number of concurrent threads; each thread needs a workspace for the largest tile.
 constexpr uint64_t kMostPlaces = 64;
 // Number of successive calls without an edit of the springs after which the law copies columns
-// whose springs are already in tile order. With fewer calls, the copy costs more time than it
-// saves.
+// whose springs are already in tile order. The copy would take more time than it saves after fewer
+// calls.
 constexpr uint64_t kSettled = 16;
 constexpr uint64_t kUnknown = UINT64_MAX;
 
-/** Springs with viscous damping along their axis. The law divides the bodies into tiles. For each
- *  tile, it computes all springs that are attached to a body of the tile. It sums their forces on
- *  the tile's own bodies in a fixed order. If consecutive springs belong to distant bodies, the law
- *  reads copies of the springs' columns in tile order. After kSettled calls without edits, it also
- *  copies columns whose springs are already in that order. */
+/** Springs with viscous damping along their axis. The law divides the bodies into tiles. The law
+ *  computes, for each tile, all springs that are attached to a body of the tile. It sums their
+ *  forces on the tile's own bodies in a fixed order. The law reads copies of the springs'
+ *  columns in tile order if consecutive springs belong to distant bodies. After kSettled calls
+ *  without edits, it also copies columns whose springs are already in that order. */
 template <class Real>
 struct HookeSpring {
   static constexpr auto kName = "hooke_spring", kVersion = "1.0.0";
@@ -108,7 +108,8 @@ struct HookeSpring {
     taken_.reset();
     const uint64_t count = tiles_.tiles().size();
     tiles_at_once_ = std::max<uint64_t>(1, (count + kMostPlaces - 1) / kMostPlaces);
-    // Only as many workspaces are touched as threads run at once.
+    // Only as many workspaces are used as threads run at once, so that unused workspaces take no
+    // memory.
     const uint64_t places = (count + tiles_at_once_ - 1) / tiles_at_once_;
     motions_ = std::make_unique_for_overwrite<Motion<Real>[]>(places * tiles_.most_bodies());
     forces_ = std::make_unique_for_overwrite<Forces<Real>[]>(places * tiles_.most_slots() / kBatch);
@@ -127,7 +128,7 @@ struct HookeSpring {
   }
 
   /** Copies the column again if one of its values has changed. The comparison reads the rows in
-   *  order, which costs little compared with reads in another order. */
+   *  order, which is much faster than reading them in another order. */
   void Update(Copied& copy, const Step& step) {
     const uint64_t count = copy.column != nullptr ? endpoints.size() : 0;
     if (copy.rows.size() != count || Differ(copy, step)) {

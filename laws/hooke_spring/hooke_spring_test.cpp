@@ -65,7 +65,7 @@ TYPED_TEST(HookeSpringTest, PeriodMatchesClosedForm) {
   EXPECT_NEAR((last - first) / 4, 2 * std::numbers::pi / 5, 1e-5);
 }
 
-// delta = 2 pi zeta / sqrt(1 - zeta^2), with zeta = c / (2 sqrt(k m)) = 0.05.
+// The decrement is delta = 2 pi zeta / sqrt(1 - zeta^2), with zeta = c / (2 sqrt(k m)) = 0.05.
 TYPED_TEST(HookeSpringTest, DampedOscillationHasTheLogarithmicDecrementOfClosedForm) {
   Oscillator<TypeParam> oscillator(0.5, 2);
   const double zeta = 0.05, dt = 1.0 / 4096;
@@ -225,7 +225,8 @@ Scene<Real> Chain(bool shuffled) {
   return scene;
 }
 
-// A body between two springs sums two forces, and a + b equals b + a.
+// The order has no effect, because a body between two springs sums two forces, and a + b equals b +
+// a.
 TYPED_TEST(HookeSpringTest, OrderOfTheSpringsOfAChainChangesNoBit) {
   auto chain = Chain<TypeParam>(false), shuffled = Chain<TypeParam>(true);
   for (auto* scene : {&chain, &shuffled}) {
@@ -256,8 +257,8 @@ TYPED_TEST(HookeSpringTest, BitsDoNotDependOnTheNumberOfThreads) {
   }
 }
 
-// After any number of steps without edits; with a client that touches its edits, and with one that
-// does not.
+// The test edits values after different numbers of steps without edits. It uses a client that
+// touches its edits, and a client that does not.
 TYPED_TEST(HookeSpringTest, ValuesEditedInPlaceActInTheNextStep) {
   for (const bool shuffled : {false, true}) {
     for (const bool deferred : {false, true}) {

@@ -18,10 +18,10 @@ constexpr uint64_t kUnknown = UINT64_MAX;
 constexpr uint64_t kFewestBodies = 1024, kFewestIfFar = 2048, kMostBodies = 8192;
 // Average distance between the two ends of a spring [bodies] up to which few springs connect tiles.
 constexpr uint64_t kNear = 128;
-// Intended number of tiles: enough for all processors of a desktop computer.
+// Intended number of tiles. It is enough for all processors of a desktop computer.
 constexpr uint64_t kTiles = 8;
 // Average distance between the bodies of consecutive springs [bodies] above which the law sorts the
-// springs. Below this distance, sorting costs more time than it saves.
+// springs. Sorting takes more time than it saves below this distance.
 constexpr uint64_t kFar = 64;
 
 bool VisitsInOrder(std::span<const Ends> endpoints) {

@@ -16,8 +16,8 @@ namespace vesper::hooke_spring::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Prefetch distance [bytes]. The program prefetches data because the processor's own prefetch stops
-// at the end of each page.
+// Prefetch distance [bytes]. The code prefetches data itself, because the processor's prefetch
+// stops at the end of each page.
 constexpr uint64_t kAhead = 1024;
 
 /// Prefetches `count` values beyond the current position.
@@ -29,7 +29,7 @@ HWY_INLINE void AskAhead(const T* values, uint64_t count) {
 }
 
 #if HWY_MAX_BYTES >= 32
-/// Vectors of 256 bits: one body in float, half a body in double.
+/// Type of vectors of 256 bits. Such a vector contains one body in float, or half a body in double.
 template <class Real>
 using Lanes = hn::CappedTag<Real, 32 / sizeof(Real)>;
 #else  // vectors too short for a body
@@ -114,7 +114,7 @@ HWY_INLINE Stretch<double> Take(const uint16_t* a, const uint16_t* b,
   return taken;
 }
 
-/// Stores the forces of one spring per lane.
+/// Stores the forces of the springs, one spring per lane.
 HWY_INLINE void Give(const Axes<float>& force, float (*forces)[4]) {
   const Lanes<float> l;
   const auto zero = hn::Zero(l);
@@ -178,7 +178,8 @@ void TakeMotions(const Vec3<Real>* position, const Vec3<Real>* velocity, uint64_
   }
 }
 
-/// Calls visit(pull) for the pulls from `at` to `end`, several per iteration for speed.
+/// Calls visit(pull) for the pulls from `at` to `end`. Each iteration handles several pulls, which
+/// is faster.
 template <class Visit>
 HWY_INLINE const uint16_t* ForEachPull(const uint16_t* at, const uint16_t* end, Visit&& visit) {
   constexpr int kRound = 4;
@@ -256,8 +257,8 @@ void SumUp(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pu
 
 #endif
 
-/// Loads the bodies at the ends of the springs, from a slot on. Beyond the last slot, loads the
-/// last springs again.
+/// Loads the bodies at the ends of the springs, from a slot on. Loads the last springs again beyond
+/// the last slot.
 template <bool damped, class Real>
 HWY_INLINE Stretch<Real> TakeFrom(const TileSprings<Real>& springs, uint64_t slot,
                                   const Motion<Real>* motions) {
@@ -344,8 +345,8 @@ HWY_INLINE Axes<Real> Pull(const Measured<Real>& measured, const Values<Real>& v
 }
 
 /** Processes springs in three dependent stages: load the ends, measure, and compute the force.
- *  To hide latencies, three vectors of springs are processed at the same time. While the forces of
- *  one vector are computed, the next vector is measured and the third vector is loaded. */
+ *  Three vectors of springs are processed at the same time, to hide latencies. The next vector
+ *  is measured and the third vector is loaded while the forces of the first vector are computed. */
 template <bool damped, class Real>
 void PullAll(TileSprings<Real> springs, const Motion<Real>* motions, Forces<Real>* forces) {
   constexpr uint32_t kLanes = hn::MaxLanes(Lanes<Real>());

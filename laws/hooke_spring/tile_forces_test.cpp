@@ -13,7 +13,8 @@ namespace {
 
 constexpr uint32_t kSeed = 31;
 
-/// Springs between random bodies; a fifth connect a body with itself or bodies at one place.
+/// Springs between random bodies. A fifth of the springs connect a body with itself, or two bodies
+/// at one place.
 template <class Real>
 struct Network {
   explicit Network(uint32_t bodies, uint32_t springs, bool in_order) {
@@ -163,7 +164,7 @@ TEST(SpringTilesTest, EachBodyIsOfOneTileThatHasAllItsSprings) {
   }
 }
 
-// Also for more springs than 16 bits can count: the tile then has several parts.
+// The test includes more springs than 16 bits can count, for which the tile has several parts.
 TEST(SpringTilesTest, ABodyThatHoldsManySpringsFeelsThemAll) {
   for (const uint32_t springs : {30000u, 200000u}) {
     Network<double> star(9000, springs, true);
@@ -182,7 +183,7 @@ TEST(SpringTilesTest, ABodyThatHoldsManySpringsFeelsThemAll) {
   }
 }
 
-// A tile that is connected with many bodies of other tiles.
+// The tile of this test is connected with many bodies of other tiles.
 TEST(SpringTilesTest, ABodyHeldFromEverywhereFeelsAll) {
   Network<double> star(150000, 150000, true);
   for (uint32_t i = 0; i < star.endpoints.size(); ++i) star.endpoints[i] = {i, 70000};

@@ -32,8 +32,8 @@ struct LorentzField {
     });
   }
 
-  /** Returns minus the sum of q E.x: the potential energy is zero at the origin. The magnetic field
-   *  does no work. */
+  /** Returns minus the sum of q E.x. The potential energy is zero at the origin. The magnetic
+   *  field does no work. */
   double PotentialEnergy() const {
     const Vec3<Real> e = OfTheWorld(electric);
     double energy = 0;

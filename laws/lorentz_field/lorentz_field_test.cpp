@@ -41,7 +41,7 @@ TYPED_TEST(LorentzFieldTest, ForceIsChargeTimesFieldAndVelocityCrossFlux) {
   scene.magnetic = {0, 0.5, 3};
   PhysicsEngine engine = scene.MakeChargedEngine("");
   engine.Advance(0.01);
-  // v x B = (2 * 3 - 4 * 0.5, 4 * 0 - 1 * 3, 1 * 0.5 - 0) = (4, -3, 0.5)
+  // The expected values use v x B = (2 * 3 - 4 * 0.5, 4 * 0 - 1 * 3, 1 * 0.5 - 0) = (4, -3, 0.5).
   EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{-10, 22, -2, 0, 0, 0}));
 }
 
@@ -66,8 +66,8 @@ TYPED_TEST(LorentzFieldTest, WorldWithoutFieldsExertsNoForce) {
   EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{0, 0, 0}));
 }
 
-// omega = |q| B / m = 6 rad/s and radius v / omega = 0.5 m; a negative charge rotates in the sense
-// of B.
+// The angular speed is omega = |q| B / m = 6 rad/s, and the radius is v / omega = 0.5 m. A negative
+// charge rotates in the sense of B.
 TYPED_TEST(LorentzFieldTest, ChargeCirclesAtTheCyclotronFrequency) {
   ChargedScene<TypeParam> scene;
   scene.AddCharge(-3, 2, {0.5, 0, 0}, {0, 3, 0.25});
@@ -86,7 +86,8 @@ TYPED_TEST(LorentzFieldTest, ChargeCirclesAtTheCyclotronFrequency) {
   EXPECT_NEAR(scene.velocity[1], 0, 3 * tolerance);
 }
 
-// Both start at rest: cycloids that return to the starting line after each period.
+// Both charges start at rest. They move along cycloids, which return to the starting line after
+// each period.
 TYPED_TEST(LorentzFieldTest, CrossedFieldsMakeChargesOfEitherSignDriftAlike) {
   ChargedScene<TypeParam> scene;
   scene.AddCharge(-3, 2, {0, 0, 0}, {});

@@ -11,7 +11,8 @@ struct NewtonGravitation {
   static constexpr auto kName = "newton_gravitation", kVersion = "1.0.0";
   static constexpr auto kDoc = "Newtonian gravitation between all pairs of bodies, softened.";
   static constexpr auto kPhase = Phase::kForce;
-  static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
+  static constexpr uint32_t kClaims =
+      kMomentum | kAngularMomentum | kTranslation | kRotation | kEnergy;
 
   Parameter fast{
       "fast",     "Above 0: roots from the processor's approximation; bits differ with it.",

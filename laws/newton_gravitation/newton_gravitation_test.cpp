@@ -88,7 +88,7 @@ TYPED_TEST(NewtonGravitationTest, WithoutASofteningPropertyNothingIsSoftened) {
   EXPECT_NEAR(heavens.external_force[0], 1, Rounding<TypeParam>(4));
 }
 
-// Kepler's third law: T^2 = 4 pi^2 a^3 / (G (m + m')).
+// The period follows from Kepler's third law, T^2 = 4 pi^2 a^3 / (G (m + m')).
 TYPED_TEST(NewtonGravitationTest, PeriodOfAnEllipseIsKeplers) {
   const double eccentricity = 0.5, axis = 1 / (1 - eccentricity);
   const double period = 2 * std::numbers::pi * std::sqrt(axis * axis * axis / 4);
@@ -120,7 +120,7 @@ TYPED_TEST(NewtonGravitationTest, EnergyDoesNotDriftOverAThousandOrbits) {
   EXPECT_NEAR(mean() / first, 1, this->Single(1e-3, 1e-4));
 }
 
-// C. Moore 1993; A. Chenciner and R. Montgomery 2000: three equal masses on one curve.
+// Three equal masses can move on one curve (C. Moore 1993; A. Chenciner and R. Montgomery 2000).
 TYPED_TEST(NewtonGravitationTest, ThreeBodiesDanceTheFigureEight) {
   using Real = TypeParam;
   const Vec3<Real> at{Real(0.97000436), Real(-0.24308753), 0};
@@ -140,7 +140,8 @@ TYPED_TEST(NewtonGravitationTest, ThreeBodiesDanceTheFigureEight) {
   EXPECT_NEAR(Length(heavens.Place(2)), 0, this->Single(1e-4, 1e-6));
 }
 
-// J.-L. Lagrange 1772: any three masses can rotate as an equilateral triangle, omega^2 = G M / a^3.
+// Any three masses can rotate as an equilateral triangle with omega^2 = G M / a^3 (J.-L. Lagrange
+// 1772).
 TYPED_TEST(NewtonGravitationTest, LagrangesTriangleTurnsAsARigidBody) {
   using Real = TypeParam;
   const double masses[] = {1, 2, 3}, omega = std::sqrt(6.0), side = 1;
@@ -199,7 +200,7 @@ TYPED_TEST(NewtonGravitationTest, FastModeGivesTheSameBitsForAnyNumberOfThreads)
   EXPECT_EQ(one.position, three.position);
 }
 
-// In SI units, masses and lengths have very different magnitudes; their products and cubes exceed
+// Masses and lengths in SI units have very different magnitudes. Their products and cubes exceed
 // the range of float.
 TYPED_TEST(NewtonGravitationTest, SunPullsEarthAndNeptune) {
   using Real = TypeParam;

@@ -54,7 +54,8 @@ class MovesTest : public ::testing::Test {};
 using Precisions = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(MovesTest, Precisions);
 
-// Whole vectors of bodies, less than one vector, and ranges that begin in the middle.
+// The test uses whole vectors of bodies, less than one vector, and ranges that begin within a
+// vector.
 TYPED_TEST(MovesTest, EveryInstructionSetMovesToTheBitAsTheEquationSays) {
   for (const auto& compiled : AvailableMoves<TypeParam>()) {
     for (const bool some_immovable : {false, true}) {

@@ -11,11 +11,11 @@ using newton_motion::AvailableMoves;
 using newton_motion::Bodies;
 using newton_motion::Moves;
 
-// kFew: number of bodies up to which only one thread is used. kGrain: maximum number of bodies in a
-// chunk of a thread. kVectors: the size of chunks is a multiple of this number, so that only the
-// last chunk has an incomplete vector.
+// The constant kFew is the number of bodies up to which only one thread is used. The constant
+// kGrain is the maximum number of bodies in a chunk of a thread. The size of chunks is a multiple
+// of kVectors, so that only the last chunk has an incomplete vector.
 constexpr uint64_t kFew = 2048, kGrain = 2048, kVectors = 64;
-// Intended number of chunks: enough for all processors of a desktop computer.
+// Intended number of chunks. It is enough for all processors of a desktop computer.
 constexpr uint64_t kChunks = 8;
 
 uint64_t Grain(uint64_t bodies) {

@@ -20,7 +20,7 @@ double XUnderConstantForce(double duration, uint32_t steps) {
   return scene.position[0];
 }
 
-// v(n) = v + n a dt and x(n) = x + n v dt + n (n + 1)/2 a dt^2.
+// The sums of the scheme are v(n) = v + n a dt and x(n) = x + n v dt + n (n + 1)/2 a dt^2.
 TYPED_TEST(NewtonMotionTest, ConstantForceGivesTheSumsOfTheScheme) {
   Scene<TypeParam> scene;
   scene.AddBody(2, {1, 2, 3}, {3, -1, 0});
@@ -78,7 +78,7 @@ TYPED_TEST(NewtonMotionTest, MassZeroNeverMoves) {
   EXPECT_EQ(scene.velocity, velocity);
 }
 
-// More bodies than one vector, all movable or with immovable ones among them.
+// The test uses more bodies than one vector, all movable or with immovable bodies among them.
 TYPED_TEST(NewtonMotionTest, ManyBodiesMoveToTheBitAsEachOneAlone) {
   const uint32_t seed = 17, bodies = 10000;
   for (const uint32_t movable_before : {bodies, 9950u, 64u, 7u}) {

@@ -17,6 +17,7 @@ struct Body {
   Quaternion rotation;
   std::array<double, 3> moments;  // [kg m^2]
   double speed;                   // estimate of the speed of its fastest point [m/s]
+  double reach;                   // distance from its centre to its farthest point [m]
   bool translates, rotates;
   bool gyrates;   // its moments of inertia differ, so its angular velocity changes without a torque
   bool broken;    // it has values that are not finite

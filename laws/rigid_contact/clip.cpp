@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace vesper::rigid {
 namespace {
 
 // Sine of the greatest angle between two edges that count as parallel. Parallel edges touch along
-// their length, and other edges at one point.
+// their length. Other edges touch at one point.
 constexpr double kParallel = 0.02;
 
 /** A polygon during clipping. */
@@ -22,20 +23,27 @@ struct Polygon {
   }
 };
 
-/** Returns the part of a polygon on the inner side of the plane through `at` with the outward
- *  normal `out`. */
-Polygon ClipAt(const Polygon& polygon, const Vector& at, const Vector& out) {
-  Polygon kept;
+/** Finds the part of a polygon on the inner side of the plane through `at` with the outward normal
+ *  `out`. Returns false if this is the whole polygon, and does not write `kept` then. */
+bool ClipAt(const Polygon& polygon, const Vector& at, const Vector& out, Polygon& kept) {
+  std::array<double, Polygon::kMost> outside;  // distance from the plane, times the length of `out`
+  bool is_whole = true;
+  for (int i = 0; i < polygon.count; ++i) {
+    outside[i] = Dot(polygon.corners[i] - at, out);
+    is_whole = is_whole && outside[i] <= 0;
+  }
+  if (is_whole) return false;
+  kept.count = 0;
   for (int i = 0; i < polygon.count; ++i) {
     const int next = i + 1 == polygon.count ? 0 : i + 1;
     const Vector &p = polygon.corners[i], &q = polygon.corners[next];
-    const double from = Dot(p - at, out), to = Dot(q - at, out);
+    const double from = outside[i], to = outside[next];
     if (from <= 0) kept.Add(p);
     if ((from <= 0) == (to <= 0)) continue;
     if (polygon.count == 2 && next == 0) continue;  // an edge has one side only
     kept.Add(p + (q - p) * (from / (from - to)));
   }
-  return kept;
+  return true;
 }
 
 double Area(const Vector& a, const Vector& b, const Vector& c, const Vector& normal) {
@@ -82,8 +90,12 @@ void Choose(std::span<const ContactPoint> points, const Vector& normal, Manifold
   }
   const auto best = [&](auto&& value) {
     int chosen = 0;
+    double most = value(found[0]);
     for (int i = 1; i < count; ++i) {
-      if (value(found[i]) > value(found[chosen])) chosen = i;
+      const double other = value(found[i]);
+      if (!(other > most)) continue;
+      chosen = i;
+      most = other;
     }
     return chosen;
   };
@@ -132,7 +144,7 @@ void ChooseSteadily(std::span<const ContactPoint> found, const Vector& normal, M
   if (second != first) manifold.Add(found[second]);
   if (Area(a, b, found[left].at, normal) > 0) manifold.Add(found[left]);
   if (Area(a, b, found[right].at, normal) < 0) manifold.Add(found[right]);
-  // A point that is clearly deeper than the chosen points replaces the nearest of them.
+  // A point that is clearly deeper than the chosen points replaces the nearest chosen point.
   double least = HUGE_VAL;
   for (int i = 0; i < manifold.count; ++i) least = std::min(least, manifold.points[i].separation);
   if (deepest > least - 0.2 * slack) return;
@@ -149,13 +161,15 @@ void ChooseSteadily(std::span<const ContactPoint> found, const Vector& normal, M
 }
 
 void AddClipped(const Clipping& c, Manifold& manifold) {
-  Polygon polygon;
-  for (int i = 0; i < c.incident.count; ++i) polygon.Add(c.incident.corners[i]);
-  for (int side = 0; side < c.reference.count && polygon.count > 0; ++side) {
+  std::array<Polygon, 2> polygons;
+  Polygon *now = &polygons[0], *other = &polygons[1];
+  for (int i = 0; i < c.incident.count; ++i) now->Add(c.incident.corners[i]);
+  for (int side = 0; side < c.reference.count && now->count > 0; ++side) {
     const Vector& from = c.reference.corners[side];
     const Vector& to = c.reference.corners[side + 1 == c.reference.count ? 0 : side + 1];
-    polygon = ClipAt(polygon, from, Cross(to - from, c.normal));
+    if (ClipAt(*now, from, Cross(to - from, c.normal), *other)) std::swap(now, other);
   }
+  const Polygon& polygon = *now;
   std::array<ContactPoint, Polygon::kMost> found;
   int count = 0;
   for (int i = 0; i < polygon.count; ++i) {

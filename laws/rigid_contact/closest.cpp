@@ -134,7 +134,10 @@ bool Reduce(Simplex& s) {
 }  // namespace
 
 ClosestPoints FindClosest(const Shape& a, double rounding_a, const Shape& b, double rounding_b) {
-  constexpr double kRelative = 1e-12;
+  // The search approaches the closest point of a curved surface in ever smaller steps. It ends
+  // before rounding errors dominate them.
+  const bool curved = a.code == ShapeCode::kEllipsoid || b.code == ShapeCode::kEllipsoid;
+  const double relative = curved ? 1e-9 : 1e-12;
   const double scale = a.Bound() + b.Bound();
   const double overlap = 1e-9 * scale;
   Vector v = a.position - b.position;
@@ -145,12 +148,17 @@ ClosestPoints FindClosest(const Shape& a, double rounding_a, const Shape& b, dou
     corner.a = a.Support(-v, rounding_a);
     corner.b = b.Support(v, rounding_b);
     corner.w = corner.a - corner.b;
+    const double square = Dot(v, v), along = Dot(v, corner.w);
     if (simplex.count > 0) {
-      const double square = Dot(v, v);
-      if (square - Dot(v, corner.w) <= kRelative * square || simplex.Contains(corner.w)) break;
+      if (square - along <= relative * square || simplex.Contains(corner.w)) break;
     }
+    const Simplex before = curved ? simplex : Simplex{};
     simplex.corners[simplex.count++] = corner;
-    if (!Reduce(simplex)) return {};
+    if (!Reduce(simplex)) {
+      if (!curved || !(along > overlap * std::sqrt(square))) return {};
+      simplex = before;  // a flat tetrahedron; the plane through the new corner separates the cores
+      break;
+    }
     v = simplex.Closest();
     if (Dot(v, v) <= overlap * overlap) return {};
   }

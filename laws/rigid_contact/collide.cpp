@@ -9,8 +9,8 @@ namespace {
 
 using Code = ShapeCode;
 
-// While the direction of a contact is sought, corners and edges are rounded by this fraction of the
-// thickness. Therefore the direction is well defined for shapes that overlap by less than the
+// Fraction of the thickness by which corners and edges are rounded while the direction of a contact
+// is sought. Therefore the direction is well defined for shapes that overlap by less than the
 // rounding.
 constexpr double kRounding = 0.05;
 
@@ -36,7 +36,7 @@ Manifold CollideBalls(const Shape& a, const Shape& b, double margin) {
   return manifold;
 }
 
-/** Collides a box with a ball. */
+/** Returns the contact points of a box and a ball. */
 Manifold CollideBoxBall(const Shape& box, const Shape& ball, double margin) {
   const Vector own = box.axes.ToOwn(ball.position - box.position);
   const Vector inside{std::clamp(own.x, -box.half.x, box.half.x),
@@ -66,7 +66,7 @@ Manifold CollideBoxBall(const Shape& box, const Shape& ball, double margin) {
   return manifold;
 }
 
-/** Collides an immovable plane with a shape in front of it. */
+/** Returns the contact points of an immovable plane and a shape in front of it. */
 Manifold CollidePlane(const Shape& plane, const Shape& other, double margin) {
   Manifold manifold;
   manifold.normal = plane.axes.y;
@@ -86,37 +86,89 @@ struct BestAxis {
   int edge_a = -1, edge_b = -1;  // axes of the touching edges; -1 if a face touches
 };
 
+/** The axes of two boxes: `cosines[i][j]` is the scalar product of axis i of the first box and axis
+ *  j of the second box, and `along[i]` the part of the way between the centres along axis i of the
+ *  first box [m]. */
+struct BoxAxes {
+  std::array<std::array<double, 3>, 3> cosines;
+  std::array<double, 3> along;
+
+  BoxAxes(const Shape& a, const Shape& b, const Vector& way) {
+    for (int i = 0; i < 3; ++i) {
+      const Vector own = b.axes.ToOwn(a.axes[i]);
+      cosines[i] = {own.x, own.y, own.z};
+      along[i] = Dot(way, a.axes[i]);
+    }
+  }
+
+  /** Returns whether the cross product of axis i of the first box and axis j of the second box
+   *  separates the boxes by less than `bound` [m] or nearly so, or is so short that it is no
+   *  direction. The errors of this estimate are far below `tolerance` [m]. */
+  bool IsUseless(const Shape& a, const Shape& b, int i, int j, double bound,
+                 double tolerance) const {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    const double u = cosines[i1][j], v = cosines[i2][j], square = u * u + v * v;
+    if (square < 0.999 * kShortest) return true;
+    const double reach = Component(a.half, i1) * std::abs(v) + Component(a.half, i2) * std::abs(u) +
+                         Component(b.half, j1) * std::abs(cosines[i][j2]) +
+                         Component(b.half, j2) * std::abs(cosines[i][j1]);
+    const double separation = std::abs(u * along[i2] - v * along[i1]) - reach;
+    // Compares separation / sqrt(square) with the least bound, without a root.
+    const double least = bound - tolerance;
+    const double difference = separation * separation - least * least * square;
+    return least < 0 ? separation < 0 && difference > 0 : separation <= 0 || difference < 0;
+  }
+
+  // Square of the length below which a cross product of two axes is no direction.
+  static constexpr double kShortest = 1e-6;
+};
+
 /** Returns the axis of least overlap of two boxes. Stops early if an axis separates the boxes by
  *  more than the margin. */
 BestAxis SeparateBoxes(const Shape& a, const Shape& b, double margin) {
   const Vector way = b.position - a.position;
   BestAxis best{{}, -HUGE_VAL, -1, -1};
   const double slack = 0.02 * std::min(a.Thickness(), b.Thickness()), preference = 1e-3 * slack;
-  const auto faces = [&](const Shape& box, const Shape& other) {
-    for (int i = 0; i < 3; ++i) {
-      const Vector& axis = box.axes[i];
-      const double along = Dot(way, axis);
-      const double separation = std::abs(along) - Component(box.half, i) - other.Reach(axis);
-      // A small preference for the first face prevents that the result alternates between two
-      // parallel faces.
-      if (separation > best.separation + preference) {
-        best = {along < 0 ? -axis : axis, separation, -1, -1};
-      }
-      if (separation > margin) return;
+  const BoxAxes axes(a, b, way);
+  // Returns whether the search must stop. `cosine(k)` is the scalar product of the axis and axis k
+  // of the other box.
+  const auto separates = [&](const Vector& axis, double along, double half, const Shape& other,
+                             auto&& cosine) {
+    const double reach = std::abs(cosine(0)) * other.half.x + std::abs(cosine(1)) * other.half.y +
+                         std::abs(cosine(2)) * other.half.z;
+    const double separation = std::abs(along) - half - reach;
+    // A small preference for the first face prevents that the result alternates between two
+    // parallel faces.
+    if (separation > best.separation + preference) {
+      best = {along < 0 ? -axis : axis, separation, -1, -1};
     }
+    return separation > margin;
   };
-  faces(a, b);
+  for (int i = 0; i < 3; ++i) {
+    if (separates(a.axes[i], axes.along[i], Component(a.half, i), b,
+                  [&](int k) { return axes.cosines[i][k]; })) {
+      break;
+    }
+  }
   if (best.separation > margin) return best;
-  faces(b, a);
+  for (int j = 0; j < 3; ++j) {
+    if (separates(b.axes[j], Dot(way, b.axes[j]), Component(b.half, j), a,
+                  [&](int k) { return axes.cosines[k][j]; })) {
+      break;
+    }
+  }
   if (best.separation > margin) return best;
   // A direction of two edges must be clearly better than that of a face, because a face gives more
   // contact points.
   double least = best.separation < 0 ? best.separation * 0.95 + slack : best.separation + slack;
+  const double tolerance = 1e-9 * (a.half.x + a.half.y + a.half.z + b.half.x + b.half.y + b.half.z +
+                                   std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
+      if (axes.IsUseless(a, b, i, j, std::min(least, margin), tolerance)) continue;
       const Vector axis = Cross(a.axes[i], b.axes[j]);
       const double square = Dot(axis, axis);
-      if (square < 1e-6) continue;
+      if (square < BoxAxes::kShortest) continue;
       const double along = Dot(way, axis);
       const Vector normal = axis * ((along < 0 ? -1 : 1) / std::sqrt(square));
       const double separation = SeparationAlong(a, b, normal);
@@ -215,14 +267,15 @@ void AddDeepest(const Meeting& m, Manifold& manifold) {
   AddPoint(m, (on_a + on_b) * 0.5 - m.normal * (separation / 2), separation, manifold);
 }
 
-/** Adds the contact points of two shapes of which at least one is a hull or a triangle. At a sharp
- *  edge, the distance of a hull's core from the hull's surface is larger than the rounding.
- *  Therefore the separation is computed from the whole shapes, and not from the cores. */
+/** Adds the contact points of two shapes of which at least one is a hull or a triangle. The
+ *  distance of a hull's core from the hull's surface is larger than the rounding at a sharp
+ *  edge. Therefore the separation is computed from the whole shapes, and not from the cores. */
 void AddHullPoints(const Meeting& m, const ClosestPoints& closest, Manifold& manifold) {
   const double separation = SeparationAlong(m.a, m.b, m.normal);
   if (separation > m.margin) return;
   ClipFaces(m, manifold);
-  // If two edges cross near a face, the deepest point may not be above the face.
+  // The slack is necessary because the deepest point of two edges that cross near a face may not be
+  // above the face.
   const double slack = 0.01 * std::min(m.a.Thickness(), m.b.Thickness());
   for (int i = 0; i < manifold.count; ++i) {
     if (manifold.points[i].separation <= separation + slack) return;
@@ -237,6 +290,9 @@ void AddHullPoints(const Meeting& m, const ClosestPoints& closest, Manifold& man
  */
 double RoundingFor(const Shape& shape, const Shape& other) {
   if (shape.radius > 0 || other.radius > 0 || shape.code == Code::kTriangle) return 0;
+  if (shape.code == Code::kEllipsoid) {
+    return std::min(kRounding * shape.Thickness(), 0.5 * shape.LeastCurvature());
+  }
   return shape.hull != nullptr ? shape.hull->rounding : kRounding * shape.Thickness();
 }
 
@@ -258,7 +314,30 @@ Vector SnapToFaces(const Shape& a, const Shape& b, const Vector& direction) {
   return best;
 }
 
-/** Collides any two convex shapes. */
+/** Adds the only contact point of two shapes of which at least one is an ellipsoid. Because an
+ *  ellipsoid has no flat parts, its farthest point in a direction is the point that touches. */
+void AddEllipsoidPoint(const Meeting& m, Manifold& manifold) {
+  const double separation = SeparationAlong(m.a, m.b, m.normal);
+  const Vector on_a = m.b.code == Code::kEllipsoid ? m.b.Support(-m.normal) - m.normal * separation
+                                                   : m.a.Support(m.normal);
+  AddPoint(m, on_a, separation, manifold);
+}
+
+/** Returns the contact point of two shapes of which at least one is an ellipsoid, and none is a
+ *  plane. */
+Manifold CollideEllipsoid(const Shape& a, const Shape& b, double margin) {
+  const ClosestPoints closest = FindClosest(a, RoundingFor(a, b), b, RoundingFor(b, a));
+  Manifold manifold;
+  manifold.normal =
+      closest.distance > 0 ? (closest.b - closest.a) * (1 / closest.distance) : LeastOverlap(a, b);
+  if (a.hull != nullptr || b.hull != nullptr) {
+    manifold.normal = SnapToFaces(a, b, manifold.normal);
+  }
+  AddEllipsoidPoint({a, b, manifold.normal, margin}, manifold);
+  return manifold;
+}
+
+/** Returns the contact points of any two convex shapes. */
 Manifold CollideConvex(const Shape& a, const Shape& b, double margin) {
   const double of_a = RoundingFor(a, b), of_b = RoundingFor(b, a);
   const double radii = a.radius + of_a + b.radius + of_b;
@@ -289,6 +368,9 @@ Manifold CollideInOrder(const Shape& a, const Shape& b, double margin) {
   if (a.code == Code::kPlane) {
     return b.code == Code::kPlane ? Manifold{} : CollidePlane(a, b, margin);
   }
+  if (a.code == Code::kEllipsoid || b.code == Code::kEllipsoid) {
+    return CollideEllipsoid(a, b, margin);
+  }
   if (b.code == Code::kSphere) {
     if (a.code == Code::kSphere) return CollideBalls(a, b, margin);
     if (a.code == Code::kBox) return CollideBoxBall(a, b, margin);
@@ -297,7 +379,8 @@ Manifold CollideInOrder(const Shape& a, const Shape& b, double margin) {
   return CollideConvex(a, b, margin);
 }
 
-/** Returns the rank by which the two shapes of a pair are ordered: planes, boxes, others, balls. */
+/** Returns the rank by which the two shapes of a pair are ordered: planes, boxes, other shapes,
+ *  balls and ellipsoids. */
 int Rank(const Shape& shape) {
   switch (shape.code) {
     case Code::kPlane:
@@ -359,7 +442,12 @@ Manifold CollideTriangle(const Shape& triangle, uint32_t edges, const Shape& oth
       manifold.normal = normal;
     }
   }
-  AddHullPoints({triangle, other, manifold.normal, margin}, closest, manifold);
+  const Meeting meeting{triangle, other, manifold.normal, margin};
+  if (other.code == Code::kEllipsoid) {
+    AddEllipsoidPoint(meeting, manifold);
+  } else {
+    AddHullPoints(meeting, closest, manifold);
+  }
   return manifold;
 }
 

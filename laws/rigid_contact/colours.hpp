@@ -39,8 +39,8 @@ class Colours {
     }
     for (uint32_t c = 0; c < kMost; ++c) first_[c + 1] += first_[c];
     order_.resize(contacts.size());
-    std::vector<uint32_t> next(first_.begin(), first_.end() - 1);
-    for (size_t i = 0; i < contacts.size(); ++i) order_[next[colour_[i]]++] = uint32_t(i);
+    next_.assign(first_.begin(), first_.end() - 1);
+    for (size_t i = 0; i < contacts.size(); ++i) order_[next_[colour_[i]]++] = uint32_t(i);
   }
 
   /** Returns the contacts in the order of their colours. */
@@ -52,6 +52,7 @@ class Colours {
   std::vector<uint64_t> used_;    // one per body: the colours of its contacts, as bits
   std::vector<uint32_t> colour_;  // colour of each contact
   std::vector<uint32_t> first_;   // start of each colour in order_ (kMost + 1)
+  std::vector<uint32_t> next_;    // (kMost) place in order_ of the next contact of a colour
   std::vector<uint32_t> order_;   // indices of the contacts, sorted by colour
 };
 

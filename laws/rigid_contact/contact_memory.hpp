@@ -15,9 +15,14 @@ namespace vesper::rigid {
  *  immovable shapes. */
 constexpr uint32_t kSlots = 8;
 
-/** Scratch column of a body: for each contact, the index of the other shape plus 1; 0 if there is
+/** Scratch column of a body: for each contact, the name of the other shape plus 1; 0 if there is
  *  no contact. */
 using SlotPartners = std::array<uint32_t, kSlots>;
+/** Returns the name of a shape: the row of a body, or a number counted down from the largest one
+ * for scenery, so that the names of scenery do not change if bodies are added. */
+inline uint32_t NameOf(uint32_t shape, uint64_t bodies) {
+  return shape < bodies ? shape : UINT32_MAX - 1 - (shape - uint32_t(bodies));
+}
 /** Scratch column of a body: a vector for each point of each contact; 0 if there is no such point.
  *  */
 template <class Real>
@@ -44,11 +49,12 @@ struct ContactMemory {
     }
     if (known == 0) return;
     uint32_t taken = 0;
+    std::array<int, Manifold::kMost> place;  // index of the matching point of the last step
     for (int i = 0; i < contact.count; ++i) {
       auto& point = contact.points[i];
       const Vec3<Real> arm = is_first ? point.arm_a : point.arm_b;
       Real nearest = reach * reach;
-      point.place = kPlaces;
+      place[i] = kPlaces;
       for (uint32_t k = 0; k < known; ++k) {
         for (uint32_t j = slots[k] * Manifold::kMost; j < (slots[k] + 1) * Manifold::kMost; ++j) {
           const Vec3<Real> way = Get(places, j) - arm;
@@ -56,19 +62,20 @@ struct ContactMemory {
           if ((taken & (1u << j)) != 0 || !(square < nearest)) continue;
           if (known > 1 && !IsAlong(Get(impulses, j) * sign(), contact.normal)) continue;
           nearest = square;
-          point.place = int(j);
+          place[i] = int(j);
         }
       }
-      if (point.place == kPlaces) continue;
-      taken |= 1u << point.place;
-      const Vec3<Real> impulse = Get(impulses, uint32_t(point.place)) * sign();
+      if (place[i] == kPlaces) continue;
+      taken |= 1u << place[i];
+      const Vec3<Real> impulse = Get(impulses, uint32_t(place[i])) * sign();
       point.press = std::max(Real(0), Dot(impulse, contact.normal));
       point.rub[0] = Dot(impulse, contact.across[0]);
       point.rub[1] = Dot(impulse, contact.across[1]);
     }
     for (int i = 1; i < contact.count; ++i) {  // sorts by place; new points keep their order
-      for (int k = i; k > 0 && contact.points[k].place < contact.points[k - 1].place; --k) {
+      for (int k = i; k > 0 && place[k] < place[k - 1]; --k) {
         std::swap(contact.points[k], contact.points[k - 1]);
+        std::swap(place[k], place[k - 1]);
       }
     }
   }
@@ -85,6 +92,13 @@ struct ContactMemory {
       Set(impulses, slot, exists ? contact.Impulse(point) * sign() : Vec3<Real>{});
     }
     ++used;
+  }
+
+  /** Returns the impulse on the other body of the contact in a slot, at all points [N s]. */
+  static Vec3<Real> ImpulseOf(const SlotVectors<Real>& impulses, uint32_t slot) {
+    Vec3<Real> sum;
+    for (uint32_t i = 0; i < Manifold::kMost; ++i) sum += Get(impulses, slot * Manifold::kMost + i);
+    return sum;
   }
 
  private:

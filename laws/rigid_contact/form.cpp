@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "digest.hpp"
+
 namespace vesper::rigid {
 namespace {
 
@@ -29,8 +31,9 @@ Vector NormalOf(std::span<const Vector> corners, std::span<const uint32_t> aroun
   return length > 0 ? sum * (1 / length) : Vector{};
 }
 
-/** Rotates the order of the corners of a face. Afterwards the first three corners span the largest
- *  area of three successive corners. Contacts compute the normal of the face from these three. */
+/** Rotates the order of the corners of a face. The first three corners then span the largest
+ *  area of three successive corners. Contacts compute the normal of the face from these three
+ *  corners. */
 void BeginAtWidest(std::span<const Vector> corners, std::span<uint32_t> around) {
   size_t widest = 0;
   double most = -1;
@@ -53,6 +56,13 @@ Form::Form(const Ranges& r, std::span<const Vec3<double>> points, std::span<cons
   const auto corners = Part(points, r[0], r[1]), core = Part(points, r[2], r[3]);
   corners_.assign(corners.begin(), corners.end());
   core_.assign(core.begin(), core.end());
+  Digest digest;
+  for (const auto& range : {corners, points_}) {
+    digest.Add(uint64_t(range.size()));
+    for (const Vector& point : range) digest.Add(point);
+  }
+  for (const int32_t index : triangles_) digest.Add(uint64_t(uint32_t(index)));
+  digest_ = digest.value();
   if (corners_.size() < 4 || core_.empty() || !AllFinite(corners_) || !AllFinite(core_)) return;
   BuildHull(Part(indices, r[4], r[5]));
 }
@@ -169,7 +179,7 @@ Surface::Surface(std::span<const Vec3<double>> points, std::span<const int32_t> 
 void Surface::FindEdges(std::span<const int32_t> indices, std::span<const Vec3<double>> points) {
   // Cosine of the angle between two triangles up to which their common edge counts as flat.
   constexpr double kFlat = 0.996;
-  // Vertices at the same place count as one.
+  // Vertices at the same place count as one vertex.
   std::vector<int32_t> by_place(indices.begin(), indices.end());
   const auto before = [&](int32_t a, int32_t b) {
     const Vector &p = points[size_t(a)], &q = points[size_t(b)];

@@ -113,11 +113,14 @@ class Form {
   /** Returns the surface; null if the mesh has no triangles. Builds the surface at the first call.
    *  Not thread-safe. */
   const Surface* surface();
+  /** Returns a number that differs for meshes with different points or indices. */
+  uint64_t digest() const { return digest_; }
 
  private:
   void BuildHull(std::span<const int32_t> faces);
   void Measure();
 
+  uint64_t digest_ = 0;
   Polytope hull_;
   std::vector<Vector> corners_, core_, normals_;
   std::vector<uint32_t> first_, around_, begin_, touching_;

@@ -10,6 +10,7 @@
 
 #include "axis_loads.hpp"
 #include "shape.hpp"
+#include "six_axes.hpp"
 #include "solver.hpp"
 
 namespace vesper::rigid {
@@ -22,7 +23,14 @@ enum class JointType : int32_t {
   kHinge = 3,
   kSlider = 4,
   kDistance = 5,
+  kRope = 6,
+  kSixAxis = 7,
 };
+
+/** Returns whether a joint acts along the line between its two anchors only. */
+inline bool IsLine(JointType type) {
+  return type == JointType::kDistance || type == JointType::kRope;
+}
 
 /** Returns the angle [rad] whose tangent is y / x, from -pi to pi. It replaces atan2 of libm, whose
  *  results have other bits on other machines. */
@@ -120,10 +128,13 @@ struct JointSettings {
                                              // first, when they were joined
   double angle_low = 0, angle_high = 0;      // [rad]; equal: no limits
   double travel_low = 0, travel_high = 0;    // [m]; equal: no limits, except for a distance joint
+                                             // or rope
   double motor_speed = 0, motor_torque = 0;  // [rad/s], [N m]
   double drive_speed = 0, drive_force = 0;   // [m/s], [N]
   AxisSettings loads;                        // loads of a hinge or slider
   double ball_damping = 0;                   // damping of a ball times the step [N m s^2]
+  double breaking_force = 0;                 // load above which it breaks [N]; 0: never
+  SixAxisSettings six;                       // of a six-axis joint
 };
 
 /** A joint during a step. */
@@ -143,9 +154,10 @@ class Joint {
     // The joint acts on both bodies at the anchor of the second body.
     arm_a_ = pose_b.at + arm_b_ - pose_a.at;
     axis_ = pose_a.rotation.Rotate(settings.axis);
-    SetDirections();
     const Quaternion expected = (pose_a.rotation * settings.rest).Normalised();
     const Quaternion turned = pose_b.rotation.Normalised() * expected.Inverse();
+    if (HasSixAxes()) SetAxes(pose_a.rotation.Normalised(), turned);
+    SetDirections();
     const double sign = turned.w < 0 ? -1 : 1;
     turned_ = turned.v * (2 * sign);
     if (settings.type == JointType::kHinge) {
@@ -154,7 +166,17 @@ class Joint {
       turned_ = Cross(axis_, of_b);
     }
     angle_ = 2 * AngleOf(Dot(turned.v, axis_) * sign, turned.w * sign);
-    travel_ = settings.type == JointType::kDistance ? Length(apart_) : Dot(apart_, axis_);
+    travel_ = IsLine(settings.type) || HasSixAxes() ? Length(apart_) : Dot(apart_, axis_);
+    misplaced_ = apart_;
+    if (HasSixAxes()) {
+      angle_ = angle_of_axes_;
+      misplaced_ = {};
+      for (int i = 0; i < 3; ++i) {
+        if (axes_[i].IsLocked()) {
+          misplaced_ += axes_[i].direction * (axes_[i].value - axes_[i].least);
+        }
+      }
+    }
     const auto at_anchor = [&](const Vector& d) {
       const auto of = [&](const Motion<Real>& motion, const Vector& arm) {
         return Cross(Wide(motion.inverse_inertia * Narrow<Real>(Cross(arm, d))), arm);
@@ -172,6 +194,10 @@ class Joint {
     });
     along_mass_ = Inverse(Dot(at_anchor(Along()), Along()));
     about_mass_ = Inverse(Dot(turning(axis_), axis_));
+    for (int i = 0; i < AxisCount(); ++i) {
+      const Vector& d = axes_[i].direction;
+      axes_[i].mass = Inverse(Dot(i < 3 ? at_anchor(d) : turning(d), d));
+    }
   }
 
   /** Sets the impulses of the last step as a first guess for this step [N s], [N m s]. */
@@ -189,6 +215,13 @@ class Joint {
   void Start(double dt) {
     linear_.Start(start_);
     angular_.Start(start_turn_);
+    for (int i = 0; i < AxisCount(); ++i) {
+      JointAxis& axis = axes_[i];
+      axis.begin = axis.value;
+      if (IsHeldAlone(i)) {
+        axis.low = Dot(start_turn_, axis.direction) / Dot(axis.direction, axis.direction);
+      }
+    }
     if (HasLoads()) return StartLoads(dt);
     const double turn = settings.motor_torque * dt, push = settings.drive_force * dt;
     if (HasMotor()) motor_ = std::clamp(Dot(start_turn_, axis_), -turn, turn);
@@ -196,8 +229,7 @@ class Joint {
   }
   /** Applies the first guess to the two bodies. */
   void ApplyStart(Motion<Real>& motion_a, Motion<Real>& motion_b) const {
-    Apply(linear_.Impulse() + axis_ * GuessedDrive(), angular_.Impulse() + axis_ * GuessedMotor(),
-          motion_a, motion_b);
+    Apply(linear_.Impulse() + axis_ * GuessedDrive(), GuessedTurn(), motion_a, motion_b);
   }
   /** Applies the first guess of the loads of the axis. Work and Reduce do not include these
    *  loads. */
@@ -211,16 +243,17 @@ class Joint {
   /** Returns the dot product of the first guess of the impulses and the relative velocities [J]. */
   double Work(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
     return Dot(linear_.Impulse() + axis_ * GuessedDrive(), Relative(motion_a, motion_b)) +
-           Dot(angular_.Impulse() + axis_ * GuessedMotor(), Turning(motion_a, motion_b));
+           Dot(GuessedTurn(), Turning(motion_a, motion_b));
   }
 
   /** Scales the first guess by a factor below 1, and corrects the motions accordingly. */
   void Reduce(double part, Motion<Real>& motion_a, Motion<Real>& motion_b) {
     const Vector impulse = linear_.Impulse(), turn = angular_.Impulse();
-    Apply((impulse + axis_ * GuessedDrive()) * (part - 1),
-          (turn + axis_ * GuessedMotor()) * (part - 1), motion_a, motion_b);
+    Apply((impulse + axis_ * GuessedDrive()) * (part - 1), GuessedTurn() * (part - 1), motion_a,
+          motion_b);
     linear_.Start(impulse * part);
     angular_.Start(turn * part);
+    for (int i = 0; i < AxisCount(); ++i) axes_[i].low *= part;
     if (HasLoads()) return;
     drive_ *= part;
     motor_ *= part;
@@ -244,6 +277,7 @@ class Joint {
                                        about_mass_, h, push, low_turn_, high_turn_);
       Apply({}, axis_ * (low + high), motion_a, motion_b);
     }
+    for (int i = 0; i < AxisCount(); ++i) SolveAxis(i, motion_a, motion_b, step, push);
     const double undo = push ? kUndone / h : 0;
     if (IsDampedBall()) {
       const Vector yielding = angular_.Impulse() * (1 / settings.ball_damping);
@@ -255,27 +289,39 @@ class Joint {
     }
     if (linear_.count() > 0) {
       const Vector impulse =
-          linear_.Stop(Relative(motion_a, motion_b) + AtMost(apart_ * undo, step.push_speed));
+          linear_.Stop(Relative(motion_a, motion_b) + AtMost(misplaced_ * undo, step.push_speed));
       Apply(impulse, {}, motion_a, motion_b);
     }
   }
 
   /** Returns the joint's impulse of this step on the second body, at its anchor [N s]. */
-  Vector Impulse() const { return linear_.Impulse() + Along() * (drive_ + low_push_ + high_push_); }
+  Vector Impulse() const {
+    return linear_.Impulse() + Along() * (drive_ + low_push_ + high_push_) + OfAxes(0);
+  }
   /** Returns the joint's angular impulse of this step on the second body [N m s]. */
-  Vector Turn() const { return angular_.Impulse() + axis_ * (motor_ + low_turn_ + high_turn_); }
+  Vector Turn() const {
+    return angular_.Impulse() + axis_ * (motor_ + low_turn_ + high_turn_) + OfAxes(3);
+  }
   double angle() const { return angle_; }
   double travel() const { return travel_; }
   bool HasRotor() const { return HasLoads() && settings.loads.rotor > 0; }
   bool IsHinge() const { return settings.type == JointType::kHinge; }
+  bool IsSlider() const { return settings.type == JointType::kSlider; }
+  /** Returns the axis of a hinge or slider in the axes of the world. */
+  const Vector& axis() const { return axis_; }
+  /** Return the lever arms from the centres of the bodies to the point at which the joint acts
+   *  [m]. */
+  const Vector& arm_a() const { return arm_a_; }
+  const Vector& arm_b() const { return arm_b_; }
   /** Returns the rate of the angle of a hinge [rad/s], of the travel of a slider [m/s], or of the
-   *  length of a distance joint [m/s]; 0 for other types. */
+   *  length of a distance joint or rope [m/s]; 0 for other types. */
   double Speed(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
     switch (settings.type) {
       case JointType::kHinge:
         return Dot(Turning(motion_a, motion_b), axis_);
       case JointType::kSlider:
       case JointType::kDistance:
+      case JointType::kRope:
         return Dot(Relative(motion_a, motion_b), Along());
       default:
         return 0;
@@ -297,7 +343,32 @@ class Joint {
   bool HasDrive() const { return settings.type == JointType::kSlider && settings.drive_force > 0; }
   double GuessedMotor() const { return HasLoads() ? 0 : motor_; }
   double GuessedDrive() const { return HasLoads() ? 0 : drive_; }
-  bool IsSlider() const { return settings.type == JointType::kSlider; }
+  Vector GuessedTurn() const {
+    Vector sum = angular_.Impulse() + axis_ * GuessedMotor();
+    for (int i = 3; i < AxisCount(); ++i) {
+      if (IsHeldAlone(i)) sum += axes_[i].direction * axes_[i].low;
+    }
+    return sum;
+  }
+  bool HasSixAxes() const { return settings.type == JointType::kSixAxis; }
+  int AxisCount() const { return HasSixAxes() ? 6 : 0; }
+  /** Returns whether all rotations of a six-axis joint are locked in the orientation of the
+   *  beginning. The block `angular_` holds them then. */
+  bool HoldsOrientation() const {
+    const SixAxisSettings& six = settings.six;
+    return six.turn_least == Vector{} && six.turn_greatest == Vector{};
+  }
+  /** Returns whether an axis is locked, and no block holds it. The block `linear_` holds the locked
+   *  offsets. */
+  bool IsHeldAlone(int i) const { return i >= 3 && axes_[i].IsLocked() && !HoldsOrientation(); }
+  /** Returns the sum of the impulses along three axes, from the index `from` on. */
+  Vector OfAxes(int from) const {
+    Vector sum;
+    for (int i = from; i < std::min(from + 3, AxisCount()); ++i) {
+      sum += axes_[i].direction * axes_[i].Impulse();
+    }
+    return sum;
+  }
   bool HasLoads() const {
     return (IsSlider() || settings.type == JointType::kHinge) && settings.loads.Any();
   }
@@ -308,15 +379,38 @@ class Joint {
     return settings.type == JointType::kHinge && settings.angle_low < settings.angle_high;
   }
   bool HasTravelLimits() const {
-    return settings.type == JointType::kDistance ||
+    return IsLine(settings.type) ||
            (settings.type == JointType::kSlider && settings.travel_low < settings.travel_high);
   }
 
   /** Returns the direction in which the joint's travel is measured. */
   Vector Along() const {
-    if (settings.type != JointType::kDistance) return axis_;
+    if (!IsLine(settings.type)) return axis_;
     const double length = Length(apart_);
     return length > 0 ? apart_ * (1 / length) : Vector{0, 1, 0};
+  }
+
+  /** Sets directions, values and limits of the axes of a six-axis joint.
+   *  @param turned rotation of the second body from its place at the beginning, in the axes of the
+   *      world */
+  void SetAxes(const Quaternion& of_a, const Quaternion& turned) {
+    const SixAxisSettings& six = settings.six;
+    const RotationVector angles({of_a.Inverse().Rotate(turned.v), turned.w}, AngleOf);
+    const Vector offset = of_a.Inverse().Rotate(apart_);
+    const std::array<Vector, 3> units = {Vector{1, 0, 0}, Vector{0, 1, 0}, Vector{0, 0, 1}};
+    for (int i = 0; i < 3; ++i) {
+      const auto set = [&](JointAxis& axis, const Vector& direction, const Vector& value,
+                           const Vector& least, const Vector& greatest) {
+        axis.direction = of_a.Rotate(direction);
+        axis.value = Dot(value, units[i]);
+        axis.least = Dot(least, units[i]);
+        axis.greatest = Dot(greatest, units[i]);
+      };
+      set(axes_[i], units[i], offset, six.offset_least, six.offset_greatest);
+      set(axes_[i + 3], angles.RateOf(units[i]), angles.vector(), six.turn_least,
+          six.turn_greatest);
+    }
+    angle_of_axes_ = angles.angle();
   }
 
   void SetDirections() {
@@ -344,6 +438,16 @@ class Joint {
         linear_.Set(across, 2);
         angular_.Set(world, 3);
         break;
+      case JointType::kSixAxis: {
+        std::array<Vector, 3> locked = world;
+        int count = 0;
+        for (int i = 0; i < 3; ++i) {
+          if (axes_[i].IsLocked()) locked[count++] = axes_[i].direction;
+        }
+        linear_.Set(locked, count);
+        angular_.Set(world, HoldsOrientation() ? 3 : 0);
+        break;
+      }
       default:
         linear_.Set(world, 0);
         angular_.Set(world, 0);
@@ -427,6 +531,46 @@ class Joint {
     Apply({}, change, motion_a, motion_b);
   }
 
+  /** Changes the impulses of an axis of a six-axis joint. */
+  void SolveAxis(int i, Motion<Real>& motion_a, Motion<Real>& motion_b,
+                 const SolverStep<Real>& step, bool push) {
+    JointAxis& axis = axes_[i];
+    const double h = double{step.substep}, dt = double{step.dt};
+    const auto rate = [&] {
+      return Dot(i < 3 ? Relative(motion_a, motion_b) : Turning(motion_a, motion_b),
+                 axis.direction);
+    };
+    const auto act = [&](double impulse) {
+      const Vector along = axis.direction * impulse;
+      if (i < 3) return Apply(along, {}, motion_a, motion_b);
+      Apply({}, along, motion_a, motion_b);
+    };
+    if (axis.IsLocked()) {
+      if (!IsHeldAlone(i)) return;
+      const double most = double{step.push_speed};
+      const double back =
+          push ? std::clamp(kUndone / h * (axis.least - axis.value), -most, most) : 0;
+      const double change = axis.mass * (back - rate());
+      axis.low += change;
+      return act(change);
+    }
+    const SixAxisSettings& six = settings.six;
+    const double stiffness = i < 3 ? six.offset_stiffness : six.turn_stiffness;
+    const double damping = i < 3 ? six.offset_damping : six.turn_damping;
+    const double slope = dt * (damping + stiffness * dt);
+    if (slope > 0 && axis.mass > 0) {
+      // The impulse of the spring is -dt (stiffness (begin + dt rate) + damping rate).
+      const double free = rate() - axis.spring / axis.mass;
+      const double to = -(dt * stiffness * axis.begin + slope * free) / (1 + slope / axis.mass);
+      act(to - axis.spring);
+      axis.spring = to;
+    }
+    if (!axis.IsLimited()) return;
+    const auto [low, high] = Limited(axis.value, axis.least, axis.greatest, rate(), axis.mass, h,
+                                     push, axis.low, axis.high);
+    act(low + high);
+  }
+
   /** Changes the impulses of the lower and the upper limit so that `value` stays between them.
    *  Returns the two changes.
    */
@@ -451,6 +595,9 @@ class Joint {
   std::array<Vector, 4> earlier_;  // velocity and spin of the first, then of the second body
   AxisLoads loads_;
   Vector arm_a_, arm_b_, apart_, turned_, axis_;
+  Vector misplaced_;  // offset that a block must undo
+  std::array<JointAxis, 6> axes_;
+  double angle_of_axes_ = 0;
   double angle_ = 0, travel_ = 0, along_mass_ = 0, about_mass_ = 0;
   double motor_ = 0, drive_ = 0, low_push_ = 0, high_push_ = 0, low_turn_ = 0, high_turn_ = 0;
 };

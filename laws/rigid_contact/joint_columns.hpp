@@ -55,6 +55,11 @@ struct JointColumns {
   OptionalRead<Real> drive_damping{"driveDamping", "joint", units::newton_second_per_metre};
   OptionalReadWrite<Real> angle_speed{"angleSpeed", "joint", units::radian_per_second};
   OptionalReadWrite<Real> travel_speed{"travelSpeed", "joint", units::metre_per_second};
+  OptionalRead<Real> rope_length{"ropeLength", "joint", units::metre};
+  OptionalRead<Vector3> offset_least{"offsetLeast", "joint", units::metre};
+  OptionalRead<Vector3> offset_greatest{"offsetGreatest", "joint", units::metre};
+  OptionalRead<Vector3> turn_least{"turnLeast", "joint", units::one};
+  OptionalRead<Vector3> turn_greatest{"turnGreatest", "joint", units::one};
 
   auto Properties() {
     return std::tie(joined, joint_type, anchor, axis, angle_limits, travel_limits, motor_speed,
@@ -66,7 +71,8 @@ struct JointColumns {
     return std::tie(angle_damping, travel_damping, angle_friction, travel_friction, angle_stiffness,
                     travel_stiffness, rest_angle, rest_travel, rotor_inertia, rotor_mass,
                     angle_speed, travel_speed, motor_angle, motor_stiffness, motor_damping,
-                    drive_travel, drive_stiffness, drive_damping);
+                    drive_travel, drive_stiffness, drive_damping, rope_length, offset_least,
+                    offset_greatest, turn_least, turn_greatest);
   }
 
   /** Fills `joints` with the joints that are not broken. `law` provides the data of the bodies. */
@@ -85,6 +91,11 @@ struct JointColumns {
   void Scatter(const JointSolver<Real>& joints, const Law& law, double dt) {
     for (size_t k = 0; k < joints.count(); ++k) {
       const uint64_t i = joints.row(k);
+      if (joints.Rests(k)) {
+        if (angle_speed.present()) angle_speed[i] = 0;
+        if (travel_speed.present()) travel_speed[i] = 0;
+        continue;
+      }
       const Joint<Real>& joint = joints[k];
       const Vector load = joint.Impulse() * (1 / dt);
       if (joint_force.present()) joint_force[i] = Narrow<Real>(load);
@@ -94,7 +105,7 @@ struct JointColumns {
       const double speed = joint.Speed(law.MotionOf(joint.a), law.MotionOf(joint.b));
       if (angle_speed.present()) angle_speed[i] = Real(joint.IsHinge() ? speed : 0);
       if (travel_speed.present()) travel_speed[i] = Real(joint.IsHinge() ? 0 : speed);
-      const double most = breaking_force.present() ? double{breaking_force[i]} : 0;
+      const double most = joint.settings.breaking_force;
       if (most > 0 && broken.present() && Dot(load, load) > most * most) {
         broken[i] = 1;
         if (joint_force.present()) joint_force[i] = {};
@@ -104,11 +115,14 @@ struct JointColumns {
   }
 
  private:
+  // Lower limit of the length of a rope [m]: a rope does not push.
+  static constexpr double kSlack = -1e30;
+
   template <class Law>
   void GatherJoint(JointSolver<Real>& joints, Law& law, uint64_t i, double dt) {
     const auto type = static_cast<JointType>(joint_type[i]);
     const auto [a, b] = joined[i];
-    if (type < JointType::kFixed || type > JointType::kDistance || a == b) return;
+    if (type < JointType::kFixed || type > JointType::kSixAxis || a == b) return;
     if (broken.present() && broken[i] != 0) return;
     if (law.IsBroken(a) || law.IsBroken(b)) return;
     if (law.BodyOf(a) == kImmovable && law.BodyOf(b) == kImmovable) return;
@@ -145,17 +159,38 @@ struct JointColumns {
     settings.angle_high = limit(angle_limits, 1);
     settings.travel_low = limit(travel_limits, 0);
     settings.travel_high = limit(travel_limits, 1);
+    if (type == JointType::kRope) {
+      settings.travel_low = kSlack;
+      settings.travel_high = number(rope_length);
+    }
+    if (type == JointType::kSixAxis) SetAxes(settings.six, i);
     settings.motor_speed = number(motor_speed);
     settings.motor_torque = number(motor_torque);
     settings.drive_speed = number(drive_speed);
     settings.drive_force = number(drive_force);
+    settings.breaking_force = number(breaking_force);
     const double sum = Dot(settings.anchor_a, settings.anchor_a) + length +
                        Dot(settings.anchor_b, settings.anchor_b) + settings.rest.w +
                        settings.angle_low + settings.angle_high + settings.travel_low +
                        settings.travel_high + settings.motor_speed + settings.motor_torque +
-                       settings.drive_speed + settings.drive_force + number(breaking_force);
+                       settings.drive_speed + settings.drive_force + settings.breaking_force;
     CheckFinite(sum, i);
     return settings;
+  }
+
+  void SetAxes(SixAxisSettings& six, uint64_t i) const {
+    const auto vector = [&](const auto& column) {
+      return column.present() ? Wide(column[i]) : Vector{};
+    };
+    six.offset_least = vector(offset_least);
+    six.offset_greatest = vector(offset_greatest);
+    six.turn_least = vector(turn_least);
+    six.turn_greatest = vector(turn_greatest);
+    six.offset_stiffness = Number(travel_stiffness, i);
+    six.offset_damping = Number(travel_damping, i);
+    six.turn_stiffness = Number(angle_stiffness, i);
+    six.turn_damping = Number(angle_damping, i);
+    CheckFinite(six.Sum(), i);
   }
 
   template <class Column>
@@ -192,7 +227,7 @@ struct JointColumns {
    *  position. */
   void Join(uint64_t i, JointType type, const Pose& a, const Pose& b) {
     const Quaternion of_a = a.rotation.Normalised(), of_b = b.rotation.Normalised();
-    if (type != JointType::kDistance && other_anchor[i] == Vector3{}) {
+    if (!IsLine(type) && other_anchor[i] == Vector3{}) {
       const Vector at = a.at + of_a.Rotate(Wide(anchor[i]));
       other_anchor[i] = Narrow<Real>(of_b.Inverse().Rotate(at - b.at));
     }

@@ -25,12 +25,13 @@ TYPED_TEST(RigidContactTest, EveryShapeRestsOnTheGround) {
   const std::pair<ShapeCode, Vector> shapes[] = {{ShapeCode::kBox, {1, 0.5, 2}},
                                                  {ShapeCode::kSphere, {1, 1, 1}},
                                                  {ShapeCode::kCylinder, {1, 0.5, 1}},
-                                                 {ShapeCode::kCapsule, {0.5, 2, 0.5}}};
+                                                 {ShapeCode::kCapsule, {0.5, 2, 0.5}},
+                                                 {ShapeCode::kEllipsoid, {1, 0.5, 0.8}}};
   for (const auto& [code, size] : shapes) {
     for (const bool plane : {false, true}) {
       RigidScene<TypeParam> scene;
       scene.gravity = {0, TypeParam(-kG), 0};
-      // A capsule stands on its cap in unstable equilibrium; it lies on its side.
+      // The capsule lies on its side, because it would stand on its cap in unstable equilibrium.
       const bool lies = code == ShapeCode::kCapsule;
       const double height = lies ? size.x / 2 : size.y / 2;
       scene.Add(code, size, 3, {0, height + 0.1, 0}, {},
@@ -47,6 +48,42 @@ TYPED_TEST(RigidContactTest, EveryShapeRestsOnTheGround) {
       EXPECT_LT(Length(scene.Velocity(0)), 1e-3);
       EXPECT_LT(Length(scene.Spin(0)), 5e-3);
     }
+  }
+}
+
+// A body that lies on a side with the radius of curvature R, and whose centre is at the height b,
+// rocks without sliding at the frequency sqrt(m g (R - b) / (I + m b^2)). An ellipsoid of the half
+// axes a, b and a has R = a^2 / b and I = m (a^2 + b^2) / 5.
+TYPED_TEST(RigidContactTest, EllipsoidRocksWithThePeriodOfTheClosedForm) {
+  const double a = 0.3, b = 0.15, tilt = 0.02;
+  for (const int ground : {0, 1, 2}) {
+    RigidScene<TypeParam> scene;
+    scene.gravity = {0, TypeParam(-kG), 0};
+    const double height = std::hypot(a * std::sin(tilt), b * std::cos(tilt));
+    scene.Add(ShapeCode::kEllipsoid, {2 * a, 2 * b, 2 * a}, 2, {0, height, 0}, {},
+              About({0, 0, 1}, tilt));
+    if (ground == 0) scene.AddGround();
+    if (ground == 1) scene.AddScenery(ShapeCode::kPlane, {20, 0, 20}, {0, 0, 0});
+    if (ground == 2) scene.AddTerrain(20, 6, [](double, double) { return 0.0; });
+    PhysicsEngine engine = scene.MakeRigidEngine({{"friction", 5}});
+    const double dt = 1.0 / 480;
+    double last = tilt, first_crossing = 0, last_crossing = 0;
+    int crossings = 0;
+    for (int i = 1; i <= 1800; ++i) {
+      engine.Advance(dt, 1);
+      const double angle = 2 * scene.Rotation(0).v.z;
+      if ((angle < 0) != (last < 0)) {
+        last_crossing = (i - angle / (angle - last)) * dt;
+        if (crossings++ == 0) first_crossing = last_crossing;
+      }
+      last = angle;
+    }
+    SCOPED_TRACE(testing::Message() << "ground " << ground);
+    ASSERT_GT(crossings, 6);
+    const double period = 2 * (last_crossing - first_crossing) / (crossings - 1);
+    const double inertia = (a * a + b * b) / 5 + b * b;
+    const double expected = 2 * std::acos(-1.0) * std::sqrt(inertia / (kG * (a * a / b - b)));
+    EXPECT_NEAR(period, expected, 0.02 * expected);
   }
 }
 
@@ -69,8 +106,8 @@ TYPED_TEST(RigidContactTest, ContactForcesOfAStackAreItsWeights) {
   }
 }
 
-// The force is the change of momentum that gravity does not explain, also in an impact with
-// friction and restitution.
+// The contact force is the change of momentum that gravity does not explain. This is also true for
+// an impact with friction and restitution.
 TYPED_TEST(RigidContactTest, ContactForcesExplainTheChangeOfMomentumInABounce) {
   for (const double restitution : {0.0, 0.7}) {
     RigidScene<TypeParam> scene;
@@ -193,7 +230,7 @@ TYPED_TEST(RigidContactTest, FreeBodyKeepsItsAngularMomentumAndEnergy) {
   EXPECT_LT(Length(scene.Position(0) - Vector{10, 20, 30}), Rounding<TypeParam>(1e4));
 }
 
-// The bodies of a heap that overlap at first may be pushed apart by pushSpeed, no faster.
+// The bodies of a heap overlap at first. They may be pushed apart at most with the speed pushSpeed.
 TYPED_TEST(RigidContactTest, OverlapsAreUndoneAtABoundedSpeed) {
   for (const double depth : {0.05, 0.5, 0.99}) {
     RigidScene<TypeParam> scene;
@@ -207,7 +244,7 @@ TYPED_TEST(RigidContactTest, OverlapsAreUndoneAtABoundedSpeed) {
       const Vector now = scene.Position(1) - scene.Position(0);
       fastest = std::max(fastest, Length(now - before) / kFrame);
       before = now;
-      // The bodies do not keep the speed of the push. With this speed they would have 2.4 J.
+      // The bodies do not keep the speed of the push. They would have 2.4 J with this speed.
       EXPECT_LT(scene.TotalKineticEnergy(), 0.1) << depth;
     }
     EXPECT_LT(fastest, 2.1);
@@ -269,6 +306,107 @@ TYPED_TEST(RigidContactTest, BitsDoNotDependOnThreads) {
   together.Advance(kFrame, 60);
   EXPECT_EQ(one.position, two.position);
   EXPECT_EQ(one.spin, two.spin);
+}
+
+/// Returns a scene of a block (row 0) on a slope (row 1) that rises by an angle [rad]. The block
+/// and the slope are of the substances 1 and 2.
+template <class Real>
+RigidScene<Real> BlockOnASlope(double angle) {
+  RigidScene<Real> scene;
+  scene.gravity = {0, Real(-kG), 0};
+  const Quaternion slope = About({0, 0, 1}, -angle);
+  scene.AddBox({1, 0.4, 1}, 3, slope.Rotate({0, 0.2, 0}), {}, slope);
+  scene.AddBox({200, 2, 20}, 0, slope.Rotate({0, -1, 0}), {}, slope);
+  scene.substance = {1, 2};
+  scene.AddSubstances(1, 0, 0.9, 0);
+  scene.AddSubstances(2, 0, 0.1, 0);
+  return scene;
+}
+
+/// Returns the distance [m] by which the block of BlockOnASlope slides in two seconds.
+template <class Real>
+double Slide(RigidScene<Real>& scene) {
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(kFrame, 30);
+  const Vector at = scene.Position(0);
+  engine.Advance(kFrame, 120);
+  return Length(scene.Position(0) - at);
+}
+
+// tan(angle) is the coefficient of the pair, also if those of the two substances differ much from
+// it.
+TYPED_TEST(RigidContactTest, BlockSlidesAboveTheAngleOfFrictionOfItsPairOnly) {
+  for (const double friction : {0.05, 0.3, 0.7}) {
+    for (const double part : {0.97, 1.03}) {
+      auto scene = BlockOnASlope<TypeParam>(std::atan(part * friction));
+      scene.AddSubstances(2, 1, friction, 0);
+      const double way = Slide(scene);
+      SCOPED_TRACE(testing::Message() << "friction " << friction << ", part " << part);
+      if (part < 1) {
+        EXPECT_LT(way, 2e-3);
+      } else {
+        // a = g (sin - mu cos); the way begins with half a second's speed.
+        const double angle = std::atan(part * friction), a = way / (0.5 * 2 + 2 * 2 / 2.0);
+        EXPECT_NEAR((kG * std::sin(angle) - a) / (kG * std::cos(angle)), friction, 0.01 * friction);
+      }
+    }
+  }
+}
+
+// Without a value of the pair, the friction is the geometric mean sqrt(0.9 * 0.1) = 0.3.
+TYPED_TEST(RigidContactTest, SubstancesWithoutAPairHaveTheMeanOfTheirFrictions) {
+  for (const double part : {0.97, 1.03}) {
+    auto scene = BlockOnASlope<TypeParam>(std::atan(part * 0.3));
+    scene.AddSubstances(3, 1, 5, 0);  // of another pair
+    EXPECT_EQ(Slide(scene) > 0.05, part > 1) << part;
+  }
+}
+
+// A body without a substance has the parameter 0.5 of the law: sqrt(0.5 * 0.1) = 0.2236.
+TYPED_TEST(RigidContactTest, BodyWithoutASubstanceHasTheParameterOfTheLaw) {
+  for (const double part : {0.97, 1.03}) {
+    auto scene = BlockOnASlope<TypeParam>(std::atan(part * std::sqrt(0.05)));
+    scene.substance = {0, 2};
+    EXPECT_EQ(Slide(scene) > 0.05, part > 1) << part;
+  }
+}
+
+// A ball that falls from the height h rises to e^2 h. The restitution of the pair precedes those of
+// the substances; without it, the larger one counts.
+TYPED_TEST(RigidContactTest, BallBouncesToTheHeightOfItsPairOfSubstances) {
+  struct Case {
+    double pair, expected;
+  };
+  for (const Case& one : {Case{0.5, 0.5}, Case{0.9, 0.9}, Case{0, 0.7}, Case{1e-12, 0}}) {
+    RigidScene<TypeParam> scene;
+    scene.gravity = {0, TypeParam(-kG), 0};
+    scene.AddBall(0.1, 1, {0, 2.1, 0});
+    scene.AddBox({20, 2, 20}, 0, {0, -1, 0});
+    scene.substance = {1, 2};
+    scene.AddSubstances(1, 0, 0, 0.7);
+    scene.AddSubstances(2, 0, 0, 0.3);
+    if (one.pair > 0) scene.AddSubstances(1, 2, 0, one.pair);
+    PhysicsEngine engine = scene.MakeRigidEngine({{"restitutionSpeed", 0.2}});
+    double top = 0;
+    bool bounced = false;
+    for (int i = 0; i < 240 && !(bounced && scene.Velocity(0).y < 0); ++i) {
+      engine.Advance(kFrame);
+      bounced = bounced || (scene.Position(0).y < 0.5 && scene.Velocity(0).y > 0.01);
+      if (bounced) top = std::max(top, scene.Position(0).y - 0.1);
+    }
+    EXPECT_NEAR(std::sqrt(top / 2), one.expected, 0.02 * one.expected + 1e-3) << one.expected;
+  }
+}
+
+TYPED_TEST(RigidContactTest, SubstancesOfNoPairGiveTheBitsOfTheParameters) {
+  RigidScene<TypeParam> plain = Swarm<TypeParam>(7, 64), one = plain;
+  one.substance.assign(one.mass.size(), 0);
+  PhysicsEngine first = plain.MakeRigidEngine({{"restitution", 0.3}});
+  PhysicsEngine second = one.MakeRigidEngine({{"restitution", 0.3}});
+  first.Advance(kFrame, 60);
+  second.Advance(kFrame, 60);
+  EXPECT_EQ(plain.position, one.position);
+  EXPECT_EQ(plain.spin, one.spin);
 }
 
 TYPED_TEST(RigidContactTest, MassZeroNeverMoves) {

@@ -2,6 +2,7 @@
 // Contact points of hulls and triangles against searches through all their features, and fuzz.
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <random>
 
 #include "manifold.hpp"
@@ -158,7 +159,7 @@ TEST(RigidGeometry, HullsTouchAlongTheDirectionOfLeastOverlap) {
       ASSERT_GT(most, 0) << "case " << i;  // only a corner beside a corner may be farther
       continue;
     }
-    // Deeper than the rounding, only the normals of faces are considered.
+    // Only the normals of faces are considered for overlaps deeper than the rounding.
     const bool is_deep = most < -0.04 * thickness;
     ++(is_deep ? deep : touching);
     ASSERT_NEAR(Length(found.normal), 1, 1e-9) << "case " << i;
@@ -237,13 +238,142 @@ TEST(RigidGeometry, BallTouchesATriangleAtItsDistance) {
       ASSERT_TRUE(contacts.manifolds().empty()) << "case " << i << ", gap " << gap;
     } else if (gap < 0.009 && height > 0.02 * distance) {
       ASSERT_EQ(contacts.manifolds().size(), 1u) << "case " << i << ", gap " << gap;
-      // Almost over the face, the face's normal replaces the exact one.
+      // The normal of the face replaces the exact normal for a contact almost above the face.
       ASSERT_NEAR(contacts.manifolds()[0].points[0].separation, gap, 3e-4) << "case " << i;
       ++(inside ? faces : edges);
     }
   }
   EXPECT_GT(faces, 50);
   EXPECT_GT(edges, 50);
+}
+
+/// A convex shape of the tests: its extent from its centre along a direction of its own axes.
+using Extent = std::function<double(const Vector&)>;
+
+Extent ExtentOfEllipsoid(const Vector& size) {
+  return [size](const Vector& d) {
+    const double x = size.x * d.x / 2, y = size.y * d.y / 2, z = size.z * d.z / 2;
+    return std::sqrt(x * x + y * y + z * z);
+  };
+}
+
+/// A direction in the world, and the separation of two shapes along it [m].
+struct Found {
+  Vector normal;
+  double separation;
+};
+
+/// Returns the largest separation of two convex shapes among all directions. This is their distance
+/// if they are apart, and the depth of a small overlap. The search improves the best of many
+/// directions by random steps of decreasing length.
+Found SeparationBySearch(const Extent& a, const Shape& at_a, const Extent& b, const Shape& at_b,
+                         Draw& draw) {
+  const Vector way = at_b.position - at_a.position;
+  const auto separation = [&](const Vector& n) {
+    return Dot(way, n) - a(at_a.axes.ToOwn(n)) - b(at_b.axes.ToOwn(-n));
+  };
+  Found best{{0, 1, 0}, separation({0, 1, 0})};
+  for (int i = 0; i < 3000; ++i) {
+    const double step = i < 400 ? 4 : 0.3 * std::pow(10, -6.0 * (i - 400) / 2600);
+    const Vector to = best.normal + draw.In(1) * step;
+    if (!(Length(to) > 0.01)) continue;
+    const Vector n = to * (1 / Length(to));
+    const double along = separation(n);
+    if (along > best.separation) best = {n, along};
+  }
+  return best;
+}
+
+TEST(RigidGeometry, EllipsoidTouchesOtherShapesAtTheirDistance) {
+  Draw draw(12);
+  struct Partner {
+    ShapeCode code;
+    double tolerance;  // boxes, hulls and cylinders are rounded while a direction is sought
+    int compared = 0;
+  } partners[] = {{ShapeCode::kEllipsoid, 1e-5}, {ShapeCode::kSphere, 1e-5},
+                  {ShapeCode::kCapsule, 1e-5},   {ShapeCode::kBox, 5e-3},
+                  {ShapeCode::kCylinder, 5e-3},  {ShapeCode::kMesh, 5e-3}};
+  for (int i = 0; i < 3000; ++i) {
+    Partner& partner = partners[i % 6];
+    const Vector extent{draw(0.4, 1), draw(0.4, 1), draw(0.4, 1)};
+    const double across = draw(0.3, 0.8), high = across + draw(0, 0.5);
+    const Vector size{across, partner.code == ShapeCode::kSphere ? across : high,
+                      partner.code == ShapeCode::kBox || partner.code == ShapeCode::kEllipsoid
+                          ? draw(0.3, 0.8)
+                          : across};
+    const Solid solid(BoxCorners(size));
+    const Shape egg = Shape::Of(int32_t(ShapeCode::kEllipsoid), extent, draw.In(0.1), draw.Turn());
+    const Vector at = draw.In(1);
+    const Quaternion q = draw.Turn();
+    const Shape other = partner.code == ShapeCode::kMesh
+                            ? solid.At(at, q)
+                            : Shape::Of(int32_t(partner.code), size, at, q);
+    const Extent of_other = [&](const Vector& d) {
+      const double round = std::hypot(d.x, d.z) * size.x / 2;
+      switch (partner.code) {
+        case ShapeCode::kEllipsoid:
+          return ExtentOfEllipsoid(size)(d);
+        case ShapeCode::kSphere:
+          return size.x / 2 * Length(d);
+        case ShapeCode::kCapsule:
+          return size.x / 2 * Length(d) + std::abs(d.y) * (size.y - size.x) / 2;
+        case ShapeCode::kCylinder:
+          return round + std::abs(d.y) * size.y / 2;
+        default:
+          return (std::abs(d.x) * size.x + std::abs(d.y) * size.y + std::abs(d.z) * size.z) / 2;
+      }
+    };
+    const Manifold manifold = rigid::Collide(egg, other, 0.05);
+    const double expected =
+        SeparationBySearch(ExtentOfEllipsoid(extent), egg, of_other, other, draw).separation;
+    if (expected > 0.06) {
+      ASSERT_EQ(manifold.count, 0) << "case " << i << ", distance " << expected;
+    } else if (expected < 0.045 && expected > -0.005) {
+      ASSERT_EQ(manifold.count, 1) << "case " << i << ", distance " << expected;
+      const rigid::ContactPoint& point = manifold.points[0];
+      ASSERT_NEAR(point.separation, expected, partner.tolerance) << "case " << i;
+      // The point is half of the separation above the surface of the ellipsoid.
+      const Vector own =
+          egg.axes.ToOwn(point.at - manifold.normal * (point.separation / 2) - egg.position);
+      const double x = 2 * own.x / extent.x, y = 2 * own.y / extent.y, z = 2 * own.z / extent.z;
+      ASSERT_NEAR(x * x + y * y + z * z, 1, 1e-6) << "case " << i;
+      ++partner.compared;
+    }
+  }
+  for (const Partner& partner : partners) EXPECT_GT(partner.compared, 10) << int(partner.code);
+}
+
+TEST(RigidGeometry, EllipsoidTouchesATriangleAtItsDistance) {
+  Draw draw(13);
+  int compared = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const std::array<Vec3<double>, 3> corners = {draw.In(1), draw.In(1), draw.In(1)};
+    const std::array<int32_t, 3> indices = {0, 1, 2};
+    const rigid::Surface surface(corners, indices);
+    if (surface.empty() || Length(Cross(corners[1] - corners[0], corners[2] - corners[0])) < 0.1) {
+      continue;
+    }
+    const Vector extent{draw(0.2, 0.6), draw(0.2, 0.6), draw(0.2, 0.6)};
+    const Shape egg = Shape::Of(int32_t(ShapeCode::kEllipsoid), extent, draw.In(1), draw.Turn());
+    const Shape pose = Shape::Of(int32_t(ShapeCode::kBox), {1, 1, 1}, {}, {});
+    if (Dot(egg.position - corners[0], surface[0].normal) < 0.02) continue;
+    const Extent flat = [&](const Vector& d) {
+      return std::max({Dot(corners[0], d), Dot(corners[1], d), Dot(corners[2], d)});
+    };
+    rigid::SurfaceContacts contacts;
+    contacts.Find(surface, pose, egg, 0.02);
+    const Found found = SeparationBySearch(flat, pose, ExtentOfEllipsoid(extent), egg, draw);
+    const double expected = found.separation;
+    if (expected > 0.03) {
+      ASSERT_TRUE(contacts.manifolds().empty()) << "case " << i << ", distance " << expected;
+    } else if (expected < 0.015 && expected > -0.005 &&
+               Dot(found.normal, surface[0].normal) > 0.1) {
+      ASSERT_EQ(contacts.manifolds().size(), 1u) << "case " << i << ", distance " << expected;
+      ASSERT_NEAR(contacts.manifolds()[0].points[0].separation, expected, 2e-3) << "case " << i;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 20);
 }
 
 // A tree finds the same triangles as a search through all triangles.
@@ -302,7 +432,7 @@ void AddOddHull(RigidScene<double>& scene, Draw& draw, double mass) {
   }
 }
 
-// VESPER_FUZZ_SCENES sets the number of scenes.
+// The environment variable VESPER_FUZZ_SCENES sets the number of scenes.
 TEST(RigidGeometry, RandomScenesStayFiniteAndGainNoEnergy) {
   const char* given = std::getenv("VESPER_FUZZ_SCENES");
   const int scenes = given == nullptr ? 60 : std::atoi(given);
@@ -320,9 +450,9 @@ TEST(RigidGeometry, RandomScenesStayFiniteAndGainNoEnergy) {
         continue;
       }
       const ShapeCode codes[] = {ShapeCode::kSphere, ShapeCode::kBox, ShapeCode::kCapsule,
-                                 ShapeCode::kCylinder};
+                                 ShapeCode::kCylinder, ShapeCode::kEllipsoid};
       const double across = draw(0.05, 0.6);
-      const ShapeCode code = codes[draw.Below(4)];
+      const ShapeCode code = codes[draw.Below(5)];
       scene.Add(code, {across, code == ShapeCode::kSphere ? across : across + draw(0, 1), across},
                 mass, draw.In(0.8), draw.In(2), draw.Turn());
     }

@@ -34,7 +34,7 @@ TEST(AngleOf, IsThatOfTheSystemLibrary) {
   EXPECT_EQ(rigid::AngleOf(0, 0), 0);
 }
 
-// A rod about its end: T = 2 pi sqrt(2 L / (3 g)) for small swings.
+// A rod that swings about its end has the period T = 2 pi sqrt(2 L / (3 g)) for small swings.
 TYPED_TEST(RigidJointTest, RodSwingsWithThePeriodOfTheClosedForm) {
   for (const JointType type : {JointType::kBall, JointType::kHinge}) {
     auto scene = Hanging<TypeParam>();
@@ -134,7 +134,7 @@ TEST(RigidJoint, DoublePendulumKeepsItsEnergyForAMinute) {
   }
 }
 
-// Ten links of alternating masses 1 and 10.
+// The chain has ten links with the masses 1 kg and 10 kg in turn.
 TYPED_TEST(RigidJointTest, ChainOfUnequalLinksStaysTogether) {
   auto scene = Hanging<TypeParam>();
   uint32_t before = 0;
@@ -159,8 +159,7 @@ TYPED_TEST(RigidJointTest, ChainOfUnequalLinksStaysTogether) {
   EXPECT_LT(worst, sizeof(TypeParam) == sizeof(double) ? 3e-4 : 5e-3);
 }
 
-// Links of unequal masses that hit each other: impulses of an impact must not return in later
-// steps.
+// Links of unequal masses hit each other. The impulses of an impact must not return in later steps.
 TYPED_TEST(RigidJointTest, ChainWhoseLinksCollideGainsNoEnergy) {
   auto scene = Hanging<TypeParam>();
   uint32_t before = 0;
@@ -216,7 +215,7 @@ TYPED_TEST(RigidJointTest, MotorTurnsAWheelWithItsTorqueUpToItsSpeed) {
   EXPECT_NEAR(scene.Spin(wheel).y, 6, 0.01);
 }
 
-// Without the motors' impulses of the last step as a first guess, the arm sinks by 12 mm/s.
+// The arm would sink by 12 mm/s without the motors' impulses of the last step as a first guess.
 TYPED_TEST(RigidJointTest, MotorsHoldAnArmOfThreeLinksWithoutCreep) {
   auto scene = Hanging<TypeParam>();
   uint32_t last = 0;
@@ -313,7 +312,8 @@ TYPED_TEST(RigidJointTest, DampedDiscSlowsExponentially) {
   }
 }
 
-// I x'' = -c x' - m g l x: the amplitude falls as exp(-c t / (2 I)).
+// The equation of motion is I x'' = -c x' - m g l x. The amplitude therefore decreases as exp(-c t
+// / (2 I)).
 TYPED_TEST(RigidJointTest, SwingOfADampedRodDecaysAsTheClosedForm) {
   auto scene = Hanging<TypeParam>();
   const double length = 1, tilt = 0.05, mass = 2, damping = 0.5;
@@ -386,7 +386,7 @@ TYPED_TEST(RigidJointTest, SpringOfAHingeSwingsWithItsPeriodAndKeepsItsEnergy) {
     engine.Advance(dt);
     if (i % 1920 != 0) continue;
     const double angle = scene.joint_angle[0] - 0.1, spin = scene.Spin(1).y;
-    // The energy is in error by 5 J * 10 rad/s * dt at most, and does not drift.
+    // The error of the energy is at most 5 J * 10 rad/s * dt, and does not grow.
     EXPECT_NEAR(100 * angle * angle + spin * spin, 100 * 0.01 + 4, 50 * dt) << i * dt;
     const double t = i * dt;
     EXPECT_NEAR(angle, -0.1 * std::cos(10 * t) + 0.2 * std::sin(10 * t), 2e-3) << t;
@@ -487,7 +487,8 @@ TYPED_TEST(RigidJointTest, SpeedsOfJointsAreThoseOfTheirBodies) {
   EXPECT_NEAR(scene.joint_loads["travelSpeed"][2], 2 + kG * 0.5, 1e-4);
 }
 
-// I x'' = kp (target - x) - kv x' with I = 1, kp = 100, kv = 4: a damped oscillation.
+// The equation of motion is I x'' = kp (target - x) - kv x' with I = 1, kp = 100 and kv = 4. Its
+// solution is a damped oscillation.
 TYPED_TEST(RigidJointTest, ServoMovesADiscAsADampedSpring) {
   auto scene = Turntable<TypeParam>(0);
   scene.motor_torque = {1000};
@@ -521,7 +522,7 @@ TYPED_TEST(RigidJointTest, ServoAcceleratesWithItsLargestTorqueThenStaysAtItsAng
   EXPECT_LT(Length(scene.Spin(1)), 1e-3);
 }
 
-// The servo yields by weight / stiffness: 9.81 N m / 200 N m.
+// The servo yields by its load divided by its stiffness, 9.81 N m / 200 N m.
 TYPED_TEST(RigidJointTest, ServosHoldAnArmAndYieldToItsWeight) {
   for (const double friction : {0.0, 0.1}) {
     auto scene = Hanging<TypeParam>();
@@ -557,7 +558,7 @@ TYPED_TEST(RigidJointTest, ServoOfASliderLiftsAWeightAndServosOfWheelsTurnTheSho
   EXPECT_NEAR(scene.joint_travel[1], 0.4 - 2 * kG / 400, 1e-4);
 }
 
-// A motor of a finite gain: kv (5 - speed) = 2 speed.
+// The speed of a motor with a finite gain follows from kv (5 - speed) = 2 speed.
 TYPED_TEST(RigidJointTest, MotorWithDampingOnlyIsAProportionalSpeedControl) {
   auto scene = Turntable<TypeParam>(0);
   scene.motor_speed = {5};

@@ -29,7 +29,8 @@ RigidScene<Real> Falling() {
   return scene;
 }
 
-/// Corners of a tetrahedron and an octahedron with edges of length 1, and of a prism of 24 sides.
+/// The functions below return the corners of a tetrahedron and an octahedron with edges of length
+/// 1, and of a prism with 24 sides.
 Points Tetrahedron() {
   const double s = 1 / std::sqrt(8.0);
   return {{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}};
@@ -48,7 +49,8 @@ Points Prism(int sides, double radius, double height) {
   return points;
 }
 
-// A tetrahedron rests at 1 / sqrt(24), an octahedron at 1 / sqrt(6) of its edge.
+// The centre of a tetrahedron at rest is at 1 / sqrt(24) of the length of its edge. The centre of
+// an octahedron is at 1 / sqrt(6).
 TYPED_TEST(RigidMeshTest, HullsRestOnAFace) {
   const Vector turned{1 / std::sqrt(2.0), 0, -1 / std::sqrt(2.0)};
   const struct {
@@ -79,7 +81,7 @@ TYPED_TEST(RigidMeshTest, HullsRestOnAFace) {
   }
 }
 
-// A hull with the corners of a box moves as a box: in the air, and at the end on the ground.
+// A hull with the corners of a box moves like a box, both in the air and on the ground.
 TYPED_TEST(RigidMeshTest, HullOfABoxMovesLikeTheBox) {
   const Vector size{0.4, 0.6, 1};
   RigidScene<TypeParam> box = Falling<TypeParam>(), hull = box;
@@ -140,7 +142,7 @@ TYPED_TEST(RigidMeshTest, EveryShapeRestsOnAHull) {
   }
 }
 
-// On a flat surface of many triangles bodies move as on one large box: no edge stops them.
+// Bodies move on a flat surface of many triangles as on one large box, because no edge stops them.
 TYPED_TEST(RigidMeshTest, EdgesWithinAFlatSurfaceAreNotFelt) {
   for (const bool ball : {true, false}) {
     RigidScene<TypeParam> flat = Falling<TypeParam>(), cells = flat;
@@ -165,7 +167,7 @@ TYPED_TEST(RigidMeshTest, EdgesWithinAFlatSurfaceAreNotFelt) {
   }
 }
 
-// A ball that rolls without slipping on a ramp of triangles: 5/7 g sin(slope).
+// A ball that rolls without slipping on a ramp of triangles has the acceleration 5/7 g sin(slope).
 TYPED_TEST(RigidMeshTest, BallRollsDownATerrainAsTheClosedFormSays) {
   RigidScene<TypeParam> scene = Falling<TypeParam>();
   const double slope = 0.25, radius = 0.3;
@@ -215,7 +217,7 @@ TYPED_TEST(RigidMeshTest, PartsMoveLikeTheWhole) {
   other.Advance(kFrame, 575);
   EXPECT_NEAR(parts.Position(0).y, whole.Position(0).y, 2e-3);
   EXPECT_LT(Length(parts.Velocity(0)) + Length(parts.Spin(0)), 5e-3);
-  // The parts kept their places.
+  // The parts have kept their places relative to each other.
   const Vector between = parts.Position(2) - parts.Position(1);
   EXPECT_NEAR(Length(between), 0.6, Rounding<TypeParam>(1e4));
 }
@@ -301,7 +303,7 @@ TYPED_TEST(RigidMeshTest, SensorsCountAndExertNoForce) {
   EXPECT_EQ(scene.touch_count[0], 1) << "the ball lies on the ground";
 }
 
-// With the lever arm b, rolling friction slows a ball by 5/7 b g / r.
+// Rolling friction with the lever arm b slows a ball by 5/7 b g / r.
 TYPED_TEST(RigidMeshTest, RollingFrictionIsMeasuredBack) {
   for (const double arm : {0.002, 0.01}) {
     RigidScene<TypeParam> scene = Falling<TypeParam>();

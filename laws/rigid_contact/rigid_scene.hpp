@@ -22,10 +22,16 @@ struct RigidScene : Scene<Real> {
   std::vector<int32_t> shape;                            // (bodies)
   std::vector<double> size;                              // (bodies x 3) [m]
   std::vector<Real> orientation, spin, torque, inertia;  // (bodies x 4), (bodies x 3)
-  std::vector<Real> reaction;  // (bodies x 3) [N], empty unless a test measures it
+  std::vector<Real> reaction;   // (bodies x 3) [N], empty unless a test measures it
+  std::vector<int32_t> asleep;  // (bodies), empty unless a test reads it
+  std::string law = "rigid_contact";
   std::vector<int32_t> mesh_form, carrier, part, layer, passes, sensor, touch_count;  // (bodies)
-  std::vector<Real> rolling;                                                          // (bodies)
-  bool has_parts = false, has_layers = false, has_rolling = false;
+  std::vector<Real> rolling, spinning;                                                // (bodies)
+  bool has_parts = false, has_layers = false, has_rolling = false, has_spinning = false;
+  // substances; each column is empty unless a test uses it
+  std::vector<int32_t> substance, substances;         // (bodies), (rows x 2)
+  std::vector<Real> pair_friction, pair_restitution;  // (rows)
+  std::vector<Real> pair_rolling, pair_spinning;      // (rows)
   // meshes
   std::vector<int32_t> mesh_ranges;        // (meshes x 10)
   std::vector<double> mesh_points;         // (points x 3) [m]
@@ -41,6 +47,11 @@ struct RigidScene : Scene<Real> {
   std::vector<Real> other_anchor, other_turn, joint_force, joint_torque;
   std::vector<Real> joint_angle, joint_travel;           // (joints)
   std::map<std::string, std::vector<Real>> joint_loads;  // (joints) by property
+  // gear
+  std::vector<uint32_t> geared;                               // (gears x 2)
+  std::vector<Real> gear_ratio, offset_angle, offset_travel;  // (gears)
+  std::vector<Real> gear_torque, gear_force;                  // (gears) [N m], [N]
+  std::vector<Real> gear_places;                              // (gears x 2)
   // scenery
   std::vector<int32_t> scenery_shape;  // (scenery)
   std::vector<double> scenery_size;    // (scenery x 3) [m]
@@ -54,7 +65,7 @@ struct RigidScene : Scene<Real> {
     for (auto* column : {&spin, &torque, &inertia}) column->insert(column->end(), {0, 0, 0});
     for (auto* column : {&mesh_form, &carrier}) column->push_back(-1);
     for (auto* column : {&part, &layer, &passes, &sensor, &touch_count}) column->push_back(0);
-    rolling.push_back(0);
+    for (auto* column : {&rolling, &spinning}) column->push_back(0);
     return this->AddBody(Real(mass), rigid::Narrow<Real>(at), rigid::Narrow<Real>(moving));
   }
   uint32_t AddBall(double radius, double mass, Vector at, Vector moving = {}) {
@@ -135,6 +146,12 @@ struct RigidScene : Scene<Real> {
     part[row] = 1;
     has_parts = true;
   }
+  /// Adds the values of a substance, with b = 0, or of a pair of substances.
+  void AddSubstances(int32_t a, int32_t b, double friction, double restitution) {
+    substances.insert(substances.end(), {a, b});
+    pair_friction.push_back(Real(friction));
+    pair_restitution.push_back(Real(restitution));
+  }
   /// Adds a box whose top is at y = 0.
   void AddGround() { AddScenery(Code::kBox, {1000, 2, 1000}, {0, -1, 0}); }
 
@@ -158,6 +175,15 @@ struct RigidScene : Scene<Real> {
     }
     other_turn.insert(other_turn.end(), {0, 0, 0, 0});
     return static_cast<uint32_t>(joint_type.size() - 1);
+  }
+
+  /// Connects two joints: place of the first = ratio * place of the second.
+  uint32_t AddGear(uint32_t first, uint32_t second, double ratio) {
+    geared.insert(geared.end(), {first, second});
+    gear_ratio.push_back(Real(ratio));
+    for (auto* one : {&offset_angle, &offset_travel, &gear_torque, &gear_force}) one->push_back(0);
+    gear_places.insert(gear_places.end(), {0, 0});
+    return static_cast<uint32_t>(gear_ratio.size() - 1);
   }
 
   /// Creates an engine over this scene with gravity_field and rigid_contact.
@@ -190,7 +216,16 @@ struct RigidScene : Scene<Real> {
       provider.AddPhysicalProperty("touchSensor", sensor);
       provider.AddPhysicalProperty("touchCount", touch_count);
     }
+    if (!substance.empty()) provider.AddPhysicalProperty("substance", substance);
+    if (!substances.empty()) {
+      provider.AddPhysicalProperty("substances", substances);
+      provider.AddPhysicalProperty("pairFriction", pair_friction);
+      provider.AddPhysicalProperty("pairRestitution", pair_restitution);
+    }
+    if (!pair_rolling.empty()) provider.AddPhysicalProperty("pairRollingFriction", pair_rolling);
+    if (!pair_spinning.empty()) provider.AddPhysicalProperty("pairSpinFriction", pair_spinning);
     if (has_rolling) provider.AddPhysicalProperty("rollingFriction", rolling);
+    if (has_spinning) provider.AddPhysicalProperty("spinFriction", spinning);
     if (!scenery_shape.empty()) {
       provider.AddPhysicalProperty("sceneryShape", scenery_shape);
       provider.AddPhysicalProperty("scenerySize", scenery_size);
@@ -218,9 +253,19 @@ struct RigidScene : Scene<Real> {
       provider.AddPhysicalProperty("jointTravel", joint_travel);
       for (auto& [name, column] : joint_loads) provider.AddPhysicalProperty(name, column);
     }
+    if (!geared.empty()) {
+      provider.AddPhysicalProperty("geared", geared);
+      provider.AddPhysicalProperty("gearRatio", gear_ratio);
+      provider.AddPhysicalProperty("offsetAngle", offset_angle);
+      provider.AddPhysicalProperty("offsetTravel", offset_travel);
+      provider.AddPhysicalProperty("gearTorque", gear_torque);
+      provider.AddPhysicalProperty("gearForce", gear_force);
+      provider.AddPhysicalProperty("gearPlaces", gear_places);
+    }
+    if (!asleep.empty()) provider.AddPhysicalProperty("asleep", asleep);
     if (!reaction.empty()) provider.AddPhysicalProperty("reactionForce", reaction);
     engine.LoadPhysicsLaw("gravity_field");
-    engine.LoadPhysicsLaw("rigid_contact", parameters);
+    engine.LoadPhysicsLaw(law, parameters);
     return engine;
   }
 

@@ -22,6 +22,7 @@ enum class ShapeCode : int32_t {
   kMesh = 4,
   kCapsule = 5,
   kCylinder = 6,
+  kEllipsoid = 7,
   kTriangle = 100,  // a triangle of a surface
   kSurface = 101,   // the triangles of an immovable mesh
 };
@@ -81,6 +82,7 @@ struct Shape {
         break;
       case ShapeCode::kBox:
       case ShapeCode::kCylinder:
+      case ShapeCode::kEllipsoid:
         shape.half = half;
         break;
       case ShapeCode::kPlane:
@@ -102,12 +104,13 @@ struct Shape {
   double Reach(const Vector& direction) const {
     const Vector own = axes.ToOwn(direction);
     if (hull != nullptr) return Dot(Polytope::Farthest(hull->corners, own), own);
+    if (code == ShapeCode::kEllipsoid) return Length(Stretched(own));
     const double along_y = std::abs(own.y) * half.y;
     if (code == ShapeCode::kCylinder) {
       return along_y + half.x * std::sqrt(own.x * own.x + own.z * own.z);
     }
-    return std::abs(own.x) * half.x + along_y + std::abs(own.z) * half.z +
-           radius * std::sqrt(Dot(own, own));
+    const double of_core = std::abs(own.x) * half.x + along_y + std::abs(own.z) * half.z;
+    return radius > 0 ? of_core + radius * std::sqrt(Dot(own, own)) : of_core;
   }
 
   /** Returns the smallest extent [m], which limits the depth to which other shapes can
@@ -134,13 +137,14 @@ struct Shape {
   /** Returns the distance from the centre to the farthest point [m]. */
   double Bound() const {
     if (hull != nullptr) return hull->bound;
+    if (code == ShapeCode::kEllipsoid) return std::max({half.x, half.y, half.z});
     const double square =
         code == ShapeCode::kCylinder ? half.x * half.x + half.y * half.y : Dot(half, half);
     return std::sqrt(square) + radius;
   }
 
-  /** Returns the farthest point of the core in a direction. The core is shrunk by `rounding` on all
-   *  sides. A hull can only be shrunk by its own rounding, or not at all. */
+  /** Returns the point of the core that is farthest in a direction. The core is first shrunk by
+   *  `rounding` [m] on all sides. For a hull, `rounding` is 0 or the hull's own rounding. */
   Vector Support(const Vector& direction, double rounding = 0) const {
     if (code == ShapeCode::kSphere) return position;
     const Vector d = axes.ToOwn(direction);
@@ -148,6 +152,7 @@ struct Shape {
       return position +
              axes.ToWorld(Polytope::Farthest(rounding > 0 ? hull->core : hull->corners, d));
     }
+    if (code == ShapeCode::kEllipsoid) return EllipsoidSupport(d, rounding);
     const auto side = [](double size, double along) { return along < 0 ? -size : size; };
     if (code == ShapeCode::kCylinder) {
       const double across = std::sqrt(d.x * d.x + d.z * d.z);
@@ -157,6 +162,13 @@ struct Shape {
     if (code == ShapeCode::kCapsule) return position + axes.y * side(half.y, d.y);
     return position + axes.ToWorld({side(half.x - rounding, d.x), side(half.y - rounding, d.y),
                                     side(half.z - rounding, d.z)});
+  }
+
+  /** Returns the least radius of curvature of the surface of an ellipsoid [m]. */
+  double LeastCurvature() const {
+    const double least = std::min({half.x, half.y, half.z}),
+                 most = std::max({half.x, half.y, half.z});
+    return most > 0 ? least * least / most : 0;
   }
 
   /** Returns the face, edge or corner of the core that faces a direction. */
@@ -171,6 +183,11 @@ struct Shape {
       case ShapeCode::kMesh:
       case ShapeCode::kTriangle:
         return HullFace(d);
+      case ShapeCode::kEllipsoid: {
+        Face corner;
+        corner.Add(Support(direction));
+        return corner;
+      }
       case ShapeCode::kCapsule: {
         Face edge;
         edge.Add(position + axes.y * half.y);
@@ -204,6 +221,10 @@ struct Shape {
         return Vector{square(half.y) + square(half.z), square(half.x) + square(half.z),
                       square(half.x) + square(half.y)} *
                (mass / 12);
+      case ShapeCode::kEllipsoid:
+        return Vector{square(half.y) + square(half.z), square(half.x) + square(half.z),
+                      square(half.x) + square(half.y)} *
+               (mass / 20);
       case ShapeCode::kMesh:
         return hull->moments * mass;
       default:
@@ -222,6 +243,8 @@ struct Shape {
         return 2 * kPi * half.x * half.x * half.y;
       case ShapeCode::kBox:
         return 8 * half.x * half.y * half.z;
+      case ShapeCode::kEllipsoid:
+        return 4 * kPi / 3 * half.x * half.y * half.z;
       case ShapeCode::kMesh:
         return hull->volume;
       default:
@@ -230,6 +253,24 @@ struct Shape {
   }
 
  private:
+  /** Returns a vector of the own axes, each component times the half extent. */
+  Vector Stretched(const Vector& own) const {
+    return {own.x * half.x, own.y * half.y, own.z * half.z};
+  }
+
+  /** Returns the farthest point of an ellipsoid in a direction of its own axes, moved inwards along
+   *  the normal by `rounding`. These points are those of a convex core as long as the rounding does
+   *  not exceed the least radius of curvature, and the ellipsoid consists exactly of the points
+   *  within the distance `rounding` of this core. */
+  Vector EllipsoidSupport(const Vector& d, double rounding) const {
+    const Vector ball = Stretched(d);
+    const double length = Length(ball);
+    if (!(length > 0)) return position;
+    Vector own = Stretched(ball) * (1 / length);
+    if (rounding > 0) own = own - d * (rounding / Length(d));
+    return position + axes.ToWorld(own);
+  }
+
   Vector CapsuleMoments(double mass) const {
     const double r = radius, h = 2 * half.y;
     const double ball = 4 * r / (4 * r + 3 * h);  // fraction of the mass in the two half balls

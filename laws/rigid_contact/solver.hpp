@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lanes.hpp"
 #include "manifold.hpp"
 
 namespace vesper::rigid {
@@ -75,47 +76,207 @@ struct SolverStep {
   }
 };
 
-/** The contact of two bodies (a manifold of points) as constraints on their velocities. */
-template <class Real>
-struct Contact {
-  using Vector = Vec3<Real>;
+/** The part of a contact that its repeated corrections use: a manifold of points as constraints on
+ *  the velocities of two bodies. `Number` is a single number, or Lanes with the numbers of several
+ *  contacts that have equally many points. */
+template <class Number>
+struct ContactCore {
+  using Vector = Vec3<Number>;
 
   struct Point {
     Vector arm_a, arm_b;  // lever arms from the centres of the bodies to the point [m]
-    Real separation;      // separation at the start of the step [m]
-    Real mass;            // effective mass along the normal [kg]
-    Real across[3];       // inverse of the symmetric 2x2 matrix of responses perpendicular to the
+    Number separation;    // separation at the start of the step [m]
+    Number mass;          // effective mass along the normal [kg]
+    Number across[3];     // inverse of the symmetric 2x2 matrix of responses perpendicular to the
                           // normal
-    Real across_mass;     // smallest effective mass perpendicular to the normal [kg]
-    Real press;           // impulse along the normal [N s]
-    Real rub[2];          // friction impulses perpendicular to the normal [N s]
-    Real approach;        // relative velocity along the normal before a substep [m/s]
-    Real elapsed;         // time of the impact, as a fraction of the step
-    int place;            // index of the matching point of the last step
+    Number across_mass;   // smallest effective mass perpendicular to the normal [kg]
+    Number press;         // impulse along the normal [N s]
+    Number rub[2];        // friction impulses perpendicular to the normal [N s]
   };
 
-  uint32_t a, b;  // rows of the bodies; kImmovable if immovable
   Vector normal, across[2];
-  Real friction, restitution;
-  Real rolling;                   // rolling friction: torque per normal force [m]
-  Real roll[2], roll_mass[2];     // torque impulses about across[] [N m s], effective inertia
+  Number friction;
   Vector mean_arm_a, mean_arm_b;  // means of the arms over the points [m]
-  Real mean_mass;                 // effective mass at the mean of the points [kg]
+  Number mean_mass;               // effective mass at the mean of the points [kg]
   std::array<Point, Manifold::kMost> points;
   int count;
-  Vector spent;  // impulses of points that have bounced in this step, on body b [N s]
 
-  static Real MassAlong(const Vector& direction, const Vector& arm_a, const Vector& arm_b,
-                        const Motion<Real>& body_a, const Motion<Real>& body_b) {
+  /** Returns the inverse of a response, or 0 if the response is 0. */
+  static Number Inverse(Number response) {
+    return Select(response > Number(0), Number(1) / response, Number(0));
+  }
+
+  static Number MassAlong(const Vector& direction, const Vector& arm_a, const Vector& arm_b,
+                          const Motion<Number>& body_a, const Motion<Number>& body_b) {
     const Vector turn_a = Cross(arm_a, direction), turn_b = Cross(arm_b, direction);
-    const Real response = body_a.inverse_mass + body_b.inverse_mass +
-                          Dot(body_a.inverse_inertia * turn_a, turn_a) +
-                          Dot(body_b.inverse_inertia * turn_b, turn_b);
-    return response > 0 ? 1 / response : 0;
+    return Inverse(body_a.inverse_mass + body_b.inverse_mass +
+                   Dot(body_a.inverse_inertia * turn_a, turn_a) +
+                   Dot(body_b.inverse_inertia * turn_b, turn_b));
   }
 
   /** Computes the effective masses at all points. */
-  void Prepare(const Motion<Real>& body_a, const Motion<Real>& body_b) {
+  void FindMasses(const Motion<Number>& body_a, const Motion<Number>& body_b) {
+    mean_mass = MassAlong(normal, mean_arm_a, mean_arm_b, body_a, body_b);
+    for (int i = 0; i < count; ++i) {
+      Point& p = points[i];
+      const auto response = [&](const Vector& direction) {
+        return direction * (body_a.inverse_mass + body_b.inverse_mass) +
+               Cross(body_a.inverse_inertia * Cross(p.arm_a, direction), p.arm_a) +
+               Cross(body_b.inverse_inertia * Cross(p.arm_b, direction), p.arm_b);
+      };
+      p.mass = MassAlong(normal, p.arm_a, p.arm_b, body_a, body_b);
+      const Vector u = response(across[0]), v = response(across[1]);
+      const Number uu = Dot(u, across[0]), uv = Dot(u, across[1]), vv = Dot(v, across[1]);
+      const Number scale = Inverse(uu * vv - uv * uv);
+      p.across[0] = vv * scale;
+      p.across[1] = -uv * scale;
+      p.across[2] = uu * scale;
+      p.across_mass =
+          Inverse((uu + vv) / Number(2) + Sqrt((uu - vv) * (uu - vv) / Number(4) + uv * uv));
+    }
+  }
+
+  Vector Impulse(const Point& p) const {
+    return normal * p.press + across[0] * p.rub[0] + across[1] * p.rub[1];
+  }
+
+  /** Applies the impulses of the last step as a first guess. */
+  void WarmStart(Motion<Number>& body_a, Motion<Number>& body_b) const {
+    for (int i = 0; i < count; ++i) {
+      const Vector impulse = Impulse(points[i]);
+      body_a.Apply(-impulse, points[i].arm_a);
+      body_b.Apply(impulse, points[i].arm_b);
+    }
+  }
+
+  Vector Relative(const Motion<Number>& body_a, const Motion<Number>& body_b,
+                  const Point& p) const {
+    return body_b.VelocityAt(p.arm_b) - body_a.VelocityAt(p.arm_a);
+  }
+
+  /** Returns the present separation of a point, to first order in the motion since the start of the
+   *  step. */
+  Number Separation(const Motion<Number>& body_a, const Motion<Number>& body_b,
+                    const Point& p) const {
+    return p.separation + Dot(body_b.moved + Cross(body_b.turned, p.arm_b) - body_a.moved -
+                                  Cross(body_a.turned, p.arm_a),
+                              normal);
+  }
+
+  /** Changes the friction impulses so that the surfaces do not slip. */
+  void Rub(Motion<Number>& body_a, Motion<Number>& body_b) {
+    for (int i = 0; i < count; ++i) {
+      Point& p = points[i];
+      const Number limit = friction * p.press;
+      const Vector slip = Relative(body_a, body_b, p);
+      const Number x = Dot(slip, across[0]), y = Dot(slip, across[1]);
+      Number to_x = p.rub[0] - (p.across[0] * x + p.across[1] * y);
+      Number to_y = p.rub[1] - (p.across[1] * x + p.across[2] * y);
+      const auto slips = to_x * to_x + to_y * to_y > limit * limit;
+      if (Any(slips)) {
+        // The contact slips. The same effective mass is used for both directions, so that the
+        // friction is opposite to the velocity.
+        const Number even_x = p.rub[0] - p.across_mass * x, even_y = p.rub[1] - p.across_mass * y;
+        const Number square = even_x * even_x + even_y * even_y;
+        const Number scale = Select(square > limit * limit, limit / Sqrt(square), Number(1));
+        to_x = Select(slips, even_x * scale, to_x);
+        to_y = Select(slips, even_y * scale, to_y);
+      }
+      const Vector impulse = across[0] * (to_x - p.rub[0]) + across[1] * (to_y - p.rub[1]);
+      p.rub[0] = to_x;
+      p.rub[1] = to_y;
+      body_a.Apply(-impulse, p.arm_a);
+      body_b.Apply(impulse, p.arm_b);
+    }
+  }
+
+  /** Changes the normal impulses so that the surfaces do not approach. With `push`, also corrects
+   *  overlaps. */
+  template <class Step>
+  void PressApart(Motion<Number>& body_a, Motion<Number>& body_b, const Step& step, bool push) {
+    std::array<Number, Manifold::kMost> allowed;
+    for (int i = 0; i < count; ++i) {
+      allowed[i] = Allowed(Separation(body_a, body_b, points[i]), step, push);
+    }
+    if (count > 1) PressTogether(body_a, body_b, allowed);
+    for (int i = 0; i < count; ++i) {
+      Point& p = points[i];
+      const Number apart = Dot(Relative(body_a, body_b, p), normal);
+      Number change = p.mass * (apart + allowed[i]);
+      if (push) {
+        const Number soft =
+            Number(step.hardness) * p.mass * (apart + allowed[i]) + Number(step.yield) * p.press;
+        change = Select(allowed[i] <= Number(0), soft, change);
+      }
+      Press(body_a, body_b, p, Larger(Number(0), p.press - change));
+    }
+  }
+
+  void Press(Motion<Number>& body_a, Motion<Number>& body_b, Point& p, Number to) const {
+    const Vector impulse = normal * (to - p.press);
+    p.press = to;
+    body_a.Apply(-impulse, p.arm_a);
+    body_b.Apply(impulse, p.arm_b);
+  }
+
+ private:
+  /** Returns the maximum speed at which the surfaces may approach each other at a point. If it is
+   *  negative, they must separate at least with its absolute value. */
+  template <class Step>
+  static Number Allowed(Number gap, const Step& step, bool push) {
+    const Number overlapping =
+        push ? Larger(Number(step.push_rate) * gap, Number(-step.push_speed)) : Number(0);
+    return Select(gap > Number(0), gap / Number(step.substep), overlapping);
+  }
+
+  /** Changes the impulses of all points by the same amount, so that the mean velocity of the points
+   *  becomes 0. Without this, a body with an even load would tilt, because the points are solved
+   *  one after the other. */
+  void PressTogether(Motion<Number>& body_a, Motion<Number>& body_b,
+                     const std::array<Number, Manifold::kMost>& allowed) {
+    Number least = points[0].press, mean(0);
+    for (int i = 0; i < count; ++i) {
+      least = Smaller(least, points[i].press);
+      mean += Dot(Relative(body_a, body_b, points[i]), normal) + allowed[i];
+    }
+    const Number all(count), share = Number(1) / all;
+    const Number change = Larger(-least, -mean * share * mean_mass * share);
+    const Vector impulse = normal * (change * all);
+    for (int i = 0; i < count; ++i) points[i].press += change;
+    body_a.Apply(-impulse, mean_arm_a);
+    body_b.Apply(impulse, mean_arm_b);
+  }
+};
+
+/** The contact of two bodies. */
+template <class Real>
+struct Contact : ContactCore<Real> {
+  using Core = ContactCore<Real>;
+  using Core::across, Core::count, Core::friction, Core::mean_arm_a, Core::mean_arm_b;
+  using Core::normal, Core::points;
+  using typename Core::Point;
+  using typename Core::Vector;
+
+  /** The approach of two surfaces at a point, for the restitution. */
+  struct Approaching {
+    Real speed;    // relative velocity along the normal before a substep [m/s]
+    Real elapsed;  // time of the impact, as a fraction of the step
+  };
+
+  uint32_t a, b;  // rows of the bodies; kImmovable if immovable
+  Real restitution;
+  Real rolling;                // rolling friction: torque per normal force [m]
+  Real roll[2], roll_mass[2];  // torque impulses about across[] [N m s], effective inertia
+  Real spinning;               // friction against spin: torque per normal force [m]
+  Real spin, spin_mass;        // torque impulse about the normal [N m s], effective inertia
+  std::array<Approaching, Manifold::kMost> approaching;  // one per point
+  Vector spent;  // impulses of points that have bounced in this step, on body b [N s]
+
+  /** Returns whether only the functions of ContactCore correct this contact. */
+  bool IsPlain() const { return !(restitution > 0 || rolling > 0 || spinning > 0); }
+
+  /** Computes the directions perpendicular to the normal, and the means of the arms. */
+  void FindDirections() {
     // Two unit vectors perpendicular to the normal (Duff et al. 2017).
     const Real sign = normal.z < 0 ? Real(-1) : Real(1);
     const Real s = -1 / (sign + normal.z), t = normal.x * normal.y * s;
@@ -126,117 +287,46 @@ struct Contact {
       mean_arm_a += points[i].arm_a * (Real(1) / Real(count));
       mean_arm_b += points[i].arm_b * (Real(1) / Real(count));
     }
-    mean_mass = MassAlong(normal, mean_arm_a, mean_arm_b, body_a, body_b);
-    for (int k = 0; rolling > 0 && k < 2; ++k) {
-      const Real response = Dot(body_a.inverse_inertia * across[k], across[k]) +
-                            Dot(body_b.inverse_inertia * across[k], across[k]);
-      roll_mass[k] = response > 0 ? 1 / response : 0;
-    }
-    for (int i = 0; i < count; ++i) {
-      Point& p = points[i];
-      const auto response = [&](const Vector& direction) {
-        return direction * (body_a.inverse_mass + body_b.inverse_mass) +
-               Cross(body_a.inverse_inertia * Cross(p.arm_a, direction), p.arm_a) +
-               Cross(body_b.inverse_inertia * Cross(p.arm_b, direction), p.arm_b);
-      };
-      p.mass = MassAlong(normal, p.arm_a, p.arm_b, body_a, body_b);
-      const Vector u = response(across[0]), v = response(across[1]);
-      const Real uu = Dot(u, across[0]), uv = Dot(u, across[1]), vv = Dot(v, across[1]);
-      const Real determinant = uu * vv - uv * uv;
-      const Real scale = determinant > 0 ? 1 / determinant : 0;
-      p.across[0] = vv * scale;
-      p.across[1] = -uv * scale;
-      p.across[2] = uu * scale;
-      const Real most = (uu + vv) / 2 + std::sqrt((uu - vv) * (uu - vv) / 4 + uv * uv);
-      p.across_mass = most > 0 ? 1 / most : 0;
-    }
   }
 
-  Vector Impulse(const Point& p) const {
-    return normal * p.press + across[0] * p.rub[0] + across[1] * p.rub[1];
+  /** Computes all effective masses and moments of inertia. */
+  void FindMasses(const Motion<Real>& body_a, const Motion<Real>& body_b) {
+    Core::FindMasses(body_a, body_b);
+    const auto moment = [&](const Vector& axis) {
+      return Core::Inverse(Dot(body_a.inverse_inertia * axis, axis) +
+                           Dot(body_b.inverse_inertia * axis, axis));
+    };
+    for (int k = 0; rolling > 0 && k < 2; ++k) roll_mass[k] = moment(across[k]);
+    if (spinning > 0) spin_mass = moment(normal);
   }
 
   /** Returns the impulse of this step on body b, at all points [N s]. */
   Vector TotalImpulse() const {
     Vector total = spent;
-    for (int i = 0; i < count; ++i) total += Impulse(points[i]);
+    for (int i = 0; i < count; ++i) total += Core::Impulse(points[i]);
     return total;
-  }
-
-  /** Applies the impulses of the last step as a first guess. */
-  void WarmStart(Motion<Real>& body_a, Motion<Real>& body_b) const {
-    for (int i = 0; i < count; ++i) {
-      const Vector impulse = Impulse(points[i]);
-      body_a.Apply(-impulse, points[i].arm_a);
-      body_b.Apply(impulse, points[i].arm_b);
-    }
-  }
-
-  Vector Relative(const Motion<Real>& body_a, const Motion<Real>& body_b, const Point& p) const {
-    return body_b.VelocityAt(p.arm_b) - body_a.VelocityAt(p.arm_a);
-  }
-
-  /** Returns the present separation of a point, to first order in the motion since the start of the
-   *  step. */
-  Real Separation(const Motion<Real>& body_a, const Motion<Real>& body_b, const Point& p) const {
-    return p.separation + Dot(body_b.moved + Cross(body_b.turned, p.arm_b) - body_a.moved -
-                                  Cross(body_a.turned, p.arm_a),
-                              normal);
   }
 
   /** Records the velocities before a substep, for the restitution. */
   void Approach(const Motion<Real>& body_a, const Motion<Real>& body_b,
                 const SolverStep<Real>& step, uint32_t index) {
     for (int i = 0; i < count; ++i) {
-      Point& p = points[i];
-      p.approach = Dot(Relative(body_a, body_b, p), normal);
-      const Real gap = Separation(body_a, body_b, p), way = -p.approach * step.substep;
+      const Point& p = points[i];
+      Approaching& to = approaching[i];
+      to.speed = Dot(Core::Relative(body_a, body_b, p), normal);
+      const Real gap = Core::Separation(body_a, body_b, p), way = -to.speed * step.substep;
       const Real part = gap > 0 && way > 0 ? std::min(Real(1), gap / way) : Real(0);
-      p.elapsed = (Real(index) + part) / Real(step.substeps);
+      to.elapsed = (Real(index) + part) / Real(step.substeps);
     }
   }
 
   /** Changes the impulses so that the surfaces neither approach nor slip. With `push`, also
    *  corrects overlaps. */
   void Solve(Motion<Real>& body_a, Motion<Real>& body_b, const SolverStep<Real>& step, bool push) {
-    for (int i = 0; i < count; ++i) {
-      Point& p = points[i];
-      const Real limit = friction * p.press;
-      const Vector slip = Relative(body_a, body_b, p);
-      const Real x = Dot(slip, across[0]), y = Dot(slip, across[1]);
-      Real to_x = p.rub[0] - (p.across[0] * x + p.across[1] * y);
-      Real to_y = p.rub[1] - (p.across[1] * x + p.across[2] * y);
-      if (to_x * to_x + to_y * to_y > limit * limit) {
-        // The contact slips. The same effective mass is used for both directions, so that the
-        // friction is opposite to the velocity.
-        to_x = p.rub[0] - p.across_mass * x;
-        to_y = p.rub[1] - p.across_mass * y;
-        const Real square = to_x * to_x + to_y * to_y;
-        const Real scale = square > limit * limit ? limit / std::sqrt(square) : Real(1);
-        to_x *= scale;
-        to_y *= scale;
-      }
-      const Vector impulse = across[0] * (to_x - p.rub[0]) + across[1] * (to_y - p.rub[1]);
-      p.rub[0] = to_x;
-      p.rub[1] = to_y;
-      body_a.Apply(-impulse, p.arm_a);
-      body_b.Apply(impulse, p.arm_b);
-    }
+    Core::Rub(body_a, body_b);
     if (rolling > 0) Roll(body_a, body_b);
-    std::array<Real, Manifold::kMost> allowed;
-    for (int i = 0; i < count; ++i) {
-      allowed[i] = Allowed(Separation(body_a, body_b, points[i]), step, push);
-    }
-    if (count > 1) PressTogether(body_a, body_b, allowed);
-    for (int i = 0; i < count; ++i) {
-      Point& p = points[i];
-      const Real apart = Dot(Relative(body_a, body_b, p), normal);
-      const bool soft = push && allowed[i] <= 0;
-      const Real change = soft
-                              ? step.hardness * p.mass * (apart + allowed[i]) + step.yield * p.press
-                              : p.mass * (apart + allowed[i]);
-      Press(body_a, body_b, p, std::max(Real(0), p.press - change));
-    }
+    if (spinning > 0) Spin(body_a, body_b);
+    Core::PressApart(body_a, body_b, step, push);
   }
 
   /** Changes the impulses so that points that have collided separate with `restitution` times their
@@ -246,30 +336,35 @@ struct Contact {
     const Real pull = Dot(body_b.push - body_a.push, normal) * step.dt;
     for (int i = 0; i < count; ++i) {
       Point& p = points[i];
-      if (p.approach > -step.restitution_speed || p.press == 0) continue;
-      const Real apart = Dot(Relative(body_a, body_b, p), normal);
-      const Real late = (1 + restitution) * (Real(0.5) - p.elapsed) * std::min(Real(0), pull);
-      const Real wanted = std::max(Real(0), -restitution * p.approach + late);
-      Press(body_a, body_b, p, std::max(p.press, p.press + p.mass * (wanted - apart)));
+      if (!HasBounced(i, step)) continue;
+      const Real apart = Dot(Core::Relative(body_a, body_b, p), normal);
+      const Real late =
+          (1 + restitution) * (Real(0.5) - approaching[i].elapsed) * std::min(Real(0), pull);
+      const Real wanted = std::max(Real(0), -restitution * approaching[i].speed + late);
+      Core::Press(body_a, body_b, p, std::max(p.press, p.press + p.mass * (wanted - apart)));
     }
     // The surfaces separate, so later substeps and the next step must not start with these
     // impulses.
     for (int i = 0; i < count; ++i) {
       Point& p = points[i];
-      if (p.approach > -step.restitution_speed || p.press == 0) continue;
-      spent += Impulse(p);
-      p.press = p.rub[0] = p.rub[1] = roll[0] = roll[1] = 0;
+      if (!HasBounced(i, step)) continue;
+      spent += Core::Impulse(p);
+      p.press = p.rub[0] = p.rub[1] = roll[0] = roll[1] = spin = 0;
     }
   }
 
  private:
+  bool HasBounced(int point, const SolverStep<Real>& step) const {
+    return approaching[point].speed <= -step.restitution_speed && points[point].press != 0;
+  }
+
   /** Changes the torques so that the bodies do not roll, as far as rolling friction permits. */
   void Roll(Motion<Real>& body_a, Motion<Real>& body_b) {
     Real limit = 0;
     for (int i = 0; i < count; ++i) limit += rolling * points[i].press;
-    const Vector spin = body_b.spin - body_a.spin;
+    const Vector turns = body_b.spin - body_a.spin;
     Real to[2];
-    for (int k = 0; k < 2; ++k) to[k] = roll[k] - roll_mass[k] * Dot(spin, across[k]);
+    for (int k = 0; k < 2; ++k) to[k] = roll[k] - roll_mass[k] * Dot(turns, across[k]);
     const Real square = to[0] * to[0] + to[1] * to[1];
     const Real scale = square > limit * limit ? limit / std::sqrt(square) : Real(1);
     Vector torque;
@@ -281,36 +376,17 @@ struct Contact {
     body_b.spin += body_b.inverse_inertia * torque;
   }
 
-  /** Returns the maximum speed at which the surfaces may approach each other at a point. If it is
-   *  negative, they must separate at least with its absolute value. */
-  Real Allowed(Real gap, const SolverStep<Real>& step, bool push) const {
-    if (gap > 0) return gap / step.substep;
-    return push ? std::max(step.push_rate * gap, -step.push_speed) : Real(0);
-  }
-
-  /** Changes the impulses of all points by the same amount, so that the mean velocity of the points
-   *  becomes 0. Without this, a body with an even load would tilt, because the points are solved
-   *  one after the other. */
-  void PressTogether(Motion<Real>& body_a, Motion<Real>& body_b,
-                     const std::array<Real, Manifold::kMost>& allowed) {
-    Real least = points[0].press, mean = 0;
-    for (int i = 0; i < count; ++i) {
-      least = std::min(least, points[i].press);
-      mean += Dot(Relative(body_a, body_b, points[i]), normal) + allowed[i];
-    }
-    const Real share = Real(1) / Real(count);
-    const Real change = std::max(-least, -mean * share * mean_mass * share);
-    const Vector impulse = normal * (change * Real(count));
-    for (int i = 0; i < count; ++i) points[i].press += change;
-    body_a.Apply(-impulse, mean_arm_a);
-    body_b.Apply(impulse, mean_arm_b);
-  }
-
-  void Press(Motion<Real>& body_a, Motion<Real>& body_b, Point& p, Real to) const {
-    const Vector impulse = normal * (to - p.press);
-    p.press = to;
-    body_a.Apply(-impulse, p.arm_a);
-    body_b.Apply(impulse, p.arm_b);
+  /** Changes the torque about the normal so that the bodies do not spin against each other, as far
+   * as the friction against spin permits. */
+  void Spin(Motion<Real>& body_a, Motion<Real>& body_b) {
+    Real limit = 0;
+    for (int i = 0; i < count; ++i) limit += spinning * points[i].press;
+    const Real wanted = spin - spin_mass * Dot(body_b.spin - body_a.spin, normal);
+    const Real to = std::max(-limit, std::min(limit, wanted));
+    const Vector torque = normal * (to - spin);
+    spin = to;
+    body_a.spin += body_a.inverse_inertia * -torque;
+    body_b.spin += body_b.inverse_inertia * torque;
   }
 };
 

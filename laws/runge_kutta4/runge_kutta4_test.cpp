@@ -17,7 +17,8 @@ TYPED_TEST(RungeKutta4Test, ErrorFallsWithTheFourthPowerOfTheStep) {
   }
 }
 
-// The scheme is not symplectic: |R(i z)|^2 = 1 - z^6/72 + z^8/576 per step, with z = omega dt.
+// The scheme is not symplectic. Its amplification per step is |R(i z)|^2 = 1 - z^6/72 + z^8/576,
+// with z = omega dt.
 TYPED_TEST(RungeKutta4Test, EnergyFallsAsTheAmplificationOfTheSchemeSays) {
   const double z = 5 * 0.1;
   const uint32_t steps = 200;
@@ -28,8 +29,8 @@ TYPED_TEST(RungeKutta4Test, EnergyFallsAsTheAmplificationOfTheSchemeSays) {
   EXPECT_NEAR(oscillator.Energy() / begin, expected, LargestRoundingOfEnergy<TypeParam>(steps));
 }
 
-// For damped motion the force also depends on velocity. The error decreases with the fourth power
-// of the number of steps.
+// The force on a damped body also depends on velocity. The error decreases with the fourth power of
+// the number of steps.
 TYPED_TEST(RungeKutta4Test, DampedMotionMatchesItsClosedForm) {
   const double gamma = 2.0 / (2 * 4), omega = std::sqrt(25 - gamma * gamma);
   const double exact =

@@ -101,7 +101,7 @@ struct SphereContact {
     Vector position, velocity, spin;
     Real radius, inverse_mass;
   };
-  /** The effect of a contact on its larger sphere. */
+  /** The effect of a contact on its larger sphere, which is added to the sphere's forces later. */
   struct Contact {
     Vector force;   // on the larger sphere [N]
     Vector moment;  // normal x force [N]; times the lever arm of a sphere, it is the torque on it
@@ -136,7 +136,7 @@ struct SphereContact {
       while (next_ < count_ && old_ids_[next_] < id) ++next_;
       return next_ < count_ && old_ids_[next_] == id ? old_slips_[next_] : Vector{};
     }
-    /** Stores a contact; drops it if all slots are used. */
+    /** Stores a contact, unless all slots are used. */
     void Keep(uint32_t id, const Vector& slip) {
       if (kept_ == kSlots) return;
       ids_[kept_] = id;
@@ -224,9 +224,9 @@ struct SphereContact {
             ball.inverse_mass + other.inverse_mass};
   }
 
-  /** Returns the force on the other body. A spring and a dashpot act along the normal; their force
-   *  is never attractive. A weaker spring and dashpot act along the surface; they slip at the limit
-   *  of friction. */
+  /** Returns the force on the other body. A spring and a dashpot act along the normal, and their
+   *  force is never attractive. A weaker spring and dashpot act along the surface, and they slip
+   *  at the limit of friction. */
   Vector Press(const Meeting& meeting, uint32_t id, Real dt, Memory& memory) const {
     const Real k(stiffness);
     const Real critical = 2 * std::sqrt(k / meeting.inverse_mass);
@@ -250,8 +250,8 @@ struct SphereContact {
     return normal * press + rub;
   }
 
-  // Tangential stiffness as a fraction of the normal stiffness. With this fraction, a solid ball
-  // oscillates equally fast in both directions.
+  // Tangential stiffness as a fraction of the normal stiffness. A solid ball oscillates equally
+  // fast in both directions with this fraction.
   static constexpr Real kTangential = Real{2} / 7;
 
   SpherePairs<Real> pairs_;

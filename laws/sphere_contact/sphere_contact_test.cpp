@@ -127,8 +127,8 @@ TYPED_TEST(SphereContactTest, WithoutDampingAndFrictionEnergyIsKept) {
               0.01);
 }
 
-// The expected forces come from all pairs, without grids and lists; radii span three orders of
-// magnitude.
+// The expected forces are sums over all pairs, without grids and lists. The radii span three orders
+// of magnitude.
 TYPED_TEST(SphereContactTest, ForcesAreThoseOfAllPairs) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
     SphereScene<TypeParam> scene = RandomSpheres<TypeParam>(300, seed);
@@ -217,7 +217,7 @@ double SlopeDegrees(const SphereScene<Real>& scene) {
   return std::atan((inner - outer) / (kHeapRadius - 1)) * 180 / std::numbers::pi;
 }
 
-/// Returns the largest displacement of a ball of the heap since then [m].
+/// Returns the largest displacement of a ball of the heap from its earlier position [m].
 template <class Real>
 double LargestWay(const SphereScene<Real>& scene, const std::vector<Real>& since) {
   double largest = 0;

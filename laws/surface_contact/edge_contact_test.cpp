@@ -17,9 +17,9 @@ template <class Real>
 class EdgeContactTest : public ::testing::Test {};
 TYPED_TEST_SUITE(EdgeContactTest, Precisions);
 
-// Compares the forces of random pairs that penetrate each other, with corners and edges, with
-// differences of the energy. Depths of up to 0.25 m have the rounding of coordinates of 1 m, twice
-// in a difference.
+// The test compares forces with differences of the energy, for random pairs that penetrate each
+// other with corners and edges. Depths of up to 0.25 m have the rounding errors of coordinates of 1
+// m, and a difference contains them twice.
 TYPED_TEST(EdgeContactTest, ForcesAreTheSlopeOfTheEnergy) {
   const uint32_t seed = 11;
   const double hardness = 1000, rounding = 2 * Rounding<TypeParam>(hardness * 0.25);
@@ -76,8 +76,9 @@ ConvexBody BarAlongZ(double length, double half) {
   return Turned(Box({side, side, length / 2}), {0, 0, std::sin(kEighth), std::cos(kEighth)});
 }
 
-// Behind a right angle, an edge that crosses it d below is d / sqrt(2) deep. The faces, inclined by
-// 45 degrees, push it with k times that: k d / 2 upwards. Each bar presses into the other.
+// An edge that crosses another right-angled edge at a distance d below it is d / sqrt(2) deep. The
+// faces, inclined by 45 degrees, push it with k times this depth, which is k d / 2 upwards. Each
+// bar presses into the other bar.
 TYPED_TEST(EdgeContactTest, CrossedBarsHoldWhereHardnessCarriesTheWeight) {
   const double k = 1e4, mass = 8;
   ContactScene<TypeParam> scene;
@@ -95,9 +96,9 @@ TYPED_TEST(EdgeContactTest, CrossedBarsHoldWhereHardnessCarriesTheWeight) {
   EXPECT_NEAR(Length(scene.CentreVelocity(upper)), 0, 1e-3);
 }
 
-// In a regular tetrahedron, the squared sine of the angle between a face and the middle plane of
-// its edge is 1/3. The push of both faces together is 2/3 of k d, and the damping the same fraction
-// of c v. The rest is the bounce of a spring with a damper; see surface_contact_test.cpp.
+// The squared sine of the angle between a face of a regular tetrahedron and the middle plane of its
+// edge is 1/3. The push of both faces together is 2/3 of k d, and the damping the same fraction of
+// c v. The rest is the bounce of a spring with a damper; see surface_contact_test.cpp.
 TYPED_TEST(EdgeContactTest, TetrahedraThatMeetEdgeFirstBounceByTheClosedForm) {
   const double k = 2000, c = 8, speed = 0.5, mass = 4;
   ContactScene<TypeParam> scene;
@@ -164,7 +165,7 @@ TYPED_TEST(EdgeContactTest, EdgeSlidesAboveTheFrictionAngleAsCoulombSays) {
   EXPECT_NEAR(slider.Speed() - speed, kGravity * (std::sin(angle) - 0.5 * std::cos(angle)), 1e-3);
 }
 
-// A plank lies flat on two ridges. No corner is inside a body: the long edges carry the plank.
+// A plank lies flat on two ridges. No corner is inside a body, so the long edges carry the plank.
 TYPED_TEST(EdgeContactTest, PlankComesToRestOnTwoRidges) {
   const double k = 2e4, mass = 8;
   ContactScene<TypeParam> scene;
@@ -184,7 +185,8 @@ TYPED_TEST(EdgeContactTest, PlankComesToRestOnTwoRidges) {
   EXPECT_LT(scene.KineticEnergy(), 1e-6);
 }
 
-// If a box lies flat, its edges are as deep as its corners. Then only the corners carry the box.
+// The edges of a box that lies flat are as deep as its corners. Only the corners carry the box in
+// this case.
 TYPED_TEST(EdgeContactTest, WhatCornersCarryIsNotCarriedTwice) {
   const double k = 1e4, mass = 8;
   ContactScene<TypeParam> scene;

@@ -19,7 +19,7 @@ using namespace vesper::surface_contact;
 // Patches per chunk of a thread.
 constexpr uint64_t kGrain = 32;
 
-/** A contact: a corner of a patch that is behind a mesh. */
+/** A contact of a corner of a patch that is behind a mesh. */
 template <class Real>
 struct CornerContact {
   uint32_t corner;  // index among the corners of the patch
@@ -27,7 +27,8 @@ struct CornerContact {
   Immersion<Real> at;
 };
 
-/** A contact: an edge of a patch that is deeper behind a mesh between its ends than at them. */
+/** A contact of an edge of a patch that is deeper behind a mesh between its ends than at its
+ *  ends. */
 template <class Real>
 struct EdgeContact {
   std::array<uint32_t, 2> bodies;  // rows of the bodies at its two ends
@@ -150,7 +151,7 @@ struct SurfaceContact {
 
  private:
   static constexpr uint32_t kOwn = 0;
-  /// Cosine of 30 degrees: edges with a larger angle between their faces are sharp.
+  /// Cosine of 30 degrees. An edge with a larger angle between its faces is sharp.
   static constexpr Real kSharpCosine = Real(0.866);
 
   /** The friction spring of a body, and the contact that uses it; see stretched_by. */
@@ -165,7 +166,7 @@ struct SurfaceContact {
     Nearest<Real> nearest;
   };
 
-  /** Results and work memory of a range of patches; the vectors keep their memory between steps. */
+  /** Results and work memory of a range of patches. The vectors keep their memory between steps. */
   struct Chunk {
     std::vector<Reaction<Real>> reactions;  // reactions of all patches; the other vectors serve
                                             // one patch
@@ -173,7 +174,7 @@ struct SurfaceContact {
     std::vector<Vec3<Real>> points;         // positions of the patch's corners
     std::vector<CornerContact<Real>> corner_contacts;
     std::vector<EdgeContact<Real>> edge_contacts;
-    // Data for the patch and one mesh.
+    // The members below are data for the patch and one mesh.
     std::vector<Near> near;
     std::vector<uint32_t> edges;  // edges of the patch that may be behind the mesh
     std::vector<Face<Real>> faces;
@@ -399,10 +400,10 @@ struct SurfaceContact {
     }
   }
 
-  /** Applies the contact force of an edge. It is the negative gradient of the energy
-   *  k S (D A B)^2 / 2, with the hardness k, the depth D, the sharpness S and the excesses A, B of
-   *  D over the depths of the ends. An edge that is hardly deeper than its end adds little force.
-   *  As the edge gets deeper, it takes over the load of the end. */
+  /** Applies the contact force of an edge. It is the negative gradient of the energy k S (D A
+   *  B)^2 / 2, with the hardness k, the depth D, the sharpness S and the excesses A, B of D over
+   *  the depths of the ends. An edge that is hardly deeper than its end adds little force. The
+   *  edge takes over the load of the end as it gets deeper. */
   void PushEdge(const EdgeContact<Real>& contact, const Step& step, Chunk& chunk) {
     const auto& bodies = contact.bodies;
     const std::array<Real, 2> weights{1 - contact.at.place, contact.at.place};

@@ -166,7 +166,7 @@ TYPED_TEST(SurfaceContactTest, IcosahedronTipsOverBeyondTheAngleOfTheRigidBody) 
 }
 
 // It rotates about its lower edge, with I = (2/3) M R^2 + M L^2 and L from edge to centre, and does
-// not slip: the lost potential energy equals I w^2 / 2.
+// not slip. The lost potential energy therefore equals I w^2 / 2.
 TYPED_TEST(SurfaceContactTest, StiffIcosahedronRollsOverItsEdgeAsARigidBody) {
   const double slope = 0.45;
   ContactScene<TypeParam> scene;
@@ -228,7 +228,7 @@ TYPED_TEST(SurfaceContactTest, EnergyNeverGrowsWithDamping) {
   EXPECT_LT(before, 0.7 * start);
 }
 
-// Over flat ground of two triangles, the force equals that of one triangle at every position.
+// The force above flat ground of two triangles equals that of one triangle at every position.
 TYPED_TEST(SurfaceContactTest, ForceOverAnInnerEdgeIsThatOverAFace) {
   for (const double x : {-1e-3, -1e-7, 0.0, 1e-7, 1e-3}) {
     ContactScene<TypeParam> scene;
@@ -275,7 +275,8 @@ TYPED_TEST(SurfaceContactTest, ForceInsideASolidIsHardnessTimesTheDistanceFromIt
   EXPECT_GT(inside, 200);
 }
 
-// A notch: two sheets that meet in a valley. A point below the valley's edge is pushed towards it.
+// The test uses a notch, in which two sheets meet in a valley. A point below the edge of the valley
+// is pushed towards this edge.
 TYPED_TEST(SurfaceContactTest, PointUnderAConcaveEdgeIsPushedTowardsTheEdge) {
   ContactScene<TypeParam> scene;
   scene.AddBody(0, {0, 0, -5});
@@ -346,7 +347,7 @@ TYPED_TEST(SurfaceContactTest, PointsInTwoMeshesFeelBoth) {
   EXPECT_NEAR(force.y, 7.8125, Rounding<TypeParam>(1e4));
 }
 
-// The broad phase must find every pair: boxes of every size, and large coordinates.
+// The broad phase must find every pair. The test uses boxes of every size and large coordinates.
 TYPED_TEST(SurfaceContactTest, EveryPointOnAStairOfGroundsOfAllSizesIsFound) {
   ContactScene<TypeParam> scene;
   std::vector<uint32_t> points;

@@ -18,7 +18,7 @@ TYPED_TEST(VelocityVerletTest, ErrorFallsWithTheSquareOfTheStep) {
   }
 }
 
-// The energy of the scheme oscillates by about (omega dt)^2 / 4; its mean is constant.
+// The energy of the scheme oscillates by about (omega dt)^2 / 4. Its mean is constant.
 TYPED_TEST(VelocityVerletTest, EnergySwingsButDoesNotDrift) {
   const double dt = 0.05;
   const double early = LargestEnergyError<TypeParam>(kLaw, dt, 1000);
@@ -28,7 +28,7 @@ TYPED_TEST(VelocityVerletTest, EnergySwingsButDoesNotDrift) {
   EXPECT_GT(LargestEnergyError<TypeParam>("newton_motion", dt, 1000), 10 * early);
 }
 
-// x(n) = x + n v dt + n^2 a dt^2 / 2: the scheme is exact, including the first step.
+// The scheme is exact, including the first step: x(n) = x + n v dt + n^2 a dt^2 / 2.
 TYPED_TEST(VelocityVerletTest, ConstantForceGivesTheParabola) {
   Scene<TypeParam> scene;
   scene.AddBody(2, {1, 2, 3}, {3, -1, 0});

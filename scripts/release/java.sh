@@ -7,8 +7,9 @@ say() { printf '%s\n' "reve: $*" >&2; }
 fail() { say "$*"; exit 1; }
 wrong_usage() { say "$*"; exit 2; }
 
-use_utf8() { # selects UTF-8 for file names in a locale without a character set (C, or one that is
-             # not installed), as Python also does
+# Selects UTF-8 for file names in a locale without a character set, as Python also does. Such a
+# locale is C, or a locale that is not installed.
+use_utf8() {
   [ "$(locale charmap 2> /dev/null)" = ANSI_X3.4-1968 ] || return 0
   if [ -n "${LC_ALL:-}" ]; then
     export LC_ALL=C.UTF-8
@@ -17,8 +18,9 @@ use_utf8() { # selects UTF-8 for file names in a locale without a character set 
   fi
 }
 
-java_major() { # JAVA_HOME PROGRAM: sets major to the Java version there; 0 if bin/PROGRAM is
-               # missing
+# java_major JAVA_HOME PROGRAM: sets `major` to the version of Java in this folder. The version is 0
+# if bin/PROGRAM is missing.
+java_major() {
   local line
   major=0
   [ -x "$1/bin/$2" ] && [ -r "$1/release" ] || return 0

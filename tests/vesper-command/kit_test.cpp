@@ -2,6 +2,8 @@
 // `vesper test`: good laws pass, and for each promise there is a law that breaks it and fails.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -62,6 +64,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Fault{"rotation", "rotation f32", "'externalForce' differs in row 0"},
                       Fault{"place", "translation f64", "'externalForce' differs in row 0"},
                       Fault{"energy", "potential-energy f64", "but the energy falls by"},
+                      Fault{"energy_step", "energy f64", "but the energy changes by "},
+                      Fault{"no_energy", "energy f64", "but the energy changes by "},
                       Fault{"leak", "reload f64", "leaves open files"},
                       Fault{"repeat", "repeat f64", "has other bits in a second run"},
                       Fault{"rollback", "rollback f32", "has other bits after a rollback"},
@@ -187,6 +191,164 @@ TEST(PythonKitTest, GoodLawsPassEveryCheckThatAppliesToThem) {
     EXPECT_TRUE(passed.contains(check)) << check << outcome.output;
   }
   EXPECT_EQ(Verdicts(report, "skip").at("exports"), "is not a shared object");
+}
+
+struct TextFault {
+  const char* name;
+  std::string text;   // of wrong.law
+  const char* check;  // that fails, in both precisions
+  const char* note;   // part of its reason
+};
+void PrintTo(const TextFault& fault, std::ostream* out) { *out << fault.name; }
+
+class TextKitFaultTest : public ::testing::TestWithParam<TextFault> {};
+
+TEST_P(TextKitFaultTest, TextThatBreaksAPromiseFailsItsCheck) {
+  const auto& [name, text, check, note] = GetParam();
+  const Folder folder;
+  const Outcome outcome =
+      RunVesper({"test", folder.Write("wrong.law", text), "--only", check, "--json"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.errors << outcome.output;
+  const auto failed = Verdicts(nlohmann::json::parse(outcome.output), "FAIL");
+  ASSERT_FALSE(failed.empty());
+  for (const auto& [which, reason] : failed) {
+    EXPECT_TRUE(which.starts_with(check)) << which;
+    EXPECT_NE(reason.find(note), std::string::npos) << reason;
+  }
+}
+
+// A text cannot break the other promises: its claims follow from its formulas, and it accesses
+// nothing but its columns.
+const TextFault kTextFaults[] = {
+    {"OtherName", "law right\n  each body:\n    force -= 1 kg/s velocity\n", "table",
+     "calls itself 'right'; expected the name in its file's"},
+    {"DivisionByMass", "law wrong\n  each body:\n    force.x += 1 N * (1 kg / mass)\n", "mass-0",
+     "wrong.law:3:22: '(1 kg / mass)' divides by zero for row 0 of body"},
+    {"MovesMassZero",
+     "law wrong\n  phase integrate\n  each body:\n"
+     "    velocity += force / max(mass, 1 kg) * dt\n    position += velocity dt\n",
+     "mass-0", "moves the body of mass 0 in row 0"},
+    {"DivisionByDistance",
+     "law wrong\n  each pair of bodies, r apart:\n    attraction = 1 N*m^2 / r^2\n", "coincident",
+     "with two bodies at one place: "},
+    {"Impulse", "law wrong\n  each body:\n    force -= 0.1 mass velocity / dt\n", "step-length",
+     "in a step of dt / 2; the engine multiplies forces by dt"},
+    {"Misspelt",
+     "law wrong\n  each body may have chargge in C\n  each body:\n"
+     "    force += chargge * (1, 0, 0) N/C\n",
+     "names", "did you mean 'charge'?"},
+    {"Comparison", "law wrong\n  each body:\n    force.y += 2 N if position.y > 0 m else 1 N\n",
+     "not-a-number", "no NaN in any input is ever reported"},
+    {"Integrator",
+     "law wrong\n  phase integrate\n  each body:\n    if mass > 0:\n"
+     "      velocity += 2 force / mass * dt\n      position += velocity dt\n",
+     "convergence", "expected at least order 1"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Faults, TextKitFaultTest, ::testing::ValuesIn(kTextFaults),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST(TextKitTest, GoodTextsPassEveryCheckThatAppliesToThem) {
+  const Folder folder;
+  const Outcome outcome = RunVesper(
+      {"test",
+       folder.Write(
+           "pull.law",
+           "law pull \"A spring between all bodies, and a place that they remember.\"\n"
+           "  parameter k = 2 N/m, from 0 to 100 N/m\n"
+           "  each body has broken in m\n"  // joints have a column of this name
+           "  each pair of bodies, r apart:\n    energy = 1/2 k r^2 a.mass b.mass / 1 kg^2\n"
+           "  each body: broken = |position|\n"),
+       "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << outcome.errors;
+  const auto report = nlohmann::json::parse(outcome.output);
+  const auto passed = Verdicts(report, "PASS");
+  for (const char* check : {"table",
+                            "precisions",
+                            "guard-pages f32",
+                            "guard-pages f64",
+                            "rows f64",
+                            "reload f32",
+                            "threads f64",
+                            "repeat f64",
+                            "rollback f32",
+                            "mass-0 f64",
+                            "output f64",
+                            "coincident f64",
+                            "modes f64",
+                            "memory f64",
+                            "names f64",
+                            "parameters f64",
+                            "not-a-number f32",
+                            "momentum f64",
+                            "angular-momentum f64",
+                            "potential-energy f64",
+                            "time f64"}) {
+    EXPECT_TRUE(passed.contains(check)) << check << outcome.output;
+  }
+  EXPECT_EQ(Verdicts(report, "skip").at("exports"), "is not a shared object");
+}
+
+class SampleTextTest : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(SampleTextTest, PassesTheKit) {
+  const Outcome outcome = RunVesper({"test", GetParam(), "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << outcome.errors;
+  const auto report = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(Verdicts(report, "FAIL"), (std::map<std::string, std::string>()));
+  EXPECT_TRUE(Verdicts(report, "PASS").contains("guard-pages f64")) << outcome.output;
+}
+
+/// Returns the texts of the sample worlds.
+std::vector<std::string> SampleTexts() {
+  std::vector<std::string> texts;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(VESPER_WORLDS)) {
+    if (entry.path().extension() == ".law") texts.push_back(entry.path());
+  }
+  std::ranges::sort(texts);
+  return texts;
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, SampleTextTest, ::testing::ValuesIn(SampleTexts()),
+                         [](const auto& info) {
+                           return std::filesystem::path(info.param).stem().string();
+                         });
+
+TEST(KitTest, LawThatUsesPropertiesOfAPrototypeFileIsTested) {
+  const Folder folder;
+  const std::string law = folder.Write("hot.py",
+                                       "import vesper\n@vesper.law(phase='force')\n"
+                                       "def hot(temperature: vesper.Read('body', 'K'),\n"
+                                       "        velocity: vesper.Read('body', 'm/s'),\n"
+                                       "        force: vesper.Accumulate('body', 'N')):\n"
+                                       "  \"Drag that grows with the temperature.\"\n"
+                                       "  force -= 0.001 * temperature[:, None] * velocity\n");
+  const auto file = [&](const std::string& text) { return folder.Write("hot.prototype", text); };
+  const Outcome unknown = RunVesper({"test", law});
+  EXPECT_EQ(unknown.exit_code, 4);
+  EXPECT_NE(unknown.errors.find("body has no property 'temperature'"), std::string::npos)
+      << unknown.errors;
+  for (const std::string base : {"si-f64", "si-f32"}) {
+    const std::string text = "# of the test\nprototype hot extends " + base +
+                             "\nbody temperature: real x1 [K] read_write min 0\n";
+    const Outcome known =
+        RunVesper({"test", law, "--prototype", file(text), "--only", "rows,rollback", "--json"});
+    EXPECT_EQ(known.exit_code, 0) << known.errors << known.output;
+    EXPECT_EQ(Verdicts(nlohmann::json::parse(known.output), "PASS").size(), 4) << known.output;
+  }
+  const Outcome wrong =
+      RunVesper({"test", law, "--prototype",
+                 file("prototype hot extends si-f64\nbody t: reel x1 [K] read\n")});
+  EXPECT_EQ(wrong.exit_code, 3);
+  EXPECT_NE(wrong.errors.find("hot.prototype:2:9: found 'reel'"), std::string::npos)
+      << wrong.errors;
+  const Outcome other =
+      RunVesper({"test", law, "--prototype",
+                 file("prototype hot\nreal f32\ntime [s]\ncar x: real x1 [m] read\n")});
+  EXPECT_EQ(other.exit_code, 3);
+  EXPECT_NE(other.errors.find("expected a prototype that extends si-f64 or si-f32"),
+            std::string::npos)
+      << other.errors;
 }
 
 /// Makes a virtual environment as `python3 -m venv` does, with a package of one module.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // `vesper law` on right and wrong texts.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
@@ -111,10 +113,40 @@ TEST(LawCommandTest, RunPrintsConservedQuantities) {
   for (size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(rows[5].at("momentum")[k], rows[0].at("momentum")[k].get<double>(), 1e-12);
   }
+  const Outcome fine = RunVesper({"law", "run", VESPER_TEXTS "/hooke_spring/hooke_spring.law",
+                                  "--seconds", "2", "--bodies", "8", "--rows", "101", "--json"});
+  ASSERT_EQ(fine.exit_code, 0) << fine.errors;
+  const auto more = nlohmann::json::parse(fine.output).at("rows");
+  ASSERT_EQ(more.size(), 101u);
+  EXPECT_EQ(more[100], rows[5]);
+  EXPECT_EQ(more[20], rows[1]);
+  const Outcome short_run =
+      RunVesper({"law", "run", kDragText, "--seconds", "0.003", "--rows", "50", "--json"});
+  ASSERT_EQ(short_run.exit_code, 0) << short_run.errors;
+  EXPECT_EQ(nlohmann::json::parse(short_run.output).at("rows").size(), 4u);  // one for each step
   const Outcome table = RunVesper({"law", "run", kDragText, "--seconds", "0.1"});
   EXPECT_EQ(table.exit_code, 0) << table.errors;
   EXPECT_NE(table.output.find("time [s]"), std::string::npos) << table.output;
   EXPECT_NE(table.output.find("reports no potential energy"), std::string::npos) << table.output;
+}
+
+TEST(LawCommandTest, RunAndPlotExecuteNoCodeOfOtherLaws) {
+  const Folder folder;
+  const std::string executed = folder.Write("executed", ""), pipe = executed + ".law";
+  const std::string python = folder.Write("spin.py", "import os\nos.remove('" + executed + "')\n");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const char* command : {"run", "plot"}) {
+    const Outcome outcome = RunVesper({"law", command, python});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.errors.find("spin.py: expected a law as text, whose name ends in .law"),
+              std::string::npos)
+        << outcome.errors;
+    const Outcome waits = RunVesper({"law", command, pipe});
+    EXPECT_EQ(waits.exit_code, 1);
+    EXPECT_NE(waits.errors.find("executed.law: not a regular file"), std::string::npos)
+        << waits.errors;
+  }
+  EXPECT_TRUE(std::filesystem::exists(executed)) << "the code of the law was executed";
 }
 
 TEST(LawCommandTest, PlotPrintsForceAndEnergy) {

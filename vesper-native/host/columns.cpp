@@ -18,8 +18,8 @@ size_t PageSize() {
   return size;
 }
 
-/// Returns the length of the address range that a mapping of `size` bytes reserves [bytes]: whole
-/// pages, and one guard page on each side.
+/// Returns the length of the address range that a mapping of `size` bytes reserves [bytes]. The
+/// range consists of whole pages, and one guard page on each side.
 size_t Reserved(uint64_t size) {
   const size_t page = PageSize();
   return (size + page - 1) / page * page + 2 * page;

@@ -21,9 +21,11 @@ namespace {
 
 constexpr uint32_t kNoDescriptor = UINT32_MAX;
 constexpr size_t kMaxLine = 1024;
+constexpr uint32_t kMaxScratchValues = 4096;  // as many as a SCRATCH use may have in a row
 constexpr uint64_t kUnlimitedMemory = uint64_t{1} << 42;  // [bytes]
 
-/// Thrown after a function of engine.h has failed; the service contains the error.
+/// An exception that is thrown after a function of engine.h has failed. The service contains the
+/// error.
 struct Refused {
   vesper_status status;
 };
@@ -151,6 +153,8 @@ void Service::Dispatch(Reader request, Writer& reply) {
       return BeginChanges();
     case Request::kEndChanges:
       return EndChanges(request, reply);
+    case Request::kScratchRow:
+      return ScratchRow(request, reply);
     case Request::kBindAll:
       for (auto left = request.Value<uint32_t>(); left > 0; --left) {
         const bool rebind = request.Value<uint32_t>() != 0;
@@ -167,6 +171,7 @@ void Service::Create(Reader& request) {
   config_.validate = request.Value<uint32_t>();
   config_.touches = 1;
   config_.limit_values = 1;
+  config_.rest_without_fields = 1;
   config_.probe_path = "";  // no probe process, because this process itself may crash
   config_.log = Log;
   config_.log_user = this;
@@ -438,7 +443,8 @@ void Service::SaveState(Writer& reply) {
                ? vesper_engine_save_state(engine_.get(), state_.data(), state_size_, nullptr)
                : VESPER_INVALID_ARGUMENT;
   };
-  // The size changes only with laws and rows, so the first attempt uses the size of the last state.
+  // The first attempt uses the size of the last state, because the size changes only with laws and
+  // rows.
   vesper_status saved = state_size_ == 0 ? VESPER_INVALID_ARGUMENT : save();
   if (saved != VESPER_OK) {
     Check(vesper_engine_state_size(engine_.get(), &state_size_, &error_));
@@ -467,6 +473,21 @@ void Service::Ledger(Reader& request, Writer& reply) {
     entry.struct_size = sizeof entry;
     Check(vesper_engine_ledger(engine_.get(), library, line, &entry, &error_));
     reply.Value(entry);
+  }
+}
+
+/// Writes one row of SCRATCH uses: the values of each use, one after the other.
+void Service::ScratchRow(Reader& request, Writer& reply) {
+  const auto row = request.Value<uint64_t>();
+  std::vector<double> values;
+  for (auto left = request.Value<uint32_t>(); left > 0; --left) {
+    const auto library = request.Value<vesper_library_id>();
+    const auto law = request.Value<uint32_t>();
+    const auto use = request.Value<uint32_t>();
+    values.resize(std::min(request.Value<uint32_t>(), kMaxScratchValues));
+    Check(vesper_engine_scratch_row(engine_.get(), library, law, use, row, values.data(),
+                                    static_cast<uint32_t>(values.size()), &error_));
+    for (const double value : values) reply.Value(value);
   }
 }
 

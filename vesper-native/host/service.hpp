@@ -41,6 +41,7 @@ enum class Request : uint32_t {
   kBeginChanges,
   kEndChanges,
   kReplace,
+  kScratchRow,
 };
 
 /// The form of the bytes of a law library. The class reve.pe.hosted.HostedLibrary in Java has the
@@ -89,6 +90,7 @@ class Service {
   void SaveState(Writer& reply);
   void LoadState(Reader& request);
   void Ledger(Reader& request, Writer& reply);
+  void ScratchRow(Reader& request, Writer& reply);
 
   apart::Options SandboxOptions(bool incomplete) const;
   vesper_prepared_library* Open(Reader& request, std::string* versions = nullptr);

@@ -16,7 +16,7 @@
 #include "probe_report.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
-// Crashes of the probe must end it by a signal, not by the sanitizer's own exit code.
+// A crash must end the probe by a signal, and not by the sanitizer's own exit code.
 extern "C" [[gnu::visibility("default")]] const char* __asan_default_options() {
   return "handle_segv=0:handle_sigbus=0:handle_abort=0";
 }

@@ -124,7 +124,8 @@ std::string Layers::Missing() const {
 
 void EnterNamespaces(Layers& layers) {
   // Entering the other namespaces needs capabilities. Root has them, and enters the user namespace
-  // last, in DropPrivileges. Users without them enter it first, and get the capabilities from it.
+  // last, in DropPrivileges. Users without these capabilities enter the user namespace first, and
+  // get the capabilities from it.
   bool separated = geteuid() == 0 && unshare(CLONE_NEWPID) == 0;
   if (!separated) {
     Note(layers, kUserNamespace, EnterUserNamespace());
@@ -155,8 +156,8 @@ std::string EnterEmptyRoot(std::span<const std::byte> bytes, const std::string& 
 
 void DropPrivileges(Layers& layers) {
   if (layers.error[kUserNamespace] == 0 && geteuid() == 0 && getuid() == 0) {
-    // These calls fail if this process is already in a user namespace. There the user id is also 0,
-    // but this user has no rights outside of the namespace.
+    // These calls fail if this process is already in a user namespace. The user id in such a
+    // namespace is also 0, but this user has no rights outside of the namespace.
     const bool dropped = setgroups(0, nullptr) == 0 && setresgid(kNobody, kNobody, kNobody) == 0 &&
                          setresuid(kNobody, kNobody, kNobody) == 0;
     if (dropped) {

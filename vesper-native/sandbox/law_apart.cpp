@@ -111,8 +111,8 @@ void ReadLaw(Reader& from, Declared& law) {
   desc.destroy = apart::Destroy;
 }
 
-/// A library that runs apart: its bytes, its table, and the present sandbox. The engine frees it
-/// after its laws.
+/// A library that runs in a sandbox, with its bytes, its table, and the present sandbox. The engine
+/// frees this object after the laws of the library.
 class Library {
  public:
   Library(const vesper_prototype& prototype, const Options& options,
@@ -120,7 +120,7 @@ class Library {
 
   const vesper_law_library& table() const { return table_; }
   const Declared& law(size_t index) const { return laws_[index]; }
-  /// Returns the sandbox; starts another one if the last one has ended.
+  /// Returns the sandbox. Starts another sandbox if the last one has ended.
   Sandbox& Live();
   /// Returns true if the last sandbox was killed from outside.
   bool WasKilled() const { return sandbox_->WasKilled(); }
@@ -188,8 +188,8 @@ class Proxy {
   }
 
  private:
-  /// Makes a call of the law. If another process killed the sandbox during the call, repeats the
-  /// call in a new sandbox. The interrupted call has written nothing to the engine's arrays.
+  /// Makes a call of the law. Repeats the call in a new sandbox if another process killed the
+  /// sandbox during the call. The interrupted call has written nothing to the engine's arrays.
   template <class Function>
   void Repeated(Function&& function) {
     for (int tries = 1;; ++tries) {
@@ -293,7 +293,7 @@ class Proxy {
         read += 2 * sizeof level + line.size();
       }
     } catch (const std::exception&) {
-      // The law has overwritten the lines.
+      // The exception is ignored. It means that the law has overwritten the log lines.
     }
     const uint32_t dropped = exchange.log_dropped;
     if (dropped == 0) return;

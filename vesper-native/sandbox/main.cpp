@@ -145,7 +145,8 @@ int Check() {
     layers.error[vesper::apart::kSeccomp] = 0;
     for (uint32_t i = 0; i < vesper::apart::kLayerCount; ++i) {
       const bool filter = i == vesper::apart::kSeccomp;
-      // The filter of system calls is set after this text is written, because it forbids writing.
+      // The filter of system calls is set after this text is written, because the filter forbids
+      // writing.
       const int refused = filter && prctl(PR_GET_SECCOMP) < 0 ? errno : layers.error[i];
       text += vesper::apart::LayerName(static_cast<vesper::apart::Layer>(i));
       text += refused == 0 ? std::string(": yes\n")

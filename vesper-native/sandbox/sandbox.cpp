@@ -204,7 +204,8 @@ void Sandbox::Start(const Options& options, int library_fd, const std::string& f
                              nullptr};
   char* const environment[] = {nullptr};
   pid_t starter = -1;
-  // A sandbox ends with the thread that started it.
+  // A sandbox ends with the thread that started it. Therefore a thread that lives as long as this
+  // process starts the sandbox.
   const int error = LongLivedThread::Get().Run([&] {
     return posix_spawn(&starter, options.program.c_str(), setup.actions(), setup.attributes(),
                        arguments, environment);
@@ -270,8 +271,8 @@ nanoseconds Sandbox::Allowed(bool limited) {
   return nanoseconds(frame_limit) - spent_;
 }
 
-/// Ends a sandbox that uses too much processor time between its calls. Without this limit, a law
-/// that takes control of its process could use a processor for ever, also in a paused world.
+/// Ends a sandbox that uses too much processor time between its calls. A law that takes control of
+/// its process could otherwise use a processor for ever, even in a paused world.
 void Sandbox::RequireRest() {
   const nanoseconds cpu = ProcessorTime();
   const nanoseconds rest = kRestOfFrame + static_cast<int64_t>(calls_) * kRestOfCall;
@@ -325,12 +326,15 @@ void Sandbox::Await(uint32_t number, nanoseconds allowed, nanoseconds limit) {
     if (HasEnded(status)) ThrowCrashed(status);
     const auto now = Clock::now();
     const nanoseconds before = std::exchange(cpu, std::max(cpu, ProcessorTime()));
-    // A process that waits for a processor is not idle.
-    if (cpu - before < kLook / 10 && Sleeps()) idle += std::min(now - last, 5 * kLook);
+    // Only time in which the process sleeps or is stopped counts as idle. A process that waits for
+    // a processor is not idle.
+    if (!Continue() && cpu - before < kLook / 10 && std::strchr("STt", State()) != nullptr) {
+      idle += std::min(now - last, 5 * kLook);
+    }
     last = now;
     const nanoseconds wall = now - start;
     if (std::min(cpu - start_cpu + idle, wall) < allowed && wall < kMostWall * allowed) continue;
-    // The process may have ended by itself meanwhile.
+    // The way in which the process ended is checked, because it may have ended by itself meanwhile.
     if (const int ended = Kill(); !WIFSIGNALED(ended) || WTERMSIG(ended) != SIGKILL) {
       ThrowCrashed(ended);
     }
@@ -375,13 +379,20 @@ nanoseconds Sandbox::ProcessorTime() const {
   return std::chrono::seconds(time.tv_sec) + nanoseconds(time.tv_nsec);
 }
 
-bool Sandbox::Sleeps() const {
+char Sandbox::State() const {
   char text[256];
   const ssize_t size = state_.get() < 0 ? -1 : pread(state_.get(), text, sizeof text - 1, 0);
-  if (size <= 0) return state_.get() < 0;
+  if (size <= 0) return state_.get() < 0 ? 'S' : 'X';
   text[size] = '\0';
   const char* name_end = std::strrchr(text, ')');
-  return name_end != nullptr && name_end[1] == ' ' && std::strchr("STt", name_end[2]) != nullptr;
+  return name_end != nullptr && name_end[1] == ' ' ? name_end[2] : 'X';
+}
+
+bool Sandbox::Continue() {
+  const uint64_t frame = frame_number;
+  if (continued_ == frame || State() != 'T') return false;
+  continued_ = frame;
+  return kill(pid_, SIGCONT) == 0;
 }
 
 int Sandbox::Kill() {

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -95,8 +96,12 @@ class Sandbox {
   int Kill();
   [[noreturn]] void ThrowCrashed(int status);
   Nanoseconds ProcessorTime() const;
-  /// Returns true if the process is stopped, or waits for anything except a processor.
-  bool Sleeps() const;
+  /// Returns the state of the process as a letter of proc(5), or 'S' if the system does not tell
+  /// it.
+  char State() const;
+  /// Continues a process that a signal from outside has stopped, once in a frame. A law cannot stop
+  /// its own process. Returns true if the process was continued.
+  bool Continue();
 
   Segment exchange_;
   Segment read_;
@@ -110,7 +115,8 @@ class Sandbox {
   bool quick_ = false;
   bool killed_ = false;
   uint64_t frame_ = 0;
-  Nanoseconds spent_{0};  // time of the calls in this frame
+  std::optional<uint64_t> continued_;  // the last frame in which the process was continued
+  Nanoseconds spent_{0};               // time of the calls in this frame
   // Processor time at the begin of the last frame; time and number of the calls since then.
   Nanoseconds cpu_{0};
   Nanoseconds called_{0};

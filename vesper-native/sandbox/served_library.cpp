@@ -128,7 +128,7 @@ void ServedLibrary::Describe() {
 
 vesper_law* ServedLibrary::Law() { return laws_.at(exchange_.law).law; }
 
-/// Calls a function of the law; a status other than OK, or an exception, becomes a Failure.
+/// Calls a function of the law. Converts a status other than OK, or an exception, to a Failure.
 template <class Call>
 void ServedLibrary::CallLaw(Call&& call) {
   const vesper_law_desc& desc = tables_.at(0).library().laws[exchange_.law];
@@ -213,8 +213,8 @@ void ServedLibrary::Log(void* context, uint32_t level, const char* message) {
   exchange.log_used += static_cast<uint32_t>(size);
 }
 
-/// Calls the body on this thread, because a sandbox has no other. The ranges are those of the
-/// engine, so the result has the same bits.
+/// Calls the body on this thread, because a sandbox has no other threads. The ranges are those of
+/// the engine, so the result has the same bits.
 void ServedLibrary::ParallelFor(void*, uint64_t count, uint64_t grain,
                                 void (*body)(void* user, uint64_t begin, uint64_t end),
                                 void* user) {

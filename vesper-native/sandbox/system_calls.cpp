@@ -12,7 +12,7 @@
 namespace vesper::apart {
 namespace {
 
-/// Calls for memory, time, locks and the end of the process.
+/// System calls that every law needs: for memory, time, locks and the end of the process.
 constexpr int kCommon[] = {
     SCMP_SYS(brk),          SCMP_SYS(munmap),         SCMP_SYS(mremap),
     SCMP_SYS(madvise),      SCMP_SYS(futex),          SCMP_SYS(getrandom),
@@ -51,7 +51,7 @@ bool Add(scmp_filter_ctx filter, std::initializer_list<scmp_arg_cmp> conditions,
 }
 
 bool AddServing(scmp_filter_ctx filter) {
-  // New memory is never executable.
+  // The filter permits these calls only for memory that is not executable.
   const auto data_only = SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0);
   bool added =
       Add(filter, {data_only}, SCMP_SYS(mmap)) && Add(filter, {data_only}, SCMP_SYS(mprotect));
@@ -69,7 +69,7 @@ int FilterCalls(Stage stage) {
   seccomp_attr_set(filter, SCMP_FLTATR_CTL_NNP, 0);  // no_new_privs is set already
   bool added = true;
   for (const int call : kCommon) added = added && Add(filter, {}, call);
-  // abort() sends SIGABRT to its own process.
+  // The filter permits signals to the own process, because abort() sends SIGABRT to it.
   const auto self = static_cast<scmp_datum_t>(getpid());
   added = added && Add(filter, {SCMP_A0(SCMP_CMP_EQ, self), SCMP_A2(SCMP_CMP_EQ, SIGABRT)},
                        SCMP_SYS(tgkill));

@@ -145,6 +145,9 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_field_desc, doc),
     FIELD(vesper_field_desc, unit),
     FIELD(vesper_field_desc, evaluate),
+    FIELD(vesper_field_desc, begin_step),
+    FIELD(vesper_field_desc, explain),
+    FIELD(vesper_field_desc, slopes),
 
     STRUCT(vesper_law_library),
     FIELD(vesper_law_library, struct_size),
@@ -190,7 +193,7 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_engine_config, touches),
     FIELD(vesper_engine_config, running),
     FIELD(vesper_engine_config, limit_values),
-    FIELD(vesper_engine_config, reserved),
+    FIELD(vesper_engine_config, rest_without_fields),
 
     STRUCT(vesper_law_info),
     FIELD(vesper_law_info, struct_size),

@@ -14,8 +14,8 @@
 namespace vesper {
 namespace {
 
-// Number of values in a block, which is summed at a time. The total of a block and the shares of
-// the laws must fit into the first-level cache.
+// Number of values in a block. The values of one block are summed at a time. The total of a block
+// and the shares of the laws must fit into the first-level cache.
 constexpr uint64_t kBlock = 1024;
 
 }  // namespace

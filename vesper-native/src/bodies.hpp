@@ -39,8 +39,8 @@ class Bodies {
   void Bind();
   uint64_t count() const { return columns_[mass_].arrays.row_count; }
 
-  /// Returns true if forces move the body. The ledger books the impulses on an immovable body for
-  /// the ground.
+  /// Returns true if forces move the body. The ledger adds the impulses on an immovable body to the
+  /// line of the ground.
   bool Moves(uint64_t row) const { return masses_.Value(row) != 0; }
   /// Returns true if torques rotate the body.
   bool Turns(uint64_t row) const;

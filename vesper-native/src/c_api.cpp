@@ -296,6 +296,15 @@ vesper_status vesper_engine_law_info(const vesper_engine* engine, vesper_library
                  [&] { Required(engine, "engine").LawInfo(library, index, Required(out, "out")); });
 }
 
+vesper_status vesper_engine_scratch_row(const vesper_engine* engine, vesper_library_id library,
+                                        uint32_t law, uint32_t use, uint64_t row, double* out,
+                                        uint32_t count, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    double& first = Required(out, "out");
+    Required(engine, "engine").ScratchRow(library, law, use, row, std::span(&first, count));
+  });
+}
+
 vesper_status vesper_engine_advance(vesper_engine* engine, double dt, uint32_t steps,
                                     vesper_error* error) noexcept {
   return Guarded(error, [&] { Required(engine, "engine").Advance(dt, steps); });

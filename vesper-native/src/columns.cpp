@@ -180,8 +180,8 @@ void Columns::AgreeRowCounts() {
   }
 }
 
-/// Refuses overlapping arrays if one of them is written, because a write through one property must
-/// not change another.
+/// Refuses overlapping arrays if one of them is written, because a write to one property must not
+/// change another property.
 void Columns::CheckApart() {
   extents_.clear();
   const auto add = [this](const void* data, uint64_t size, uint32_t property, bool written) {
@@ -198,8 +198,8 @@ void Columns::CheckApart() {
   std::sort(extents_.begin(), extents_.end(), [](const Extent& a, const Extent& b) {
     return a.begin != b.begin ? a.begin < b.begin : a.property < b.property;
   });
-  // `any` is the extent with the highest end among the extents visited so far. `written` is the one
-  // with the highest end among those that are written.
+  // The variable `any` is the extent with the highest end among the extents visited so far. The
+  // variable `written` is the extent with the highest end among those that are written.
   Extent any{}, written{};
   for (const Extent& extent : extents_) {
     const Extent& before = extent.written ? any : written;

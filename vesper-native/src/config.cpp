@@ -47,6 +47,10 @@ Config::Config(const vesper_engine_config* given) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.limit_values is %u, expected 0 or 1",
                   source.limit_values);
   }
+  if (source.rest_without_fields > 1) {
+    throw Failure(VESPER_INVALID_ARGUMENT, "config.rest_without_fields is %u, expected 0 or 1",
+                  source.rest_without_fields);
+  }
   if (source.probe_timeout_ms == 0) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.probe_timeout_ms is 0, expected at least 1");
   }
@@ -61,6 +65,7 @@ Config::Config(const vesper_engine_config* given) {
   log_user = source.log_user;
   running = source.running;
   limit_values = source.limit_values == 1;
+  rest_without_fields = source.rest_without_fields == 1;
 }
 
 }  // namespace vesper

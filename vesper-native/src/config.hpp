@@ -27,6 +27,7 @@ struct Config {
   void* log_user;
   uint64_t* running;
   bool limit_values;
+  bool rest_without_fields;
 };
 
 }  // namespace vesper

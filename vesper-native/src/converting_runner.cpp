@@ -13,8 +13,8 @@
 namespace vesper {
 namespace {
 
-/// A column of a use that is converted to the law's unit, with its values before the law ran. For a
-/// FIELD property, a converted field instead.
+/// A column of a use that is converted to the law's unit, with its values before the law ran. A
+/// FIELD property has a converted field instead.
 struct Converted {
   std::unique_ptr<ConvertedField> function;
   vesper_field field{};
@@ -72,7 +72,7 @@ class ConvertingRunner final : public LawRunner {
     if (ratios_[i].IsOne() || seen_[i].data == nullptr) return;
     const auto& source = *static_cast<const vesper_field*>(seen_[i].data);
     columns_[i].function =
-        std::make_unique<ConvertedField>(source, ratios_[i], seen_[i].components);
+        std::make_unique<ConvertedField>(source, ratios_[i], ValuesPerPlace(law_.desc().uses[i]));
     columns_[i].field = columns_[i].function->field();
     seen_[i].data = &columns_[i].field;
   }

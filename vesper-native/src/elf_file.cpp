@@ -35,7 +35,7 @@ class Reader {
     }
   }
 
-  /// Returns `offset + size` of a part that a header describes; refuses an overflow.
+  /// Returns `offset + size` of a part that a header describes. Refuses an overflow of the sum.
   uint64_t End(uint64_t offset, uint64_t size) const {
     uint64_t end = 0;
     Require(!__builtin_add_overflow(offset, size, &end),

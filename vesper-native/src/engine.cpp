@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cinttypes>
 #include <cmath>
+#include <cstring>
 #include <span>
 #include <string>
 
@@ -59,14 +60,14 @@ class vesper_engine::Turn {
   const vesper_engine& engine_;
 };
 
-/// The state of the engine at the begin of a series of changes, from which Undo restores it.
+/// The state of the engine at the beginning of a series of changes. Undo restores this state.
 struct vesper_engine::Changes {
   struct Place {
     vesper_library_id library;
     std::vector<uint32_t> intervals;  // interval of each law
   };
 
-  /// Returns the library of a place, moved out of the unloaded libraries or out of `loaded`.
+  /// Returns the library of a place. It is moved out of the unloaded libraries or out of `loaded`.
   std::unique_ptr<vesper::LawLibrary> Take(
       const Place& place, std::vector<std::unique_ptr<vesper::LawLibrary>>& loaded) {
     for (auto* libraries : {&unloaded, &loaded}) {
@@ -176,10 +177,61 @@ void vesper_engine::SetField(const char* name, const vesper_field& field) {
   const Turn turn(*this);
   const uint32_t property = RequireRegistered(name);
   RefuseFieldOfLibrary(property);
+  RefuseIfSlopeIsRead(property, "the function of a client");
   columns_.SetField(property, field);
 }
 
-/// Returns the library that provides the field of a FIELD property; null if none does.
+/// Refuses a field without slopes if a loaded law needs its slope.
+void vesper_engine::RefuseIfSlopeIsRead(uint32_t property, const std::string& provider) const {
+  for (const auto& library : libraries_) {
+    for (const auto& law : library->laws()) {
+      for (const vesper::MatchedUse& matched : law->uses) {
+        const bool reads =
+            matched.property == property && (matched.use->flags & VESPER_USE_SLOPE) != 0;
+        if (!reads) continue;
+        throw Failure(VESPER_ACCESS_CONFLICT,
+                      "%s needs the slope of field %s, which %s does not provide; provide it by a "
+                      "law as text",
+                      law->law.label().c_str(), matched.use->name, provider.c_str())
+            .Property(matched.use->name);
+      }
+    }
+  }
+}
+
+/// Refuses a library that reads the slope of a field without slopes, or provides such a field for a
+/// loaded law.
+void vesper_engine::RequireSlopes(const vesper::LawLibrary& added) const {
+  const auto slopes_unknown = [](const vesper::LawLibrary& library, uint32_t property) {
+    return std::ranges::any_of(library.fields(), [property](const auto& field) {
+      return field->property == property && field->desc->slopes == nullptr;
+    });
+  };
+  for (const auto& law : added.laws()) {
+    for (const vesper::MatchedUse& matched : law->uses) {
+      const bool reads = (matched.use->flags & VESPER_USE_SLOPE) != 0;
+      if (!reads || matched.property == vesper::kNone) continue;
+      const vesper::LawLibrary* owner = FieldOwner(matched.property);
+      const bool of_client = owner == nullptr && columns_[matched.property].bound;
+      if (owner == nullptr && !of_client) owner = &added;
+      if (!of_client && !slopes_unknown(*owner, matched.property)) continue;
+      const std::string provider = of_client ? "the client" : "library " + owner->name();
+      throw Failure(VESPER_ACCESS_CONFLICT,
+                    "%s needs the slope of field %s, which %s does not provide; provide the field "
+                    "by a law as text",
+                    law->law.label().c_str(), matched.use->name, provider.c_str())
+          .Property(matched.use->name)
+          .Law(law->index);
+    }
+  }
+  for (const auto& field : added.fields()) {
+    if (field->desc->slopes == nullptr) {
+      RefuseIfSlopeIsRead(field->property, "library " + added.name());
+    }
+  }
+}
+
+/// Returns the library that provides the field of a FIELD property; null if no library provides it.
 const vesper::LawLibrary* vesper_engine::FieldOwner(uint32_t property) const {
   for (const auto& library : libraries_) {
     for (const auto& field : library->fields()) {
@@ -295,6 +347,7 @@ std::unique_ptr<vesper::LawLibrary> vesper_engine::Build(vesper_library_id id,
   auto added = std::make_unique<vesper::LawLibrary>(id, table.name, config_, pool_);
   MatchLaws(table, *added);
   MatchFields(table, *added);
+  RequireSlopes(*added);
   CheckConflicts(*added);
   added->Create(table, vesper::ResolveParameters(added->laws(), parameters, count));
   return added;
@@ -505,6 +558,48 @@ void vesper_engine::LawInfo(vesper_library_id id, uint32_t index, vesper_law_inf
 }
 
 namespace {
+template <class T>
+void CopyAsDoubles(const std::byte* values, std::span<double> out) {
+  for (double& value : out) {
+    T element;
+    std::memcpy(&element, values, sizeof element);
+    value = static_cast<double>(element);
+    values += sizeof element;
+  }
+}
+}  // namespace
+
+void vesper_engine::ScratchRow(vesper_library_id id, uint32_t index, uint32_t use, uint64_t row,
+                               std::span<double> out) const {
+  const Turn turn(*this);
+  const vesper::LoadedLaw& law = FindLaw(id, index);
+  if (use >= law.uses.size() || !law.uses[use].IsScratch()) {
+    throw Failure(VESPER_NOT_FOUND, "law %s has no SCRATCH use %u", law.law.desc().name, use)
+        .Library(id);
+  }
+  const vesper::MatchedUse& matched = law.uses[use];
+  if (out.size() != matched.use->components) {
+    throw Failure(VESPER_INVALID_ARGUMENT, "law %s, SCRATCH %s: count is %zu, expected %u",
+                  law.law.desc().name, matched.use->name, out.size(), matched.use->components)
+        .Library(id);
+  }
+  std::fill(out.begin(), out.end(), 0.0);
+  const vesper::ScratchColumn& scratch = matched.scratch;
+  if (row >= scratch.row_count()) return;
+  const std::byte* values = scratch.data() + row * scratch.row_size();
+  switch (matched.use->scalar_type) {
+    case VESPER_F32:
+      return CopyAsDoubles<float>(values, out);
+    case VESPER_F64:
+      return CopyAsDoubles<double>(values, out);
+    case VESPER_I32:
+      return CopyAsDoubles<int32_t>(values, out);
+    default:
+      return CopyAsDoubles<uint32_t>(values, out);
+  }
+}
+
+namespace {
 void RequireStepLength(double dt) {
   if (!std::isfinite(dt) || dt <= 0) {
     throw Failure(VESPER_INVALID_ARGUMENT, "dt is %g, expected a finite number above 0", dt);
@@ -638,8 +733,8 @@ uint64_t vesper_engine::StateHash() {
   return vesper::HashState(clock_.steps, columns_);
 }
 
-/// Returns the state to save. Its descriptions of prototype and laws must be equal when the state
-/// is loaded.
+/// Returns the state to save. The descriptions of prototype and laws in the state must be the same
+/// when the state is loaded.
 vesper::EngineState vesper_engine::State() const {
   vesper::EngineState state{clock_, prototype_.name(), {}};
   for (const auto& library : libraries_) {
@@ -719,7 +814,7 @@ double vesper_engine::PotentialEnergy(vesper_library_id id, uint32_t index) {
   }
   BindFresh();
   try {
-    return law.runner->PotentialEnergy();
+    return law.PotentialEnergy();
   } catch (Failure& failure) {
     failure.Library(id).Law(index);
     throw;

@@ -54,6 +54,8 @@ struct vesper_engine {
   void EndChanges(bool keep);
   void SetInterval(vesper_library_id id, uint32_t interval);
   void LawInfo(vesper_library_id id, uint32_t index, vesper_law_info& out) const;
+  void ScratchRow(vesper_library_id id, uint32_t index, uint32_t use, uint64_t row,
+                  std::span<double> out) const;
 
   void Advance(double dt, uint32_t steps);
   void Synchronize(const char* const* names, uint32_t count);
@@ -82,6 +84,8 @@ struct vesper_engine {
   std::vector<uint32_t> BoundProperties(const char* const* names, uint32_t count) const;
   void MatchFields(const vesper_law_library& table, vesper::LawLibrary& added) const;
   const vesper::LawLibrary* FieldOwner(uint32_t property) const;
+  void RequireSlopes(const vesper::LawLibrary& added) const;
+  void RefuseIfSlopeIsRead(uint32_t property, const std::string& provider) const;
   void RefuseFieldOfLibrary(uint32_t property) const;
   const vesper::LoadedLaw& FindLaw(vesper_library_id id, uint32_t index) const;
   void RefuseLoadedName(const char* name) const;
@@ -121,7 +125,7 @@ struct vesper_engine {
   vesper::ThreadPool pool_;
   std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // libraries in load order
   std::unique_ptr<Changes> changes_;                            // null: none are in progress
-  vesper::Schedule schedule_{columns_, pool_};
+  vesper::Schedule schedule_{columns_, pool_, config_.rest_without_fields};
   std::unique_ptr<vesper::Ledger> ledger_;  // null: the ledger is off
   vesper_provider provider_{*this};
   mutable std::atomic<bool> busy_ = false;

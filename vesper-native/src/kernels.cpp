@@ -19,7 +19,8 @@
 namespace vesper {
 namespace {
 
-// Values per block: long enough to vectorise, short enough to stop soon after the first match.
+// Number of values per block. It is large enough to vectorise, and small enough to stop soon after
+// the first match.
 constexpr uint64_t kBlock = 4096;
 
 template <class Real>

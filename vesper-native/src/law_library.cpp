@@ -5,6 +5,7 @@
 #include <cinttypes>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 
 #include "converting_runner.hpp"
 #include "foreign_call.hpp"
@@ -12,13 +13,21 @@
 #include "unit.hpp"
 
 namespace vesper {
+namespace {
+
+constexpr double kImmenseField = 0x1p333;  // limit of `vesper_engine_config.limit_values`
+
+}  // namespace
 
 LoadedLaw::LoadedLaw(const vesper_law_desc& desc, vesper_library_id library, uint32_t law_index,
                      std::vector<MatchedUse> matched, ThreadPool& pool, const Config& config)
     : law(desc, Running(config.running, pool, library, law_index)),
       index(law_index),
       uses(std::move(matched)),
-      runner(MakeRunner(law, pool, config)) {
+      runner(MakeRunner(law, pool, config)),
+      limit_of_fields_(desc.real_type == VESPER_F32 ? std::numeric_limits<float>::max()
+                       : config.limit_values        ? kImmenseField
+                                                    : std::numeric_limits<double>::infinity()) {
   std::vector<UnitRatio> ratios;
   for (const MatchedUse& use : uses) ratios.push_back(use.to_law);
   const auto is_one = [](const UnitRatio& ratio) { return ratio.IsOne(); };
@@ -39,6 +48,32 @@ bool LoadedLaw::Defers() const {
 }
 
 void LoadedLaw::Run(const vesper_step& step) {
+  if (resting) {
+    AddNothing();
+    return;
+  }
+  for (const MatchedUse& use : uses) {
+    if (use.field != nullptr) use.field->BeginCall();
+  }
+  try {
+    RunDue(step);
+  } catch (const Failure& failure) {
+    BlameFields(failure);
+    throw;
+  }
+}
+
+void LoadedLaw::BlameFields(const Failure& failure) const {
+  const bool computed =
+      failure.status() == VESPER_LAW_FAILED || failure.status() == VESPER_LAW_MISBEHAVED;
+  if (!computed) return;
+  for (const MatchedUse& use : uses) {
+    if (use.field == nullptr) continue;
+    if (auto blamed = use.field->Blamed(use.use->name, law.label())) throw FieldFailure{*blamed};
+  }
+}
+
+void LoadedLaw::RunDue(const vesper_step& step) {
   if (interval == 1) {
     runner->Advance(step);
     CheckMinima();
@@ -140,8 +175,14 @@ void LawLibrary::Create(const vesper_law_library& table,
   }
   for (const auto& field : fields_) {
     const vesper_field source{sizeof source, 0, suite_, field->desc->evaluate};
-    field->function =
-        std::make_unique<ConvertedField>(source, field->from_library, field->desc->components);
+    field->provider = {id_, name_, static_cast<uint32_t>(laws_.size()), field->desc, suite_};
+    field->function = std::make_unique<ConvertedField>(source, field->from_library,
+                                                       field->desc->components, &field->provider);
+    if (field->desc->slopes == nullptr) continue;
+    const vesper_field with_slopes{sizeof with_slopes, 0, suite_, field->desc->slopes};
+    field->slopes = std::make_unique<ConvertedField>(with_slopes, field->from_library,
+                                                     4 * field->desc->components, &field->provider);
+    field->provider.slopes = field->slopes.get();
   }
   for (size_t i = 0; i < laws_.size(); ++i) {
     try {

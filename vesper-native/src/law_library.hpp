@@ -16,6 +16,7 @@
 #include "prepared_library.hpp"
 #include "scratch_column.hpp"
 #include "thread_pool.hpp"
+#include "watched_field.hpp"
 
 namespace vesper {
 
@@ -29,19 +30,27 @@ struct MatchedUse {
   UnitRatio to_law{};     // conversion from the property's unit to the law's unit
   uint32_t scratch_kind = 0;
   ScratchColumn scratch{};
-  std::optional<double> minimum = {};  // minimum of the property, if the law writes it
+  std::optional<double> minimum = {};        // minimum of the property, if the law writes it
+  std::unique_ptr<WatchedField> field = {};  // of a FIELD property that is bound
 };
 
 /// A field of a library, and the property of the prototype that it is matched with.
 struct LoadedField {
   uint32_t property;
   const vesper_field_desc* desc;
-  UnitRatio from_library;                              // from the library's unit to the property's
-                                                       // unit
+  UnitRatio from_library;  // from the library's unit to the property's
+                           // unit
+  FieldProvider provider = {};
   std::unique_ptr<ConvertedField> function = nullptr;  // created with the suite
+  std::unique_ptr<ConvertedField> slopes = nullptr;    // null: the slopes are unknown
 };
 
 class LawLibrary;
+
+/// Thrown if a law failed because of a field; `failure` names the library that provides the field.
+struct FieldFailure {
+  Failure failure;
+};
 
 /// A law with all data that the engine keeps for it.
 struct LoadedLaw {
@@ -51,9 +60,14 @@ struct LoadedLaw {
   bool Writes(uint32_t property) const;
   /// Returns true if one of its uses is DEFERRED.
   bool Defers() const;
-  /// Runs the law on its targets. In steps in which its interval skips the law, zeroes its
-  /// contributions instead.
+  /// Runs the law on its targets. While the law rests, and in steps in which its interval skips the
+  /// law, zeroes its contributions instead. Throws FieldFailure if a field is the cause of a
+  /// failure.
   void Run(const vesper_step& step);
+  /// Returns the potential energy [J] of the bound arrays; 0 while the law rests.
+  double PotentialEnergy() const { return resting ? 0 : runner->PotentialEnergy(); }
+  /// Returns the magnitude [unit of the property] from which the law cannot use a value of a field.
+  double LimitOfFields() const { return limit_of_fields_; }
   /// Throws ACCESS_CONFLICT if the law cannot have an interval other than 1.
   void RequireInterval(const LawLibrary& library, uint32_t wanted) const;
 
@@ -63,12 +77,18 @@ struct LoadedLaw {
   std::unique_ptr<LawRunner> runner;
   Targets targets;        // arrays to which the law is bound; empty before the first bind
   uint32_t interval = 1;  // see vesper_engine_set_interval
+  bool resting = false;   // a field that it reads is not bound; see vesper_engine_config
 
  private:
+  void RunDue(const vesper_step& step);
+  /// Throws FieldFailure if a field gave a wrong value in a call of the law that failed.
+  void BlameFields(const Failure& failure) const;
   void AddNothing();
   void MultiplyAdded();
   /// Throws LAW_MISBEHAVED if a property that the law writes is below its minimum.
   void CheckMinima() const;
+
+  double limit_of_fields_;
 };
 
 /// The laws of a library, their shared state and the mapped file; destroyed in this order.
@@ -91,6 +111,8 @@ class LawLibrary {
   /// Makes the library keep the log lines of its laws from now on. Later they are passed to the log
   /// or dropped.
   void HoldLog() { hold_log_ = true; }
+  /// Writes a line to the engine's log.
+  void Log(uint32_t level, const std::string& line) const { config_.Log(level, line.c_str()); }
   void ReleaseLog();
   void DropLog();
 

@@ -53,7 +53,8 @@ bool IsRight(const vesper_property& property, bool limited, uint64_t begin, uint
                   : vesper::FindNonFinite(property.scalar_type, values, count)) == kNotFound;
 }
 
-/// Copies a column; memcpy and memcmp must not receive the null pointer of an empty one.
+/// Copies a column. An empty column is skipped, because memcpy and memcmp must not receive its null
+/// pointer.
 void Copy(const vesper_property& to, const vesper_property& from) {
   if (to.row_count > 0) std::memcpy(to.data, from.data, ByteSize(to));
 }
@@ -95,8 +96,9 @@ bool IsWritten(const Law& law, const Targets& targets, size_t use) {
   return targets[use].access != VESPER_READ && !law.Defers(use);
 }
 
-/// Throws if a property that the law only reads contains NaN or infinity. The client must have
-/// written such a value, because the engine checks the values of each law before the next law runs.
+/// Throws an exception if a property that the law only reads contains NaN or infinity. The client
+/// must have written such a value, because the engine checks the values of each law before the next
+/// law runs.
 void CheckInputs(const Law& law, ThreadPool& pool, const Targets& seen) {
   for (const vesper_property& property : seen) {
     if (property.access != VESPER_READ || IsField(property.scalar_type)) continue;
@@ -132,8 +134,8 @@ bool WroteRight(const Law& law, ThreadPool& pool, const Targets& seen, bool limi
   return right;
 }
 
-/// Throws if a value that the law wrote is not finite or, if `limited`, immense. Checks the law's
-/// inputs first, because they may be the cause.
+/// Throws an exception if a value that the law wrote is not finite or, if `limited`, immense.
+/// Checks the law's inputs first, because they may be the cause.
 void CheckWritten(const Law& law, ThreadPool& pool, const Targets& seen, bool limited) {
   if (WroteRight(law, pool, seen, limited)) return;
   CheckInputs(law, pool, seen);
@@ -235,8 +237,8 @@ class GuardedRunner final : public LawRunner {
     }
   }
 
-  /// Throws if the law wrote outside of its arrays, or to an array that it declared READ or
-  /// DEFERRED. The law may write to the array of the use `synchronized`.
+  /// Throws an exception if the law wrote outside of its arrays, or to an array that it declared
+  /// READ or DEFERRED. The law may write to the array of the use `synchronized`.
   void CheckKeptWord(size_t synchronized = SIZE_MAX) const {
     for (size_t i = 0; i < seen_.size(); ++i) {
       const vesper_property& seen = seen_[i];

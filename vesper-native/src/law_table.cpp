@@ -17,7 +17,8 @@ namespace {
 constexpr uint32_t kMaxStages = 16;
 constexpr const char* kBadUnit = "unit has no finite positive scale or no symbol end";
 constexpr uint32_t kAllClaims = VESPER_CLAIM_MOMENTUM | VESPER_CLAIM_ANGULAR_MOMENTUM |
-                                VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION;
+                                VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION |
+                                VESPER_CLAIM_ENERGY;
 
 [[noreturn]] void Reject(const std::string& where, const char* what) {
   throw Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: %s", where.c_str(), what);
@@ -60,7 +61,10 @@ void CheckUse(const vesper_property_use& use, const vesper_law_desc& law,
   Require(IsKnownType(use.scalar_type), name, "unknown scalar_type");
   Require(use.components > 0, name, "components is 0");
   Require(IsValidUnit(use.unit), name, kBadUnit);
-  Require((use.flags & ~(VESPER_USE_OPTIONAL | VESPER_USE_DEFERRED)) == 0, name, "unknown flags");
+  constexpr uint32_t kFlags = VESPER_USE_OPTIONAL | VESPER_USE_DEFERRED | VESPER_USE_SLOPE;
+  Require((use.flags & ~kFlags) == 0, name, "unknown flags");
+  Require((use.flags & VESPER_USE_SLOPE) == 0 || IsField(use.scalar_type), name,
+          "only a field has a SLOPE");
   Require((use.access >= VESPER_READ && use.access <= VESPER_ACCUMULATE) ||
               use.access == VESPER_SCRATCH,
           name, "access must be READ, WRITE, READ_WRITE, ACCUMULATE or SCRATCH");
@@ -131,6 +135,8 @@ void CheckLaw(const vesper_law_desc& law, const std::string& library) {
   }
   CheckForceWeights(law, where);
   Require((law.claims & ~kAllClaims) == 0, where, "unknown claims");
+  Require((law.claims & VESPER_CLAIM_ENERGY) == 0 || law.potential_energy != nullptr, where,
+          "claims to conserve energy, but computes no potential energy");
   Require(law.create != nullptr && law.bind != nullptr && law.advance != nullptr &&
               law.destroy != nullptr,
           where, "create, bind, advance and destroy are required");

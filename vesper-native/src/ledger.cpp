@@ -122,15 +122,15 @@ void Ledger::BeginAdvance() {
 
 double Ledger::PotentialEnergy(const Account& account) {
   try {
-    return account.law->runner->PotentialEnergy();
+    return account.law->PotentialEnergy();
   } catch (Failure& failure) {
     failure.Library(account.library).Law(account.law->index);
     throw;
   }
 }
 
-/// Allocates space for the present number of bodies. If this number has changed, discards the
-/// forces of the last stage, because they may belong to other bodies than the present rows.
+/// Allocates space for the present number of bodies. Discards the forces of the last stage if this
+/// number has changed, because they may belong to other bodies than the present rows.
 void Ledger::Resize() {
   const size_t size = 3 * bodies_.count();
   if (channels_[kForces].begin.size() != size) ForgetForces();
@@ -193,8 +193,8 @@ Vector Ledger::Rate(size_t channel, uint64_t row) const {
   return channel == kForces ? bodies_.Velocity(row) : bodies_.AngularVelocity(row);
 }
 
-/// Returns true if the body can move (or rotate). Its impulses then belong to the body, and
-/// otherwise to the ground.
+/// Returns true if the body can move (or rotate). The impulses of such a body belong to the body.
+/// Impulses on other bodies belong to the ground.
 bool Ledger::Yields(size_t channel, uint64_t row) const {
   return channel == kForces ? bodies_.Moves(row) : bodies_.Turns(row);
 }

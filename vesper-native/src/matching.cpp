@@ -80,7 +80,7 @@ MatchedUse MatchScratch(const vesper_law_desc& law, const vesper_property_use& u
           .scratch = ScratchColumn(use.components * ScalarSize(use.scalar_type))};
 }
 
-/// Throws if the law may write the property, because several rows share its values.
+/// Throws an exception if the law may write the property, because several rows share its values.
 void CheckShared(const vesper_law_desc& law, const vesper_property_use& use) {
   if (use.access == VESPER_READ) return;
   throw Failure(VESPER_ACCESS_CONFLICT,

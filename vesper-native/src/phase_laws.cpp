@@ -8,8 +8,8 @@
 namespace vesper {
 namespace {
 
-/// Returns true if the uses conflict. Two reads do not conflict, and neither do two accumulations,
-/// because each law has a separate sum.
+/// Returns true if the uses conflict. Two reads do not conflict. Two accumulations do not conflict
+/// either, because each law has a separate sum.
 bool Collide(const MatchedUse& a, const MatchedUse& b) {
   if (a.property == kNone || a.property != b.property) return false;
   return a.use->access != b.use->access || (a.use->access & VESPER_WRITE) != 0;
@@ -84,9 +84,9 @@ void PhaseLaws::RunInWaves(ThreadPool& pool, LawCalls* calls, const vesper_step&
   std::rethrow_exception(failure);
 }
 
-/// Runs a wave. After a failure, runs no law that is later in load order than the failed law. Laws
-/// that are earlier in load order may be in a later wave. They still run, because they may fail,
-/// too, and the first failure in load order counts.
+/// Runs a wave. Runs no law that is later in load order than a failed law. Laws that are earlier in
+/// load order may be in a later wave. They still run, because they may fail, too, and the first
+/// failure in load order counts.
 void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, LawCalls* calls,
                         const vesper_step& step) {
   const auto try_for = [&](uint32_t place, auto&& action) {

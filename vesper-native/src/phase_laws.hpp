@@ -18,11 +18,13 @@ struct ScheduledLaw {
   LawLibrary* library;
 
   /// Runs `body` and attributes an exception to the law, unless the exception reports invalid input
-  /// of the client.
+  /// of the client, or a field of another library.
   template <class Body>
   void OnBehalf(uint32_t stage, Body&& body) const {
     try {
       body();
+    } catch (FieldFailure& of_field) {
+      throw of_field.failure.Stage(stage);
     } catch (Failure& failure) {
       failure.Stage(stage);
       if (failure.status() == VESPER_INVALID_ARGUMENT) throw;

@@ -5,6 +5,7 @@
 #include <cinttypes>
 
 #include "failure.hpp"
+#include "foreign_call.hpp"
 
 namespace vesper {
 namespace {
@@ -17,6 +18,17 @@ bool SameArrays(const Targets& a, const Targets& b) {
                     });
 }
 
+/// Returns the function of a field, or the function that also computes slopes.
+vesper_field FieldFor(const Law& law, const vesper_property_use& use, const Column& column) {
+  if ((use.flags & VESPER_USE_SLOPE) == 0) return column.field;
+  const FieldProvider* provider = ConvertedField::ProviderOf(column.field);
+  if (provider != nullptr && provider->slopes != nullptr) return provider->slopes->field();
+  throw Failure(VESPER_ACCESS_CONFLICT,
+                "%s needs the slope of field %s, which the client does not provide",
+                law.label().c_str(), use.name)
+      .Property(use.name);
+}
+
 }  // namespace
 
 void Schedule::Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries) {
@@ -24,12 +36,16 @@ void Schedule::Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries) {
   stage_count_ = 1;
   accumulations_.clear();
   scratch_.clear();
+  timed_fields_.clear();
   for (uint32_t property = 0; property < columns_.size(); ++property) {
     if (columns_.spec(property).IsAccumulator()) accumulations_.emplace_back(columns_, property);
   }
   std::vector<ScheduledLaw> laws;
   for (const auto& library : libraries) {
     for (const auto& law : library->laws()) laws.push_back({law.get(), library.get()});
+    for (const auto& field : library->fields()) {
+      if (field->desc->begin_step != nullptr) timed_fields_.push_back(&field->provider);
+    }
   }
   for (const ScheduledLaw& scheduled : laws) PlanLaw(scheduled);
   deferred_.Plan(laws);
@@ -64,7 +80,7 @@ void Schedule::Bind() {
   if (IsBound()) return;
   for (const PhaseLaws& phase : phases_) {
     for (const ScheduledLaw& scheduled : phase.laws()) {
-      scheduled.OnBehalf(0, [&] { BindLaw(*scheduled.law); });
+      scheduled.OnBehalf(0, [&] { BindLaw(scheduled); });
     }
   }
   bound_generation_ = columns_.generation();
@@ -74,17 +90,36 @@ void Schedule::BindDeferring() {
   if (deferred_.none()) return;
   for (const PhaseLaws& phase : phases_) {
     for (const ScheduledLaw& scheduled : phase.laws()) {
-      if (scheduled.law->Defers()) scheduled.OnBehalf(0, [&] { BindLaw(*scheduled.law); });
+      if (scheduled.law->Defers()) scheduled.OnBehalf(0, [&] { BindLaw(scheduled); });
     }
   }
 }
 
-void Schedule::BindLaw(LoadedLaw& law) {
+const char* Schedule::LackedField(const LoadedLaw& law) const {
+  for (const MatchedUse& matched : law.uses) {
+    const vesper_property_use& use = *matched.use;
+    const bool needed = use.scalar_type == VESPER_FIELD && (use.flags & VESPER_USE_OPTIONAL) == 0;
+    if (needed && !columns_[matched.property].bound) return use.name;
+  }
+  return nullptr;
+}
+
+void Schedule::BindLaw(const ScheduledLaw& scheduled) {
+  LoadedLaw& law = *scheduled.law;
+  // A law that keeps properties on a device cannot rest, because its copies would be stale.
+  const char* lacked = rest_ && !law.Defers() ? LackedField(law) : nullptr;
+  if (lacked != nullptr && !law.resting) {
+    scheduled.library->Log(VESPER_LOG_WARNING, law.law.label() +
+                                                   " rests, because no law provides the field " +
+                                                   lacked + "; load a law that provides it");
+  }
+  law.resting = lacked != nullptr;
   targets_.clear();
   for (MatchedUse& matched : law.uses) targets_.push_back(Target(law, matched));
   const bool bound_before = law.targets.size() == targets_.size() && !law.targets.empty();
   if (bound_before && SameArrays(law.targets, targets_)) return;
   law.targets = targets_;
+  if (law.resting) return;
   try {
     law.runner->Bind(law.targets);
   } catch (...) {
@@ -93,6 +128,7 @@ void Schedule::BindLaw(LoadedLaw& law) {
   }
 }
 
+/// Returns the array of a use; null data if it is absent. A law that rests lacks a field.
 vesper_property Schedule::Target(const LoadedLaw& law, MatchedUse& matched) {
   const vesper_property_use& use = *matched.use;
   vesper_property target{};
@@ -105,6 +141,7 @@ vesper_property Schedule::Target(const LoadedLaw& law, MatchedUse& matched) {
   if (matched.IsScratch()) return ScratchTarget(law, matched, target);
   if (matched.property == kNone || !columns_[matched.property].bound) {
     if ((use.flags & VESPER_USE_OPTIONAL) != 0) return target;
+    if (law.resting && use.scalar_type == VESPER_FIELD) return target;
     throw Failure(VESPER_NOT_FOUND, "%s: needs property %s, which is not bound; add it first",
                   law.law.label().c_str(), use.name)
         .Property(use.name);
@@ -113,6 +150,11 @@ vesper_property Schedule::Target(const LoadedLaw& law, MatchedUse& matched) {
   target.data = column.data();
   target.row_count = column.arrays.row_count;
   target.version = deferred_.Version(matched.property, use);
+  if (use.scalar_type == VESPER_FIELD) {
+    if (matched.field == nullptr) matched.field = std::make_unique<WatchedField>();
+    matched.field->Read(FieldFor(law.law, use, column), ValuesPerPlace(use), law.LimitOfFields());
+    target.data = matched.field->field();
+  }
   if (use.access == VESPER_ACCUMULATE && !FindAccumulation(matched.property).InPlace()) {
     matched.share.Resize(target.row_count * columns_.spec(matched.property).row_size);
     target.data = matched.share.data();
@@ -153,6 +195,9 @@ void Schedule::RunStep(double dt, const StepClock& clock) {
   step.dt = dt;
   step.time = clock.time();
   step.index = clock.steps;
+  for (const FieldProvider* field : timed_fields_) {
+    CallForeignQuietly([&] { field->desc->begin_step(field->suite, &step); });
+  }
   if (ledger_ != nullptr) ledger_->BeginStep(dt);
   Run(VESPER_PHASE_INTEGRATE, step);
   for (step.stage = 1; step.stage <= stage_count_; ++step.stage) {
@@ -174,7 +219,7 @@ void Schedule::Run(vesper_phase phase, const vesper_step& step) {
 
 void Schedule::Before(const ScheduledLaw& law, const vesper_step& step) {
   deferred_.Before(law, step.stage);
-  if (law.law->Defers()) law.OnBehalf(step.stage, [&] { BindLaw(*law.law); });
+  if (law.law->Defers()) law.OnBehalf(step.stage, [&] { BindLaw(law); });
 }
 
 void Schedule::After(const ScheduledLaw& law, const vesper_step& step) {

@@ -19,8 +19,9 @@ namespace vesper {
 
 class Schedule final : private LawCalls {
  public:
-  Schedule(Columns& columns, ThreadPool& pool)
-      : columns_(columns), deferred_(columns), pool_(pool) {}
+  /// `rest`: laws rest while a field that they read is not bound.
+  Schedule(Columns& columns, ThreadPool& pool, bool rest)
+      : columns_(columns), deferred_(columns), pool_(pool), rest_(rest) {}
 
   /// Updates the set of laws. They run in order of phase, then load order; see PhaseLaws for
   /// concurrent laws.
@@ -50,7 +51,9 @@ class Schedule final : private LawCalls {
   void After(const ScheduledLaw& law, const vesper_step& step) override;
   void PlanLaw(const ScheduledLaw& scheduled);
   Accumulation& FindAccumulation(uint32_t property);
-  void BindLaw(LoadedLaw& law);
+  void BindLaw(const ScheduledLaw& scheduled);
+  /// Returns the name of a field that the law needs and that is not bound; null if there is none.
+  const char* LackedField(const LoadedLaw& law) const;
   vesper_property ScratchTarget(const LoadedLaw& law, MatchedUse& matched,
                                 vesper_property target) const;
   vesper_property Target(const LoadedLaw& law, MatchedUse& matched);
@@ -61,8 +64,10 @@ class Schedule final : private LawCalls {
   Columns& columns_;
   DeferredWrites deferred_;
   ThreadPool& pool_;
+  bool rest_;
   std::array<PhaseLaws, VESPER_PHASE_OBSERVE> phases_;
   std::vector<ScratchColumn*> scratch_;
+  std::vector<const FieldProvider*> timed_fields_;  // fields that depend on the time
   uint32_t stage_count_ = 1;
   std::vector<Accumulation> accumulations_;  // one for each accumulator of the prototype
   Ledger* ledger_ = nullptr;

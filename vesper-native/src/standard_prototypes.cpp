@@ -30,12 +30,12 @@ constexpr vesper_property_descriptor Describe(vesper_scalar_type type, uint32_t 
           0};
 }
 
-/// Returns the descriptor of a property that laws only read and whose minimum is 0.
+/// Returns the descriptor of a property whose minimum is 0. By default, laws only read it.
 constexpr vesper_property_descriptor NotNegative(vesper_scalar_type type, uint32_t components,
                                                  const char* kind, const char* name,
-                                                 vesper_unit unit, const char* doc) {
-  vesper_property_descriptor property =
-      Describe(type, components, kind, name, unit, VESPER_READ, doc);
+                                                 vesper_unit unit, const char* doc,
+                                                 vesper_access access = VESPER_READ) {
+  vesper_property_descriptor property = Describe(type, components, kind, name, unit, access, doc);
   property.has_minimum = 1;
   return property;
 }
@@ -86,9 +86,10 @@ constexpr vesper_property_descriptor kProperties[] = {
     Describe(real, 1, "body", "linearDragCoefficient", VESPER_UNIT_KILOGRAM_PER_SECOND, VESPER_READ,
              "Force of linear drag per speed."),
     Describe(VESPER_I32, 1, "body", "shape", VESPER_UNIT_ONE, VESPER_READ,
-             "Code of the shape: 0 none, 1 sphere, 2 box, 3 plane, 4 mesh, 5 capsule, 6 cylinder."),
-    Describe(VESPER_F64, 3, "body", "size", VESPER_UNIT_METRE, VESPER_READ,
-             "Extent of the shape along the own axes of the body."),
+             "Code of the shape: 0 none, 1 sphere, 2 box, 3 plane, 4 mesh, 5 capsule, 6 cylinder, "
+             "7 ellipsoid."),
+    NotNegative(VESPER_F64, 3, "body", "size", VESPER_UNIT_METRE,
+                "Extent of the shape along the own axes of the body.", VESPER_READ_WRITE),
     Describe(VESPER_I32, 1, "body", "carrier", VESPER_UNIT_ONE, VESPER_READ,
              "Row of the body that carries this one along; -1 for none."),
 
@@ -120,7 +121,7 @@ constexpr vesper_property_descriptor kProperties[] = {
 
     Refer(2, "joint", "joined", "body", "Rows of the two bodies it joins."),
     Describe(VESPER_I32, 1, "joint", "jointType", VESPER_UNIT_ONE, VESPER_READ,
-             "1 fixed, 2 ball, 3 hinge, 4 slider, 5 distance."),
+             "1 fixed, 2 ball, 3 hinge, 4 slider, 5 distance, 6 rope."),
     Describe(real, 3, "joint", "anchor", VESPER_UNIT_METRE, VESPER_READ,
              "Place of the joint in the frame of the first body."),
     Describe(real, 3, "joint", "axis", VESPER_UNIT_ONE, VESPER_READ,
@@ -238,6 +239,50 @@ constexpr vesper_property_descriptor kProperties[] = {
              "Sum of the forces of the stage that laws of phase FORCE exert at contacts."),
     Describe(real, 3, "body", "reactionForce", VESPER_UNIT_NEWTON, VESPER_READ_WRITE,
              "Mean force of the last step that a law of phase INTEGRATE exerts at contacts."),
+
+    Describe(VESPER_I32, 1, "body", "substance", VESPER_UNIT_ONE, VESPER_READ,
+             "Code of its substance; 0 for none."),
+    Describe(VESPER_I32, 2, "substancePair", "substances", VESPER_UNIT_ONE, VESPER_READ,
+             "Codes of the two substances of a pair; 0 for any substance."),
+    NotNegative(real, 1, "substancePair", "pairFriction", VESPER_UNIT_ONE,
+                "Friction of the pair; 0: not set."),
+    NotNegative(real, 1, "substancePair", "pairRestitution", VESPER_UNIT_ONE,
+                "Restitution of the pair; 0: not set."),
+
+    NotNegative(real, 1, "joint", "ropeLength", VESPER_UNIT_METRE,
+                "Greatest distance of the anchors of a rope."),
+    Refer(2, "gear", "geared", "joint", "Rows of the two joints it couples."),
+    Describe(real, 1, "gear", "gearRatio", VESPER_UNIT_ONE, VESPER_READ,
+             "Angle or travel of the first joint per that of the second one."),
+    Describe(real, 1, "gear", "offsetAngle", VESPER_UNIT_ONE, VESPER_READ,
+             "Angle of the first joint, a hinge, where the second one is at 0."),
+    Describe(real, 1, "gear", "offsetTravel", VESPER_UNIT_METRE, VESPER_READ,
+             "Travel of the first joint, a slider, where the second one is at 0."),
+    Describe(real, 1, "gear", "gearTorque", VESPER_UNIT_NEWTON_METRE, VESPER_READ_WRITE,
+             "Torque on the first joint, a hinge, in the last step."),
+    Describe(real, 1, "gear", "gearForce", VESPER_UNIT_NEWTON, VESPER_READ_WRITE,
+             "Force on the first joint, a slider, in the last step."),
+    Describe(real, 2, "gear", "gearPlaces", VESPER_UNIT_ONE, VESPER_READ_WRITE,
+             "Angles or travels of the two joints, with whole turns."),
+
+    Describe(VESPER_I32, 1, "body", "asleep", VESPER_UNIT_ONE, VESPER_READ_WRITE,
+             "1 while it rests and a law of phase INTEGRATE does not move it."),
+
+    NotNegative(real, 1, "body", "spinFriction", VESPER_UNIT_METRE,
+                "Torque against spin about the normal of a contact, per normal force."),
+    NotNegative(real, 1, "substancePair", "pairRollingFriction", VESPER_UNIT_METRE,
+                "Torque against rolling per normal force; 0: not set."),
+    NotNegative(real, 1, "substancePair", "pairSpinFriction", VESPER_UNIT_METRE,
+                "Torque against spin per normal force; 0: not set."),
+
+    Describe(real, 3, "joint", "offsetLeast", VESPER_UNIT_METRE, VESPER_READ,
+             "Least offsets of a six-axis joint, in the axes of the first body."),
+    Describe(real, 3, "joint", "offsetGreatest", VESPER_UNIT_METRE, VESPER_READ,
+             "Greatest offsets of a six-axis joint; below the least: no limit."),
+    Describe(real, 3, "joint", "turnLeast", VESPER_UNIT_ONE, VESPER_READ,
+             "Least angles of a six-axis joint about the axes of the first body."),
+    Describe(real, 3, "joint", "turnGreatest", VESPER_UNIT_ONE, VESPER_READ,
+             "Greatest angles of a six-axis joint; below the least: no limit."),
 };
 
 template <vesper_scalar_type real>

@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 constexpr uint32_t kMaxThreads = 256;  // maximum number of threads of a process; at least that of a
                                        // config
 
-/// Tells the processor that this thread spins, so that it saves power.
+/// Signals the processor that this thread busy-waits, so that the processor saves power.
 inline void Pause() {
 #if defined(__x86_64__)
   _mm_pause();
@@ -38,7 +38,7 @@ inline void Pause() {
 #endif
 }
 
-/// A wait for another thread: spins at first, then yields.
+/// A wait for another thread. It is a busy-wait at first, and then yields the processor.
 class Wait {
  public:
   void Moment() {
@@ -57,8 +57,8 @@ class Wait {
 
 /** A loop whose chunks are divided into shares, one for each thread. A thread gets about the
  *  same rows in every loop, so that these rows stay in its processor's caches. Moving rows to
- *  another processor's cache takes about as long as a short loop. Therefore, if another thread has
- *  begun its share, a thread waits for a while before it takes chunks of this share. */
+ *  another processor's cache takes about as long as a short loop. A thread therefore waits for a
+ *  while before it takes chunks of a share that another thread has begun. */
 class Loop {
  public:
   Loop(uint64_t count, uint64_t grain, RangeBody body, void* user, uint32_t threads)
@@ -132,7 +132,7 @@ class Loop {
  *  the loop to the helper, and withdraws the offer at the end. */
 class alignas(64) Seat {
  public:
-  /// Offers the loop to the helper; returns true if the helper is waiting for a loop.
+  /// Offers the loop to the helper. Returns true if the helper is waiting for a loop.
   bool Offer(Loop& loop) {
     loop_ = &loop;
     return Change(State::kFree, State::kOffered);
@@ -148,12 +148,12 @@ class alignas(64) Seat {
     if (Change(State::kOffered, State::kFree)) return;
     for (Wait wait; Is(State::kTaken);) wait.Moment();
   }
-  /// Makes the helper leave, also one that is starting. Must not be called between Offer and
-  /// Withdraw.
+  /// Makes the helper leave, even if it is still starting. The caller must not call this between
+  /// Offer and Withdraw.
   void Dismiss() { state_ = State::kAway; }
 
-  /// Runs the helper: works on this share of each offered loop, and waits up to `look` for the next
-  /// one.
+  /// Runs the helper, which works on this share of each offered loop. Waits up to `look` for the
+  /// next loop.
   void Help(uint32_t share, Clock::duration look) {
     auto until = Clock::now() + look;
     for (; !Is(State::kAway); Pause()) {
@@ -180,13 +180,13 @@ class alignas(64) Seat {
 
 }  // namespace
 
-/** Helper threads, which belong to TBB. After a loop, a helper stays awake for a short time and
+/** Helper threads, which belong to TBB. A helper stays awake for a short time after a loop and
  *  waits for the next loop. Therefore the short loops of a step need not wake the helper. */
 class ThreadPool::Team {
  public:
   explicit Team(uint32_t threads) : seats_(threads), arena_(static_cast<int>(threads)) {
-    // By default TBB limits its threads to the number of cores, or to the number that the first
-    // arena requests; this limit permits more.
+    // TBB by default limits its threads to the number of cores, or to the number that the first
+    // arena requests. This limit permits more threads.
     static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                            kMaxThreads);
     if (threads <= std::thread::hardware_concurrency()) look_ = kLook;
@@ -211,8 +211,8 @@ class ThreadPool::Team {
   /// Runs a loop from inside a body of ForEach, on threads that are idle.
   void RunBesideOthers(Loop& loop) {
     arena_.execute([&] {
-      // While a law waits for the last chunks of its loop, its thread must not begin another law,
-      // which would delay this one.
+      // The thread of a law that waits for the last chunks of its loop must not begin another law,
+      // which would delay this law.
       tbb::this_task_arena::isolate([&] {
         tbb::parallel_for(
             uint32_t{0}, loop.shares(), [&](uint32_t share) { loop.Work(share); },
@@ -222,7 +222,8 @@ class ThreadPool::Team {
   }
 
   void RunEach(uint64_t count, void (*body)(void* user, uint64_t i), void* user) {
-    // If `busy_` is set, the thread of a law is running a loop, and its seats must not change.
+    // The flag `busy_` means that the thread of a law is running a loop. The seats of this loop
+    // must not change.
     const bool alone = !busy_.test_and_set(std::memory_order_acquire);
     if (alone) Dismiss();
     char begin = 0, end = 0;  // tags for the thread sanitizer

@@ -20,7 +20,7 @@ constexpr size_t kMaxText = 255;
 constexpr int kMaxDepth = 16;
 constexpr int kMaxExponent = 127;
 
-/// An intermediate result. Its scale is a fraction, so that exact scales stay exact: for example,
+/// An intermediate result. Its scale is a fraction, so that exact scales stay exact. For example,
 /// g/ms gives exactly kg/s.
 struct Quantity {
   std::array<int, 7> exponent{};
@@ -56,7 +56,7 @@ constexpr Prefix kPrefixes[] = {
 /// Multiplication signs, longest first.
 constexpr std::string_view kTimes[] = {"\u22c5", "\u00b7", "*"};
 
-/// Superscript digits; the index is the digit.
+/// Superscript digits. The index of an element is its digit.
 constexpr std::string_view kRaised[] = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
                                         "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
 constexpr std::string_view kRaisedMinus = "\u207b";
@@ -241,7 +241,7 @@ class Parser {
     return "; did you mean '" + *nearest + "'?";
   }
 
-  /// Computes product *= factor^power.
+  /// Multiplies a product by a power of a factor: product *= factor^power.
   static void Multiply(Quantity& product, const Quantity& factor, int power, size_t offset) {
     for (size_t i = 0; i < product.exponent.size(); ++i) {
       product.exponent[i] += factor.exponent[i] * power;

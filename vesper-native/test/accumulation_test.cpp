@@ -58,8 +58,8 @@ TEST_P(AccumulationTest, SumStartsFromTheAppliedForce) {
 }
 
 TEST_P(AccumulationTest, SharesAreRoundedOnTheirOwnAndSummedInOrderOfLoading) {
-  // Each push adds twice. If a law added both halves of 1 to a running sum of 1e16, both would be
-  // lost.
+  // Each push adds two halves of 1. Both halves would be lost if the law added them to a running
+  // sum of 1e16.
   Bodies bodies(1);
   bodies.applied = {1e16, 0, 0};
   TestEngine engine(Options());
@@ -98,7 +98,7 @@ TEST_P(AccumulationTest, AppliedForceMustBeFinite) {
   EXPECT_EQ(error.row, 2u);
 }
 
-// Enough rows that several threads share them.
+// The test uses enough rows that several threads share them.
 TEST_P(AccumulationTest, TheFirstRowThatIsNotFiniteIsNamedWhateverTheNumberOfThreads) {
   for (const uint32_t threads : {1u, 2u, 8u}) {
     for (const bool applied : {true, false}) {

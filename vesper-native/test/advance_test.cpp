@@ -11,7 +11,7 @@ namespace {
 class AdvanceTest : public BothModes {};
 IN_BOTH_MODES(AdvanceTest);
 
-// Power of two, so that the closed forms below are exact.
+// The step is a power of two, so that the closed forms below are exact.
 constexpr double kExactDt = 1.0 / 64;
 
 TEST_P(AdvanceTest, ConstantForceMatchesDiscreteClosedForm) {

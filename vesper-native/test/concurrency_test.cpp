@@ -99,8 +99,8 @@ TEST_P(ConcurrencyTest, LawSeesWhatEarlierLawsWroteAndNotWhatLaterOnesWrite) {
   }
 }
 
-/// Loads velocity -> spin after position -> velocity. It runs in a later wave than the last law,
-/// which collides with no law.
+/// Loads velocity -> spin after position -> velocity. The second law runs in a later wave than the
+/// last law, which conflicts with no law.
 struct Relays {
   Relays(TestEngine& engine, bool spin_fails, bool acceleration_fails) {
     engine.AddBodies(bodies);
@@ -172,7 +172,7 @@ TEST_P(ConcurrencyTest, NumberOfThreadsChangesNoBitOfManyLaws) {
   for (const uint32_t threads : {2u, 3u, 8u}) EXPECT_EQ(hash_on(threads), expected) << threads;
 }
 
-/// Returns the number of threads of this process that do not sleep, without the calling one.
+/// Returns the number of threads of this process that do not sleep, without the calling thread.
 size_t BusyThreads() {
   size_t busy = 0;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {

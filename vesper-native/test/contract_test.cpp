@@ -85,7 +85,8 @@ TEST(ContractTest, FirstContractIsTheBeginningOfEveryStruct) {
 }
 
 TEST(ContractTest, LayoutTableIsWithoutGaps) {
-  // The fields of a struct are adjacent except for alignment, so a missing field shows as a gap.
+  // The fields of a struct are adjacent except for alignment. A missing field therefore appears as
+  // a gap.
   uint32_t count = 0;
   const vesper_layout_entry* entries = vesper_abi_layout(&count);
   uint32_t end = 0;

@@ -48,8 +48,8 @@ TEST_P(DeterminismTest, ValidateModeChangesNoBit) {
 }
 
 TEST(ParallelForTest, EveryEngineHasTheThreadsItAskedForWhateverTheMachineHas) {
-  // Otherwise the engine would use 2 threads instead of 8 on a machine with 2 cores, and so would
-  // the test above.
+  // This test checks that the engine uses the requested number of threads. It might otherwise use 2
+  // threads instead of 8 on a machine with 2 cores, also in the test above.
   for (const uint32_t threads : {2u, 8u, 3u}) {
     Bodies bodies(1);
     TestEngine engine({.threads = threads});
@@ -72,7 +72,8 @@ TEST(ParallelForTest, RangesBehindOneThatTakesLongAreDoneByOtherThreads) {
 }
 
 TEST(ParallelForTest, GrainIsPartOfTheResult) {
-  // Otherwise the tests above could pass with a law whose result does not depend on its chunks.
+  // The result must depend on the chunks. The tests above could otherwise pass with a law whose
+  // result does not depend on them.
   EXPECT_NE(HashAfter("field", {}, 1), HashAfter("field_by_100", {}, 1)) << "seed " << kSeed;
 }
 

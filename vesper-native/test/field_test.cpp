@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests properties that are functions of position, from the client or from a law library.
 #include <functional>
+#include <limits>
 
 #include "test_kit.hpp"
 #include "vesper/vesper.hpp"
@@ -137,6 +138,64 @@ TEST_P(FieldTest, LibraryBringsAFieldAndTakesItAway) {
   EXPECT_EQ(bodies.velocity[9], 12);
   ExpectRefused(VESPER_ALREADY_EXISTS, "library weather: field wind is bound already",
                 [&] { engine.LoadPhysicsLaw("weather"); });
+}
+
+TEST_P(FieldTest, LibraryFailsForAFieldThatIsNotFinite) {
+  const vesper_library_id weather = engine.LoadPhysicsLaw("weather_lost");
+  engine.LoadPhysicsLaw("drifting");
+  try {
+    engine.Advance(1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), VESPER_LAW_FAILED);
+    EXPECT_EQ(error.library(), weather);
+    EXPECT_EQ(error.property(), "wind");
+    EXPECT_NE(std::string(error.what()).find("library weather: field wind: found "),
+              std::string::npos)
+        << error.what();
+    EXPECT_NE(std::string(error.what()).find("at (0, 0, 0) m, where law drifting reads it"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_P(FieldTest, ReaderFailsForAFieldOfTheClientThatIsNotFinite) {
+  double lost = std::numeric_limits<double>::quiet_NaN();
+  engine.PropertyProvider().SetField("wind", Wind(lost));
+  const vesper_library_id drifting = engine.LoadPhysicsLaw("drifting");
+  try {
+    engine.Advance(1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), VESPER_LAW_MISBEHAVED);
+    EXPECT_EQ(error.library(), drifting);
+  }
+}
+
+TEST_P(FieldTest, CompiledLawRestsWithoutItsFieldAndAnOptionalFieldIsNotNeeded) {
+  PhysicsEngine resting(
+      LoadedPrototype(kPrototype, "windy.prototype").get(),
+      {.validate = GetParam(), .law_path = VESPER_TEST_LAWS, .rest_without_fields = true});
+  auto provider = resting.PropertyProvider();
+  provider.AddPhysicalProperty("position", bodies.position);
+  provider.AddPhysicalProperty("velocity", bodies.velocity);
+  resting.LoadPhysicsLaw("drifting");
+  const std::vector<double> before = bodies.velocity;
+  resting.Advance(1);
+  EXPECT_EQ(bodies.velocity, before);
+  provider.SetField("wind", Wind(factor));  // without the optional field `temperature`
+  resting.Advance(1);
+  EXPECT_EQ(bodies.velocity[9], 12);
+}
+
+TEST_P(FieldTest, LawThatLacksAColumnDoesNotRest) {
+  PhysicsEngine resting(
+      LoadedPrototype(kPrototype, "windy.prototype").get(),
+      {.validate = GetParam(), .law_path = VESPER_TEST_LAWS, .rest_without_fields = true});
+  resting.PropertyProvider().SetField("wind", Wind(factor));
+  resting.LoadPhysicsLaw("drifting");
+  ExpectRefused(VESPER_NOT_FOUND, "law drifting: needs property position",
+                [&] { resting.Advance(1); });
 }
 
 TEST_P(FieldTest, UndoneChangesBringAFieldBack) {

@@ -118,7 +118,7 @@ TEST(LibraryTest, TableOfAFrontEndIsLoadedAndReleased) {
   vesper_library_discard(origin);
 }
 
-/// Only vesper-host opens files in Python: this process must not run them.
+/// Only vesper-host opens files in Python, because this process must not run them.
 TEST(LibraryTest, FileInPythonIsRefused) {
   TemporaryFolder folder;
   WriteFile(folder / "spin.py", {'#'});
@@ -397,7 +397,7 @@ double ForceAfterOneThatStays(const char* law) {
 }
 
 TEST(LibraryTest, LibraryThatStaysMappedIsNotTakenForTheNextOne) {
-  // In a separate process, because the remaining mapping would disturb other tests.
+  // The check runs in a separate process, because the remaining mapping would disturb other tests.
   EXPECT_EXIT(std::exit(ForceAfterOneThatStays("push") == 1 ? 0 : 1), testing::ExitedWithCode(0),
               "");
 }

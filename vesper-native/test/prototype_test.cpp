@@ -29,7 +29,7 @@ TEST(PrototypeTest, StandardPrototypesDifferInPrecisionOnly) {
     EXPECT_EQ(a.minimum, 0) << a.name;
     if (a.scalar_type == VESPER_U32) {
       EXPECT_EQ(b.scalar_type, VESPER_U32) << a.name;
-      EXPECT_STREQ(a.refers_to, "body") << a.name;
+      EXPECT_STREQ(a.refers_to, std::string(a.name) == "geared" ? "joint" : "body") << a.name;
     } else if (a.scalar_type == VESPER_FIELD || a.scalar_type == VESPER_I32 ||
                std::string(a.name).ends_with("ize") ||
                std::string(a.name) == "meshPoints") {  // shapes are doubles in both
@@ -80,7 +80,7 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"magneticField", {"world", 3, "T", VESPER_READ}},
       {"forceField", {"world", 3, "N", VESPER_READ}},
       {"shape", {"body", 1, "1", VESPER_READ}},
-      {"size", {"body", 3, "m", VESPER_READ}},
+      {"size", {"body", 3, "m", VESPER_READ_WRITE}},
       {"carrier", {"body", 1, "1", VESPER_READ}},
       {"sceneryPosition", {"scenery", 3, "m", VESPER_READ}},
       {"sceneryOrientation", {"scenery", 4, "1", VESPER_READ}},
@@ -138,6 +138,26 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"angularRate", {"body", 3, "rad/s", VESPER_READ}},
       {"contactForce", {"body", 3, "N", kSum}},
       {"reactionForce", {"body", 3, "N", VESPER_READ_WRITE}},
+      {"substance", {"body", 1, "1", VESPER_READ}},
+      {"substances", {"substancePair", 2, "1", VESPER_READ}},
+      {"pairFriction", {"substancePair", 1, "1", VESPER_READ}},
+      {"pairRestitution", {"substancePair", 1, "1", VESPER_READ}},
+      {"ropeLength", {"joint", 1, "m", VESPER_READ}},
+      {"geared", {"gear", 2, "1", VESPER_READ}},
+      {"gearRatio", {"gear", 1, "1", VESPER_READ}},
+      {"offsetAngle", {"gear", 1, "1", VESPER_READ}},
+      {"offsetTravel", {"gear", 1, "m", VESPER_READ}},
+      {"gearTorque", {"gear", 1, "N*m", VESPER_READ_WRITE}},
+      {"gearForce", {"gear", 1, "N", VESPER_READ_WRITE}},
+      {"gearPlaces", {"gear", 2, "1", VESPER_READ_WRITE}},
+      {"asleep", {"body", 1, "1", VESPER_READ_WRITE}},
+      {"spinFriction", {"body", 1, "m", VESPER_READ}},
+      {"pairRollingFriction", {"substancePair", 1, "m", VESPER_READ}},
+      {"pairSpinFriction", {"substancePair", 1, "m", VESPER_READ}},
+      {"offsetLeast", {"joint", 3, "m", VESPER_READ}},
+      {"offsetGreatest", {"joint", 3, "m", VESPER_READ}},
+      {"turnLeast", {"joint", 3, "1", VESPER_READ}},
+      {"turnGreatest", {"joint", 3, "1", VESPER_READ}},
   };
   const vesper_prototype* prototype = vesper_prototype_standard("si-f64");
   ASSERT_EQ(prototype->property_count, expected.size());

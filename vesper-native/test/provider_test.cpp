@@ -174,7 +174,7 @@ TEST_P(ProviderTest, SharedValuesAreExpandedIntoRows) {
   for (size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(bodies.velocity[3 * i], 1 + 20 / masses[indices[i]]) << "row " << i;
   }
-  // Laws see edits after touch.
+  // Laws use the edited values after a call of touch.
   masses[1] = 5;
   EXPECT_OK(Touch(engine, {"mass"}));
   EXPECT_OK(engine.Advance(1, 1));

@@ -139,7 +139,7 @@ TEST_P(ScratchTest, CannotBeOptional) {
                  engine.TryLoad("remembering_perhaps"));
 }
 
-/// Without this limit, each body could need 8 GB.
+/// Each body could need 8 GB without this limit.
 TEST_P(ScratchTest, HasAtMost4096ComponentsInARow) {
   TestEngine engine(Options());
   EXPECT_REFUSED(LIBRARY_LOAD_FAILED,
@@ -167,6 +167,48 @@ TEST_P(ScratchTest, HasAtMostOneGibibyteInAllRows) {
   EXPECT_STREQ(error.property, "sum");
   EXPECT_OK(full.Unload(library));
   EXPECT_OK(full.Advance(1, 1));
+}
+
+/// Returns a row of a SCRATCH use, or the error as an exception of the test.
+std::vector<double> RememberedRow(Remembering& world, uint32_t use, uint64_t row, uint32_t count) {
+  std::vector<double> values(count, -1);
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_engine_scratch_row(world.engine.get(), world.library, 0, use, row, values.data(),
+                                     count, error);
+  }));
+  return values;
+}
+
+TEST_P(ScratchTest, OneRowCanBeRead) {
+  Remembering world(2, Options());
+  EXPECT_EQ(RememberedRow(world, 2, 1, 1), (std::vector<double>{0}));  // before the first step
+  EXPECT_OK(world.engine.Advance(1, 3));
+  EXPECT_EQ(RememberedRow(world, 2, 0, 1), (std::vector<double>{3}));
+  EXPECT_EQ(RememberedRow(world, 2, 1, 1), (std::vector<double>{6}));
+  EXPECT_EQ(RememberedRow(world, 3, 1, 2), (std::vector<double>{0, 3}));
+  EXPECT_OK(world.MoveRow("body", 1, 0));
+  EXPECT_EQ(RememberedRow(world, 2, 0, 1), (std::vector<double>{6}));
+  EXPECT_EQ(RememberedRow(world, 2, 1, 1), (std::vector<double>{0}));
+  EXPECT_EQ(RememberedRow(world, 2, UINT64_MAX, 1), (std::vector<double>{0}));
+}
+
+TEST_P(ScratchTest, OnlyScratchCanBeReadInItsShape) {
+  Remembering world(2, Options());
+  double value = -1;
+  const auto read = [&](vesper_library_id library, uint32_t law, uint32_t use, double* out,
+                        uint32_t count) {
+    return Try([&](vesper_error* error) {
+      return vesper_engine_scratch_row(world.engine.get(), library, law, use, 0, out, count, error);
+    });
+  };
+  EXPECT_REFUSED(NOT_FOUND, "no library with id 99", read(99, 0, 2, &value, 1));
+  EXPECT_REFUSED(NOT_FOUND, "there is no law 1", read(world.library, 1, 2, &value, 1));
+  EXPECT_REFUSED(NOT_FOUND, "no SCRATCH use 0", read(world.library, 0, 0, &value, 1));
+  EXPECT_REFUSED(NOT_FOUND, "no SCRATCH use 4", read(world.library, 0, 4, &value, 1));
+  EXPECT_REFUSED(INVALID_ARGUMENT, "SCRATCH count: count is 1, expected 2",
+                 read(world.library, 0, 3, &value, 1));
+  EXPECT_REFUSED(INVALID_ARGUMENT, "out is null", read(world.library, 0, 2, nullptr, 1));
+  EXPECT_EQ(value, -1);
 }
 
 TEST_P(ScratchTest, HoldsNoNaN) {

@@ -7,7 +7,7 @@
 namespace vesper {
 namespace {
 
-/// The struct of this build: `later` was appended to the first version.
+/// The struct of this build, in which `later` was appended to the first version.
 struct Grown {
   uint32_t struct_size;
   uint32_t first;

@@ -61,7 +61,7 @@ class Balance(Task):
 
 
 def play(environment: Environment, weights: Numbers, seed: int) -> float:
-    """Plays one episode and returns its points."""
+    """Runs one episode of the task and returns its points."""
     observation, _ = environment.reset(seed=seed)
     points, over, cut = 0.0, False, False
     while not (over or cut):

@@ -3,10 +3,10 @@
 next.
 
 An item is interesting if its symbol `interest` is high. Among items of equal `interest`, an item is
-more interesting if it differs from the others. The fewer items share the value of a symbol, the
-more this value counts. An item that was pushed counts as boring for a while. If the agent's body
-has an action `roll`, the agent moves to the item and runs against it. If the item has an action
-`push`, the agent performs this action. The last line on standard output is a JSON summary.
+more interesting if it differs from the others. A value of a symbol counts more if fewer items share
+it. An item that was pushed counts as boring for a while. If the agent's body has an action `roll`,
+the agent moves to the item and runs against it. If the item has an action `push`, the agent
+performs this action. The last line on standard output is a JSON summary.
 
     ./reve serve worlds/playground --port 7777 &
     python3 curious.py --port 7777 --seconds 30
@@ -45,8 +45,8 @@ def surprise(item: reve.Item, items: Sequence[reve.Item]) -> float:
 
 
 def interest(item: reve.Item, items: Sequence[reve.Item]) -> Tuple[float, float, str]:
-    """Returns the sort key of an item. The name decides between equals, so that runs are
-    reproducible."""
+    """Returns the sort key of an item. Equally interesting items are sorted by name, so that runs
+    are reproducible."""
     declared = item.symbols.get("interest", 0.0)
     number = float(declared) if isinstance(declared, (int, float)) else 0.0
     return number, surprise(item, items), item.name

@@ -34,7 +34,7 @@ _ROUNDS = 60 * 40  # frames after which the agent gives up
 
 
 def rotated(v: Sequence[float], q: Sequence[float]) -> Vector:
-    """Returns a vector rotated by a unit quaternion xyzw."""
+    """Returns a vector that is rotated by a unit quaternion xyzw."""
 
     def cross(a: Sequence[float], b: Sequence[float]) -> Vector:
         return (

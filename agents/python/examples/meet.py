@@ -2,9 +2,9 @@
 """Two agents meet in the dark: one calls, and the other one goes to where it hears the voice.
 
 The caller says where it is in every frame. The seeker walks toward the voice that it heard last.
-Words are lost on the way, the more the farther the agents are apart. As soon as the seeker touches
-the caller, it hears who speaks, and answers. Each agent prints what it hears, and a JSON summary in
-the last line.
+Words are lost on the way. More words are lost if the agents are farther apart. As soon as the
+seeker touches the caller, it hears who speaks, and answers. Each agent prints what it hears, and a
+JSON summary in the last line.
 
     ./reve serve agents/python/examples/meet.yaml --port 7777 &
     python3 meet.py caller --port 7777 &

@@ -65,7 +65,8 @@ def joint_speeds(columns: Sequence[Vector], velocity: Vector) -> List[float]:
         [sum(c[i] * c[j] for c in columns) + (_DAMPING**2 if i == j else 0.0) for j in range(3)]
         for i in range(3)
     ]
-    # Cramer's rule: the inverse of a matrix with the rows a, b, c has the columns b×c, c×a, a×b.
+    # By Cramer's rule, the inverse of a matrix with the rows a, b, c has the columns b×c, c×a and
+    # a×b, divided by the determinant.
     inverse = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])]
     determinant = dot(m[0], inverse[0])
     w = [sum(inverse[j][i] * velocity[j] for j in range(3)) / determinant for i in range(3)]

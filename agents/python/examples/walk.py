@@ -105,7 +105,7 @@ def main() -> int:
             if frame == 0:
                 start, ahead = here, trunk.orientation
             lowest = min(lowest, here[1])
-            # +X is ahead and -Z to the left.
+            # The robot starts in the direction +X, so its left side is in the direction -Z.
             turned = heading(trunk.orientation, ahead)
             wanted = targets(frame / _FRAMES, start[2] - here[2], turned)
             perception = agent.step(

@@ -6,7 +6,7 @@
 ...     print([item.name for item in agent.perceive().items])
 """
 
-from .client import Agent, Control, connect, control
+from .client import Agent, Control, cluster, connect, control
 from .errors import Disconnected, ProtocolError, ReveError
 from .protocol import (
     Act,
@@ -27,7 +27,7 @@ from .protocol import (
     Value,
     Welcome,
 )
-from .server import experiment, serve
+from .server import experiment, pack, serve
 
 __all__ = [
     "Act",
@@ -52,8 +52,10 @@ __all__ = [
     "Update",
     "Value",
     "Welcome",
+    "cluster",
     "connect",
     "control",
     "experiment",
+    "pack",
     "serve",
 ]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The client for asyncio. Its coroutines `connect` and `control` correspond to `reve.connect` and
-`reve.control`.
+"""The client for asyncio. Its coroutines `connect`, `control` and `cluster` correspond to those
+functions of `reve`.
 
 >>> import reve.aio
 >>> async with await reve.aio.connect("127.0.0.1", 7777, name="ada") as agent:
@@ -16,7 +16,7 @@ from typing import AsyncIterator, Awaitable, Callable, List, Optional, Tuple, Ty
 
 from . import protocol
 from .commands import Commands
-from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, Way, welcome_in
+from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, Way, result_in, welcome_in
 from .errors import (
     Disconnected,
     ReveError,
@@ -46,6 +46,7 @@ from .protocol import (
 from .tls import Tls, failed, trusting
 
 _T = TypeVar("_T")
+_Address = Tuple[str, int]
 
 
 class _Wire:
@@ -75,6 +76,68 @@ class _Wire:
             if welcome is not None:
                 self._incoming.limit = protocol.MOST_BYTES
                 return welcome
+
+    async def await_result(self) -> Result:
+        """Waits for the answer to a question that takes the place of a welcome."""
+        self._incoming.limit = protocol.MOST_BYTES
+        while True:
+            result = result_in(await self.next())
+            if result is not None:
+                return result
+
+
+async def _follow(
+    address: _Address,
+    greeting: Message,
+    tls: Tls,
+    timeout: float,
+    first: Callable[[_Wire], Awaitable[_T]],
+) -> Tuple[_Address, _Wire, _T]:
+    """Opens a connection to the server that has the world. Returns its address, the connection and
+    the first answer."""
+    loop = asyncio.get_running_loop()
+    deadline = loop.time() + timeout
+    way = Way(address)
+    while True:
+        try:
+            patience = deadline - loop.time()
+            return (way.address, *await _open(way.address, greeting, tls, patience, first))
+        except (Disconnected, OSError) as error:
+            pause = way.after(error)
+            if loop.time() + pause > deadline:
+                raise
+            await asyncio.sleep(pause)
+
+
+async def _open(
+    address: _Address,
+    greeting: Message,
+    tls: Tls,
+    patience: float,
+    first: Callable[[_Wire], Awaitable[_T]],
+) -> Tuple[_Wire, _T]:
+    """Connects, sends the greeting and waits for its answer, at most for `patience` [s]."""
+    try:
+        return await asyncio.wait_for(_greet(address, greeting, tls, first), patience)
+    except asyncio.TimeoutError as error:
+        raise not_welcomed() from error
+
+
+async def _greet(
+    address: _Address, greeting: Message, tls: Tls, first: Callable[[_Wire], Awaitable[_T]]
+) -> Tuple[_Wire, _T]:
+    context = trusting(tls) if tls else None
+    try:
+        reader, writer = await asyncio.open_connection(*address, ssl=context)
+    except ssl.SSLError as error:
+        raise failed(error) from error
+    wire = _Wire(reader, writer, str(greeting.get("encoding", protocol.JSON)))
+    try:
+        writer.write(protocol.encode(greeting))
+        return wire, await first(wire)
+    except BaseException:
+        writer.close()
+        raise
 
 
 async def connect(
@@ -120,15 +183,32 @@ async def control(
     return boss
 
 
+async def cluster(
+    host: str = "127.0.0.1",
+    port: int = 7777,
+    *,
+    name: str = "control",
+    token: Optional[str] = None,
+    tls: Tls = False,
+    timeout: float = 10.0,
+) -> Result:
+    """Asks a server for the nodes and worlds of its cluster as `reve.cluster` does, as a
+    coroutine."""
+    greeting = protocol.ask("cluster", name, token)
+    _, wire, result = await _follow((host, port), greeting, tls, timeout, _Wire.await_result)
+    wire.writer.close()
+    return result
+
+
 class Client:
-    """The common part of agents and controls, as in `reve.Client`. Use it only from the tasks of
-    one event loop."""
+    """The common part of agents and controls. It corresponds to `reve.Client`. Use it only from the
+    tasks of one event loop."""
 
     _talk: Conversation
     _reader: asyncio.Task[None]
 
     def __init__(
-        self, address: Tuple[str, int], greeting: Message, timeout: float, tls: Tls = False
+        self, address: _Address, greeting: Message, timeout: float, tls: Tls = False
     ) -> None:
         self._address = address
         self._greeting = greeting
@@ -137,44 +217,11 @@ class Client:
         self._waiters: List[asyncio.Future[None]] = []
 
     async def _begin(self) -> None:
-        self._wire, welcome = await self._follow()
+        self._address, self._wire, welcome = await _follow(
+            self._address, self._greeting, self._tls, self._timeout, _Wire.await_welcome
+        )
         self._talk = Conversation(self._greeting, welcome)
         self._reader = asyncio.create_task(self._read())
-
-    async def _follow(self) -> Tuple[_Wire, Welcome]:
-        """Opens a connection to the server that has the world."""
-        loop = asyncio.get_running_loop()
-        deadline = loop.time() + self._timeout
-        way = Way(self._address)
-        while True:
-            self._address = way.address
-            try:
-                return await self._open(self._greeting, deadline - loop.time())
-            except (Disconnected, OSError) as error:
-                pause = way.after(error)
-                if loop.time() + pause > deadline:
-                    raise
-                await asyncio.sleep(pause)
-
-    async def _open(self, greeting: Message, patience: float) -> Tuple[_Wire, Welcome]:
-        try:
-            return await asyncio.wait_for(self._join(greeting), patience)
-        except asyncio.TimeoutError as error:
-            raise not_welcomed() from error
-
-    async def _join(self, greeting: Message) -> Tuple[_Wire, Welcome]:
-        context = trusting(self._tls) if self._tls else None
-        try:
-            reader, writer = await asyncio.open_connection(*self._address, ssl=context)
-        except ssl.SSLError as error:
-            raise failed(error) from error
-        wire = _Wire(reader, writer, str(greeting.get("encoding", protocol.JSON)))
-        try:
-            writer.write(protocol.encode(greeting))
-            return wire, await wire.await_welcome()
-        except BaseException:
-            writer.close()
-            raise
 
     @property
     def welcome(self) -> Welcome:
@@ -223,7 +270,8 @@ class Client:
     def missed_events(self) -> int:
         """The minimum number of events that the server did not send, see `missed` in `events`.
 
-        If the connection was broken, the server may not know the number, and counts one.
+        The server may not know the number while the connection was broken. It then counts one
+        event.
         """
         return self._talk.missed_events
 
@@ -305,6 +353,9 @@ class Client:
                     continue
             except OSError as error:
                 end = broken(error)
+            except Disconnected as bye:
+                self._address = self._talk.next_address(self._address, bye)
+                end = bye
             if not await self._resume():
                 raise end
 
@@ -321,21 +372,25 @@ class Client:
             if greeting is None:
                 return False
             try:
-                patience = min(self._timeout, deadline - loop.time())
-                self._wire, _ = await self._open(greeting, patience)
+                patience = self._talk.attempt_seconds(self._timeout, deadline - loop.time())
+                self._wire, welcome = await _open(
+                    self._address, greeting, self._tls, patience, _Wire.await_welcome
+                )
             except (ReveError, OSError) as error:
                 if isinstance(error, ReveError) and not self._talk.may_retry(error):
                     self._finish(error)
                     return False
+                self._address = self._talk.another_address(self._address, error)
                 await asyncio.sleep(RETRY_SECONDS)
                 continue
+            self._talk.know_servers(welcome)
             self._send(self._talk.gone_on())
             return True
         return False
 
 
 class Agent(Client):
-    """An agent in a world, created by `connect`; as `reve.Agent`."""
+    """An agent in a world, created by `connect`. It corresponds to `reve.Agent`."""
 
     async def __aenter__(self) -> Agent:
         return self
@@ -363,17 +418,17 @@ class Agent(Client):
         return await self._ask(lambda id: protocol.look(id, sensor), Image)
 
     async def step(self, *acts: Act) -> Perception:
-        """In lock-step: performs the acts in the next frame; returns the perception after it."""
+        """Performs the acts in the next frame and returns the perception after it, in lock-step."""
         self.ready(*acts)
         return await self.observe()
 
     def ready(self, *acts: Act) -> None:
-        """In lock-step: sends the acts for the next frame, and ends this agent's round."""
+        """Sends the acts for the next frame and ends this agent's round, in lock-step."""
         self._send(self._talk.ready(acts))
 
     async def observe(self, frame: int = 0) -> Perception:
-        """In lock-step: waits for the next perception that was not returned yet, of the given frame
-        or a later one."""
+        """Waits for the next perception that was not returned yet, in lock-step. It is the
+        perception of the given frame or of a later frame."""
         patience = self._timeout + self._talk.patience()
         while not self._talk.has_observation(frame):
             if self._talk.must_say_ready():
@@ -385,13 +440,19 @@ class Agent(Client):
 
 
 class Control(Client, Commands[Awaitable[Result], Awaitable[Report]]):
-    """A controller of a world, created by `control`; as `reve.Control`."""
+    """A controller of a world, created by `control`. It corresponds to `reve.Control`."""
 
     async def __aenter__(self) -> Control:
         return self
 
+    async def look(self, sensor: str, item: Union[str, Item]) -> Image:
+        """Returns the current picture of a camera of any body, as `reve.Control.look`."""
+        body = item if isinstance(item, str) else item.name
+        return await self._ask(lambda id: protocol.look(id, sensor, body), Image)
+
     async def foresee(self, frames: int, *changes: Mapping[str, object]) -> Perception:
-        """Returns the perception of a copy of the world after `frames` more frames without acts."""
+        """Returns the perception of a copy of the world after `frames` more frames in which no
+        agent acts."""
         return await self._answer(self._talk.fork(frames, changes), self._talk.foreseen)
 
     def _report(self, t: str, **fields: object) -> Awaitable[Report]:

@@ -24,7 +24,7 @@ from typing import (
 
 from . import protocol
 from .commands import Commands
-from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, Way, welcome_in
+from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, Way, result_in, welcome_in
 from .errors import (
     Disconnected,
     ReveError,
@@ -81,6 +81,66 @@ class _Wire:
                 self._incoming.limit = protocol.MOST_BYTES
                 return welcome
 
+    def await_result(self) -> Result:
+        """Waits for the answer to a question that takes the place of a welcome."""
+        self._incoming.limit = protocol.MOST_BYTES
+        while True:
+            result = result_in(self.next())
+            if result is not None:
+                return result
+
+
+def _dial(address: Tuple[str, int], timeout: float) -> socket.socket:
+    try:
+        return socket.create_connection(address, timeout)
+    except OSError as error:
+        host, port = address
+        raise type(error)(
+            error.errno or errno.ETIMEDOUT,
+            f"{host}:{port}: {error.strerror or error}; does a server run there?",
+        ) from error
+
+
+def _open(
+    address: Tuple[str, int],
+    greeting: Message,
+    timeout: float,
+    tls: Tls,
+    patience: float,
+    answer: Callable[[_Wire], _T],
+) -> Tuple[_Wire, _T]:
+    """Connects, sends the greeting and waits for its answer, at most for `patience` [s]."""
+    plain = _dial(address, timeout)
+    connection: Union[socket.socket, TlsSocket] = plain
+    late = threading.Event()
+
+    def give_up() -> None:
+        late.set()
+        try:
+            plain.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            pass  # the connection has already ended
+
+    timer = threading.Timer(max(0.0, patience), give_up)
+    timer.daemon = True
+    timer.start()
+    try:
+        plain.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        if tls:
+            connection = secure(plain, address[0], tls)
+        wire = _Wire(connection, str(greeting.get("encoding", protocol.JSON)))
+        connection.sendall(protocol.encode(greeting))
+        found = answer(wire)
+        connection.settimeout(None)
+        return wire, found
+    except BaseException as error:
+        connection.close()
+        if late.is_set() or isinstance(error, socket.timeout):
+            raise not_welcomed() from error
+        raise
+    finally:
+        timer.cancel()
+
 
 def connect(
     host: str = "127.0.0.1",
@@ -99,21 +159,22 @@ def connect(
 ) -> Agent:
     """Joins the world at an address as agent `name`, and returns when the agent has a body.
 
-    If another server of a cluster has the world, the client joins there. While the cluster starts
-    the world, the client tries again.
+    The client joins another server of a cluster if that server has the world. It tries again while
+    the cluster starts the world.
 
-    `world` names one of the server's worlds; required only if the server has several.
-    `body` names an item that the world grants to agents; without it the world chooses one.
-    With `role` "observer" the client perceives everything and cannot act.
-    `encoding` "msgpack" is faster and needs the package msgpack.
-    With a `time` (a LockStep) the world waits for the agent, see `Agent.step`; without it, the
-    world runs in real time.
-    `grace` [s] is the time for which the server keeps the body after the connection has broken. The
-    client reconnects automatically, and calls that wait for an answer continue to wait.
-    `token` is the token that the server requires, if any.
-    `tls` encrypts the connection. True trusts the authorities of this machine; a file name trusts
-    only the certificates in the file.
-    `timeout` [s] limits this call and every later wait for an answer.
+    - `world` names one of the server's worlds. It is required only if the server has several.
+    - `body` names an item that the world grants to agents. Without it, the world chooses one.
+    - `role` "observer" means that the client perceives everything and cannot act.
+    - `encoding` "msgpack" is faster and needs the package msgpack.
+    - `time` (a LockStep) makes the world wait for the agent; see `Agent.step`. Without it, the
+      world runs in real time.
+    - `grace` [s] is the time for which the server keeps the body after the connection has broken.
+      The client reconnects automatically, and calls that wait for an answer continue to wait. If
+      the world moves to another server of a cluster, the client resumes its session there.
+    - `token` is the token that the server requires, if any.
+    - `tls` encrypts the connection. The value True trusts the authorities of this machine. A file
+      name trusts only the certificates in the file.
+    - `timeout` [s] limits this call and every later wait for an answer.
 
     Raises OSError if no server listens at the address, and Disconnected with the server's code if
     the agent may not join.
@@ -142,10 +203,41 @@ def control(
     return Control((host, port), greeting, timeout, tls)
 
 
+def cluster(
+    host: str = "127.0.0.1",
+    port: int = 7777,
+    *,
+    name: str = "control",
+    token: Optional[str] = None,
+    tls: Tls = False,
+    timeout: float = 10.0,
+) -> Result:
+    """Asks a server for the nodes and worlds of its cluster, without joining a world. A world that
+    sleeps continues to sleep.
+
+    The `value` of the result is that of `Control.cluster`. Arguments and exceptions are those of
+    `connect`.
+    """
+    greeting = protocol.ask("cluster", name, token)
+    deadline = clock.monotonic() + timeout
+    way = Way((host, port))
+    while True:
+        try:
+            patience = deadline - clock.monotonic()
+            wire, result = _open((host, port), greeting, timeout, tls, patience, _Wire.await_result)
+            wire.socket.close()
+            return result
+        except Disconnected as error:
+            pause = way.after(error)
+            if clock.monotonic() + pause > deadline:
+                raise
+            clock.sleep(pause)
+
+
 class Client:
     """The common part of agents and controls: a connection, and perceptions. Thread-safe.
 
-    Every call raises Disconnected once the connection has ended, and ReveError with code
+    Every call raises Disconnected after the connection has ended, and ReveError with code
     `no-answer` if the server does not answer within the timeout.
     """
 
@@ -164,16 +256,6 @@ class Client:
         )
         self._reader.start()
 
-    def _dial(self) -> socket.socket:
-        try:
-            return socket.create_connection(self._address, self._timeout)
-        except OSError as error:
-            host, port = self._address
-            raise type(error)(
-                error.errno or errno.ETIMEDOUT,
-                f"{host}:{port}: {error.strerror or error}; does a server run there?",
-            ) from error
-
     def _follow(self, greeting: Message, patience: float) -> Tuple[_Wire, Welcome]:
         """Opens a connection to the server that has the world, within `patience` [s]."""
         deadline = clock.monotonic() + patience
@@ -190,36 +272,9 @@ class Client:
 
     def _open(self, greeting: Message, patience: float) -> Tuple[_Wire, Welcome]:
         """Connects and waits for the welcome, at most for `patience` [s]."""
-        plain = self._dial()
-        connection: Union[socket.socket, TlsSocket] = plain
-        late = threading.Event()
-
-        def give_up() -> None:
-            late.set()
-            try:
-                plain.shutdown(socket.SHUT_RDWR)
-            except OSError:
-                pass  # the connection has already ended
-
-        timer = threading.Timer(max(0.0, patience), give_up)
-        timer.daemon = True
-        timer.start()
-        try:
-            plain.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            if self._tls:
-                connection = secure(plain, self._address[0], self._tls)
-            wire = _Wire(connection, str(greeting.get("encoding", protocol.JSON)))
-            connection.sendall(protocol.encode(greeting))
-            welcome = wire.await_welcome()
-            connection.settimeout(None)
-            return wire, welcome
-        except BaseException as error:
-            connection.close()
-            if late.is_set() or isinstance(error, socket.timeout):
-                raise not_welcomed() from error
-            raise
-        finally:
-            timer.cancel()
+        return _open(
+            self._address, greeting, self._timeout, self._tls, patience, _Wire.await_welcome
+        )
 
     @property
     def welcome(self) -> Welcome:
@@ -234,14 +289,15 @@ class Client:
         """Returns the items of the next frame.
 
         With `relations`, the symbols (named facts) of items with a shape also contain `near`, `on`,
-        `inside` and `touching`; each lists the names of other items.
+        `inside` and `touching`. Each of these lists the names of other items.
         """
         return self._ask(lambda id: protocol.perceive(id, relations=relations), Perception)
 
     def perceptions(self, every: int = 1) -> Iterator[Perception]:
-        """Yields a perception every `every` frames, always the newest: a slow loop skips frames.
+        """Yields a perception every `every` frames, always the newest one, so a slow loop skips
+        frames.
 
-        There is one such stream; a new one ends the previous one.
+        A client has one such stream. A new stream ends the previous stream.
         """
         with self._sending:
             with self._changed:
@@ -280,7 +336,8 @@ class Client:
     def missed_events(self) -> int:
         """The minimum number of events that the server did not send, see `missed` in `events`.
 
-        If the connection was broken, the server may not know the number, and counts one.
+        The server may not know the number while the connection was broken. It then counts one
+        event.
         """
         return self._talk.missed_events
 
@@ -367,6 +424,9 @@ class Client:
                     continue
             except OSError as error:
                 end = broken(error)
+            except Disconnected as bye:
+                self._address = self._talk.next_address(self._address, bye)
+                end = bye
             if not self._resume():
                 raise end
 
@@ -392,15 +452,18 @@ class Client:
             if greeting is None:
                 return False
             try:
-                patience = min(self._timeout, deadline - clock.monotonic())
-                wire, _ = self._open(greeting, patience)
+                left = deadline - clock.monotonic()
+                patience = self._talk.attempt_seconds(self._timeout, left)
+                wire, welcome = self._open(greeting, patience)
             except (ReveError, OSError) as error:
                 if isinstance(error, ReveError) and not self._talk.may_retry(error):
                     self._finish(error)
                     return False
+                self._address = self._talk.another_address(self._address, error)
                 with self._changed:
                     self._changed.wait_for(lambda: self._talk.end is not None, RETRY_SECONDS)
                 continue
+            self._talk.know_servers(welcome)
             with self._sending:
                 self._wire = wire
                 with self._changed:
@@ -447,24 +510,24 @@ class Agent(Client):
     # ---- lock-step ----
 
     def step(self, *acts: Act) -> Perception:
-        """In lock-step: performs the acts in the next frame, and returns the perception after it.
+        """Performs the acts in the next frame and returns the perception after it, in lock-step.
 
-        If a round has several frames, returns the perception at the end of the round. `results` of
-        the perception are the results of the acts.
+        If a round has several frames, this is the perception at the end of the round. The field
+        `results` of the perception contains the results of the acts.
         """
         self.ready(*acts)
         return self.observe()
 
     def ready(self, *acts: Act) -> None:
-        """In lock-step: sends the acts for the next frame, and ends this agent's round."""
+        """Sends the acts for the next frame and ends this agent's round, in lock-step."""
         with self._sending:
             with self._changed:
                 lines = self._talk.ready(acts)
             self._send(lines)
 
     def observe(self, frame: int = 0) -> Perception:
-        """In lock-step: waits for the next perception that was not returned yet, of the given frame
-        or a later one.
+        """Waits for the next perception that was not returned yet, in lock-step. It is the
+        perception of the given frame or of a later frame.
 
         The world waits for this agent after the frame of the perception. The first perception is
         that of the frame in which the agent joined.
@@ -486,21 +549,30 @@ class Agent(Client):
 
 
 class Control(Client, Commands[Result, Report]):
-    """A controller of a world: perceives everything, and each command waits for its result."""
+    """A controller of a world. It perceives everything, and each command waits for its result."""
 
     def __enter__(self) -> Control:
         return self
 
+    def look(self, sensor: str, item: Union[str, Item]) -> Image:
+        """Returns the current picture of a camera of any body.
+
+        Raises ReveError with the server's code if there is no picture.
+        """
+        body = item if isinstance(item, str) else item.name
+        return self._ask(lambda number: protocol.look(number, sensor, body), Image)
+
     def foresee(self, frames: int, *changes: Mapping[str, object]) -> Perception:
-        """Returns the perception of a copy of the world after `frames` more frames without acts.
-        `changes` are made in the copy first.
+        """Returns the perception of a copy of the world after `frames` more frames in which no
+        agent acts. The copy first makes the `changes`.
 
         Raises ReveError with the server's code if it refuses a prediction of so many frames.
         """
         return self._answer(lambda: self._talk.fork(frames, changes), self._talk.foreseen)
 
     def begin_edits(self, edits: Sequence[Tuple[str, str, Argument]]) -> Callable[[], List[Result]]:
-        """Sends edits for the next frame; each is an item, a property and a value, as in `edit`.
+        """Sends edits for the next frame. Each edit is an item, a property and a value, as in
+        `edit`.
 
         Returns when the server has received all edits. The returned function waits for the results.
         """

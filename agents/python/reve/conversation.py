@@ -6,6 +6,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import logging
+import ssl
 from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import Any, Callable, Deque, Dict, List, Optional, Set, Tuple, Type, TypeVar, Union
@@ -31,25 +32,28 @@ from .protocol import (
 )
 
 RETRY_SECONDS = 0.2  # pause between two attempts to resume
+_ATTEMPT_SECONDS = 5.0  # maximum wait for an answer to a resume, if there are several servers
 CHUNK_BYTES = 1 << 16  # maximum size of one read
 
 _EVENTS_KEPT = 1024
 # Codes of a refused `resume` after which a client tries again during its time of grace.
-_RETRIED = ("lost", "resumed-too-often")
+_RETRIED = ("lost", "resumed-too-often", "moved", "world-starting")
 _LOG = logging.getLogger("reve")
 
 _T = TypeVar("_T")
 
 
 class Way:
-    """The way to the server of a cluster that has the world."""
+    """The search for the server of a cluster that has the world."""
 
-    _MOST_MOVES = 4  # number of servers that may send a client to another one
+    _MOST_MOVES = 4  # number of servers that may send a client to another one without a pause
+    _MOST_ROUNDS = 10  # number of pauses, in which the servers learn where the world is
 
     def __init__(self, first: Tuple[str, int]) -> None:
         self.address = first
         self._first = first
         self._moves = 0
+        self._rounds = 0
 
     def after(self, error: Exception) -> float:
         """Sets the next address after a failure, and returns the time to wait before [s]. Raises
@@ -59,13 +63,27 @@ class Way:
             self._moves += 1
             self.address = moved
             return 0.0
+        astray = moved is not None and self._rounds < self._MOST_ROUNDS
         starts = isinstance(error, Disconnected) and error.code == "world-starting"
-        lost = isinstance(error, OSError) and self._moves > 0  # a server that was lost a moment ago
-        if not starts and not lost:
+        # Another server has sent the client to this one, which has ended a moment ago.
+        ended = isinstance(error, OSError) or _is_closing(error)
+        if not starts and not astray and not (ended and self._moves > 0):
             raise error
+        self._rounds += astray
         self._moves = 0
         self.address = self._first
         return RETRY_SECONDS
+
+
+def _is_closing(error: Exception) -> bool:
+    return isinstance(error, Disconnected) and error.code == "closing"
+
+
+def _is_out(error: Exception) -> bool:
+    """Returns whether a server ends, or accepts connections and does not answer."""
+    if isinstance(error, Disconnected) and error.code == "tls-failed":  # ended in the handshake
+        return isinstance(error.__cause__, (EOFError, ssl.SSLEOFError))
+    return _is_closing(error) or isinstance(error, ReveError) and error.code == "no-answer"
 
 
 def welcome_in(message: Optional[ServerMessage]) -> Optional[Welcome]:
@@ -87,6 +105,16 @@ def welcome_in(message: Optional[ServerMessage]) -> Optional[Welcome]:
     return None
 
 
+def result_in(message: Optional[ServerMessage]) -> Optional[Result]:
+    """Returns the answer to a question that took the place of a welcome, or None if the client must
+    read further messages."""
+    if isinstance(message, Result):
+        return message
+    if welcome_in(message) is not None:
+        raise ProtocolError("the server has opened a session instead of an answer")
+    return None
+
+
 class Conversation:
     """One session, over one or more connections.
 
@@ -103,7 +131,8 @@ class Conversation:
         self._waiting: Dict[int, Optional[ServerMessage]] = {}
         self._unanswered: Dict[int, bytes] = {}
         self._ahead: Set[int] = set()  # requests for the perception of a future frame
-        # The stream of perceptions. In lock-step it has no id and exists from the beginning.
+        # The stream of perceptions. The stream of an agent in lock-step has no id and exists from
+        # the beginning.
         self._streaming = welcome.time is not None
         self._subscription: Optional[int] = None
         self._every = 0
@@ -115,10 +144,12 @@ class Conversation:
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
         self._heard: Deque[Heard] = deque(maxlen=_EVENTS_KEPT)
         self._frame_seen = welcome.frame - 1
-        # No event up to the frame `_frame_seen` is missing. `_heard_after` events of the next frame
-        # have arrived.
+        # All events up to the frame `_frame_seen` have arrived. `_heard_after` events of the next
+        # frame have arrived.
         self._heard_after = 0
         self._known_already = 0
+        self._known_servers: List[Tuple[str, int]] = []  # of a cluster, for `another_address`
+        self.know_servers(welcome)
 
     # ---- requests ----
 
@@ -176,7 +207,7 @@ class Conversation:
         return answer
 
     def drop(self, number: int) -> None:
-        """Removes a request; its answer is ignored."""
+        """Removes a request, so that its answer is ignored."""
         self._waiting.pop(number, None)
         self._unanswered.pop(number, None)
         self._ahead.discard(number)
@@ -224,7 +255,7 @@ class Conversation:
         return None if latest is None else self._with_heard(latest)
 
     def _with_heard(self, perception: Perception) -> Perception:
-        """Adds what was heard up to the frame of the perception and not returned yet."""
+        """Adds the texts that were heard up to the frame of the perception and not returned yet."""
         heard: List[Heard] = []
         while self._heard and self._heard[0].frame <= perception.frame:
             heard.append(self._heard.popleft())
@@ -288,7 +319,7 @@ class Conversation:
     def must_say_ready(self) -> bool:
         """Returns True if the client must send a `ready` without acts.
 
-        This is necessary if a round ended without this agent: the world waits for the agent in the
+        This is necessary if a round ended without this agent. The world waits for the agent in the
         next round, while the agent still waits for results of its acts.
         """
         return (
@@ -351,8 +382,8 @@ class Conversation:
             self._heard_after += 1
 
     def _miss(self, gap: Event) -> None:
-        """Keeps the event `gap`, which stands for events that the server did not send, and counts
-        them."""
+        """Stores the event `gap`, which represents events that were not sent, and counts these
+        events."""
         if self.missed_events == 0:
             _LOG.warning(
                 "%s misses events from frame %d to %d, as it reads too slowly or others cause too "
@@ -369,7 +400,7 @@ class Conversation:
         self._known_already = min(self._known_already, self._heard_after)
 
     def _has_seen(self, frame: int) -> None:
-        """Records that all events up to that frame have arrived."""
+        """Records that all events up to the given frame have arrived."""
         if frame > self._frame_seen:
             self._frame_seen = frame
             self._heard_after = 0
@@ -410,15 +441,54 @@ class Conversation:
             world=self.welcome.world,
         )
 
-    @staticmethod
-    def may_retry(error: Exception) -> bool:
-        """Returns False if a resume failed for a permanent reason."""
+    def next_address(self, current: Tuple[str, int], end: Disconnected) -> Tuple[str, int]:
+        """Returns the address at which the session continues after its world has moved from the
+        current server to another one of a cluster. Raises `end` if the session does not continue.
+        """
+        if end.code != "moved" or end.address is None or self.welcome.session is None:
+            raise end
+        self._note(current)
+        self._note(end.address)
+        return end.address
+
+    def know_servers(self, welcome: Welcome) -> None:
+        """Notes the servers at which the session can be resumed."""
+        for server in () if welcome.session is None else welcome.session.servers:
+            self._note(server)
+
+    def attempt_seconds(self, timeout: float, left: float) -> float:
+        """Returns the time for one attempt to resume the session [s]."""
+        most = min(timeout, left)
+        return min(most, _ATTEMPT_SECONDS) if len(self._known_servers) > 1 else most
+
+    def _note(self, server: Tuple[str, int]) -> None:
+        if server not in self._known_servers:
+            self._known_servers.append(server)
+
+    def another_address(self, tried: Tuple[str, int], error: Exception) -> Tuple[str, int]:
+        """Returns the address for the next attempt to resume the session: where the server sends
+        the client, or the next known server if the tried one does not answer or ends."""
+        self._note(tried)
+        if isinstance(error, Disconnected) and error.address is not None:
+            self._note(error.address)
+            return error.address
+        if not isinstance(error, OSError) and not _is_out(error):
+            return tried
+        place = self._known_servers.index(tried) + 1
+        return self._known_servers[place % len(self._known_servers)]
+
+    def may_retry(self, error: Exception) -> bool:
+        """Returns False if a resume failed for a permanent reason. The end or the silence of a
+        server is permanent if the client knows no other one."""
+        if _is_out(error):
+            return len(self._known_servers) > 1
         return not isinstance(error, ReveError) or error.code in _RETRIED
 
     def gone_on(self) -> bytes:
         """Returns the bytes to send over a new connection after its welcome.
 
-        These are unanswered messages, or a bye if the client has left in the meantime.
+        These are the unanswered messages, or the message bye if the client has left in the
+        meantime.
         """
         if self.end is not None:
             return self.encode(protocol.bye())

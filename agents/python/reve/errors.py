@@ -7,7 +7,8 @@ from typing import Optional, Tuple
 
 
 class ReveError(Exception):
-    """A refused message, or a missing answer. `code` is for programs, the message for people."""
+    """A refused message, or a missing answer. The `code` is for programs, and the message is for
+    people."""
 
     def __init__(self, code: str, message: str, hint: Optional[str] = None) -> None:
         super().__init__(f"{code}: {message}" + (f" ({hint})" if hint else ""))
@@ -17,9 +18,10 @@ class ReveError(Exception):
 
 
 class Disconnected(ReveError):
-    """The connection ended; `code` is the server's reason, or `lost` if it gave none.
+    """The connection has ended. `code` is the server's reason, or `lost` if there was none.
 
-    `address` is the host and port of the server that has the world, if this server named another.
+    `address` is the host and port of the server that has the world, if this server named another
+    server.
     """
 
     def __init__(
@@ -45,7 +47,8 @@ def unreadable(error: Exception) -> ProtocolError:
     return ProtocolError(f"the server sent a message that cannot be read ({error!r})")
 
 
-# Errors of connections, which the blocking and the asyncio client raise.
+# The functions below return the errors of connections that the blocking and the asyncio client
+# raise.
 
 
 def not_welcomed() -> ReveError:

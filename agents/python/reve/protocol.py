@@ -80,12 +80,14 @@ class Limits:
 
 @dataclass(frozen=True)
 class Ticket:
-    """The token with which a new connection resumes the session. It must do so within
-    `grace_seconds` after the old connection broke.
+    """The token with which a new connection resumes the session. The session can be resumed within
+    `grace_seconds` after the old connection broke. `servers` are the addresses of other servers of
+    a cluster at which the session can be resumed if this one does not answer.
     """
 
     token: str
     grace_seconds: float
+    servers: Tuple[Tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -105,8 +107,8 @@ class Act:
 @dataclass(frozen=True)
 class LockStep:
     """Settings of lock-step. The world waits for the agent after every `every`th frame, at most for
-    `deadline` [s]. If the agent has not answered by then, its body performs the act `fallback`.
-    With `relations`, the items' symbols also contain `near`, `on`, `inside` and `touching`.
+    `deadline` [s]. The agent's body performs the act `fallback` if the agent has not answered by
+    then. With `relations`, the items' symbols also contain `near`, `on`, `inside` and `touching`.
     """
 
     every: int = 1
@@ -120,7 +122,8 @@ class Welcome:
     """The first answer: the agent's name and world.
 
     `rate` is the world's frames per second. Only agents have a body. In lock-step, `time` contains
-    the interval and the deadline that the server grants.
+    the interval and the deadline that the server grants. `cameras` are the names of the cameras of
+    the agent's body.
     """
 
     id: Optional[int]
@@ -136,14 +139,15 @@ class Welcome:
     session: Optional[Ticket]
     resumed: bool
     limits: Limits
+    cameras: Tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of an action.
 
-    The fields after the type are for "number" only: the count of numbers, their unit, and the
-    bounds of each number, if there are any.
+    The fields after the type are for "number" only. They are the count of numbers, their unit, and
+    the bounds of each number, if there are any.
     """
 
     type: str
@@ -171,6 +175,16 @@ class Item:
     needs: Mapping[str, Sequence[str]] = field(default_factory=dict)
     capabilities: Tuple[str, ...] = ()
 
+    def is_a(self, item_class: str) -> bool:
+        """Returns whether the item belongs to a class: its own class, or one above it.
+
+        Returns False if no sensor perceives the symbols `class` and `classes`.
+        """
+        classes = self.symbols.get("classes", ())
+        return item_class == self.symbols.get("class") or (
+            isinstance(classes, (list, tuple)) and item_class in classes
+        )
+
 
 @dataclass(frozen=True)
 class Reading:
@@ -185,6 +199,7 @@ class Reading:
     | `imu` | `angularVelocity` | (3,) [rad/s], in the body's own axes |
     | `contactForce` | `force` | (3,) [N], in the axes of the world, or of the body |
     | `lidar` | `distances` | (rows * columns,) [m], row by row; `math.inf` where nothing was met |
+    | `java` | those that its plugin declares | (components,) in the units of the plugin |
 
     `columns` is the number of rays side by side of a lidar, and None for other instruments:
     `numpy.asarray(reading["distances"]).reshape(-1, reading.columns)`.
@@ -201,7 +216,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Heard:
-    """What the agent heard of a text that another agent said in that frame.
+    """The part that the agent heard of a text that another agent said in a frame.
 
     In `text`, "…" replaces each of the `lost` words. `speaker` is the name of the speaker's body,
     or None if no sensor of the hearer senses this body. `direction` is the unit vector from the
@@ -223,8 +238,8 @@ class Perception:
 
     In lock-step, `results` are the results of the acts of the previous round, in order. `readings`
     are the newest readings of the instruments of the agent's body, by the name of the sensor.
-    `heard` is what the agent has heard since the perception before, in order; at most the last
-    1,024.
+    `heard` contains the texts that the agent has heard since the previous perception, in order, at
+    most the last 1,024.
     """
 
     id: Optional[int]
@@ -263,7 +278,7 @@ class Perception:
 
 @dataclass(frozen=True)
 class Change:
-    """The changes of an item; None for a field that did not change."""
+    """The changes of an item. A field that did not change is None."""
 
     name: str
     location: Optional[Tuple[float, float, float]] = None
@@ -309,9 +324,9 @@ class Result:
 class Image:
     """A camera's picture, row by row from the top; numbers are little-endian.
 
-    `colour` is red, green and blue in sRGB, one byte each. `depth` [m] is 32-bit floats along the
-    view, 0 if nothing is in range. `items` is 16 bits, 0 for no item, otherwise the index in
-    `names`, from 1. Layers that the camera lacks are None. With numpy:
+    `colour` is red, green and blue in sRGB, one byte each. `depth` [m] is 32-bit floats, the
+    distance along the view axis; it is 0 if no surface is in range. `items` is 16 bits, 0 for no
+    item, otherwise the index in `names`, from 1. Layers that the camera lacks are None. With numpy:
     `numpy.frombuffer(image.colour, "u1").reshape(image.height, image.width, 3)`, `"<f4"` for the
     depth and `"<u2"` for the items.
     """
@@ -384,7 +399,7 @@ class Pong:
 class Bye:
     """The end of the connection, and its reason.
 
-    `address` is the address of the server that has the world, if it is another one.
+    `address` is the address of the server that has the world, if it is another server.
     """
 
     id: Optional[int]
@@ -432,6 +447,12 @@ def hello(
     return message
 
 
+def ask(question: str, name: str, token: Optional[str] = None) -> Message:
+    """Returns the first message of a client of the role control that asks a question instead of
+    joining a world. The answer is a Result with the id 1."""
+    return {**hello(name, role=CONTROL, token=token), "id": 1, "ask": question}
+
+
 def _time(time: LockStep) -> Message:
     message: Message = {"mode": "lock-step"}
     if time.every != 1:
@@ -457,8 +478,11 @@ def perceive(id: int, every: Optional[int] = None, relations: bool = False) -> M
     return message
 
 
-def look(id: int, sensor: str) -> Message:
-    return {"t": "look", "id": id, "sensor": sensor}
+def look(id: int, sensor: str, item: Optional[str] = None) -> Message:
+    """Returns the message `look`. `item` is the body that carries the camera; None is the agent's
+    own body."""
+    message: Message = {"t": "look", "id": id, "sensor": sensor}
+    return message if item is None else {**message, "item": item}
 
 
 def act(id: int, item: str, action: str, arguments: Mapping[str, Argument]) -> Message:
@@ -530,10 +554,11 @@ def decode_packed(message: bytes) -> ServerMessage:
 
 
 class Incoming:
-    """Splits the received bytes of one connection into messages, in either encoding. One thread.
+    """Splits the received bytes of one connection into messages, in either encoding. For one
+    thread.
 
-    A message may have at most `limit` bytes. The limit is small before the welcome, so that a
-    program that is no server cannot make the client collect bytes without end.
+    A message may have at most `limit` bytes. The limit is small before the welcome. A program that
+    is no server therefore cannot make the client store an unlimited number of bytes.
     """
 
     def __init__(self, encoding: str) -> None:
@@ -613,6 +638,11 @@ def _require_finite(value: Any) -> None:
             _require_finite(element)
 
 
+def _ticket(session: Message) -> Ticket:
+    servers = tuple(_host_and_port(each) for each in session.get("servers", ()))
+    return Ticket(session["token"], session["graceSeconds"], servers)
+
+
 def _welcome(message: Message) -> Welcome:
     limits, session, time = message["limits"], message.get("session"), message.get("time")
     return Welcome(
@@ -626,7 +656,7 @@ def _welcome(message: Message) -> Welcome:
         rate=message["rate"],
         encoding=message.get("encoding", JSON),
         time=None if time is None else LockStep(time["every"], time["deadline"]),
-        session=None if session is None else Ticket(session["token"], session["graceSeconds"]),
+        session=None if session is None else _ticket(session),
         resumed=message.get("resumed", False),
         limits=Limits(
             limits["lineBytes"],
@@ -639,6 +669,7 @@ def _welcome(message: Message) -> Welcome:
             limits.get("eventBytes"),
             limits.get("worldEventBytes"),
         ),
+        cameras=tuple(message.get("cameras", ())),
     )
 
 
@@ -765,8 +796,10 @@ def _result(message: Message) -> Result:
 
 def _address(text: Optional[str]) -> Optional[Tuple[str, int]]:
     """Reads HOST:PORT."""
-    if text is None:
-        return None
+    return None if text is None else _host_and_port(text)
+
+
+def _host_and_port(text: str) -> Tuple[str, int]:
     host, _, port = text.rpartition(":")
     return host, int(port)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands `serve` and `experiment` of the project's launcher."""
+"""The commands `serve`, `experiment` and `pack` of the project's launcher."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import os
 import subprocess
 import tempfile
 import threading
-from typing import IO, Any, Dict, Iterator, List, Tuple, Union
+from typing import IO, Any, Callable, Dict, Iterator, List, Optional, Tuple, Union
 
 from .errors import ReveError
 
@@ -23,10 +23,10 @@ def serve(
     launcher: Union[str, "os.PathLike[str]"] = "./reve",
 ) -> Iterator[Tuple[str, int]]:
     """Runs `./reve serve WORLD` on a free port. Yields host and port, and ends the server
-    afterwards.
+    afterwards. The server also ends if this process is killed.
 
-    The server makes frames as fast as its agents in lock-step allow. In each round it waits for an
-    agent up to an hour. `options` are further options of `./reve serve`, `launcher` is the
+    The server makes frames as fast as its agents in lock-step allow. It waits at most an hour for
+    an agent in each round. `options` are further options of `./reve serve`. `launcher` is the
     project's launcher. Raises ReveError if the launcher cannot be run, or with the server's output
     if the server does not start.
     """
@@ -42,6 +42,7 @@ def serve(
         "3600",
         "--waiting",
         "off",
+        "--until-input-ends",
         *options,
     ]
     with tempfile.TemporaryFile("w+") as errors:
@@ -61,51 +62,127 @@ def serve(
                 yield "127.0.0.1", port
             finally:
                 process.terminate()
-                try:
-                    process.wait(_SECONDS_TO_END)
-                except subprocess.TimeoutExpired:
-                    process.kill()
-                    process.wait()
+                assert process.stdin is not None
+                process.stdin.close()
+                _await(process)
 
 
 def experiment(
     file: Union[str, "os.PathLike[str]"],
     *options: str,
     launcher: Union[str, "os.PathLike[str]"] = "./reve",
+    on_run: Optional[Callable[[Dict[str, Any]], None]] = None,
 ) -> Dict[str, Any]:
     """Runs `./reve experiment FILE` to its end and returns its result, the document of `--json`.
 
-    The field `identical` of the result states whether it equals the earlier results in the folder,
-    if there are any. Each of its `runs` has a `state`. `options` are further options of the
-    command, `launcher` is the project's launcher. Raises ReveError with the command's output if the
-    experiment cannot be run.
+    The field `identical` states whether the result equals the earlier results in the folder, if
+    there are any. Each of its `runs` has a `state`. `options` are further options of the command.
+    `launcher` is the project's launcher. `on_run` is called with each run as soon as it has ended:
+    a dict with the fields of a run, `ended` (the number of runs that have ended), and `runs` (the
+    number of all runs). If `on_run` raises an exception, the command is ended. Raises ReveError
+    with the command's output if the experiment cannot be run.
     """
-    command = [os.fspath(launcher), "experiment", os.fspath(file), "--json", *options]
-    try:
-        run = subprocess.run(
-            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
-        )
-    except OSError as error:
-        raise ReveError(
-            "no-experiment",
-            f"cannot run {command[0]}: {error.strerror}",
-            "give the path of the project's `reve` as launcher",
-        ) from error
-    try:
-        result: Dict[str, Any] = json.loads(run.stdout)
-    except ValueError as error:
-        raise ReveError("no-experiment", f"`{' '.join(command)}`: {run.stderr.strip()}") from error
-    return result
+    command = [os.fspath(launcher), "experiment", os.fspath(file), "--json-lines", *options]
+    result: Optional[Dict[str, Any]] = None
+    with tempfile.TemporaryFile("w+") as errors:
+        process = _start(command, errors, "no-experiment")
+        assert process.stdout is not None and process.stdin is not None
+        process.stdin.close()
+        try:
+            with process.stdout as lines:
+                for line in lines:
+                    event = _event(line)
+                    if event.pop("event", None) == "result":
+                        result = event
+                    elif event and on_run is not None:
+                        on_run(event)
+        except BaseException:
+            process.terminate()
+            raise
+        finally:
+            _await(process)
+        if result is None:
+            errors.seek(0)
+            raise ReveError("no-experiment", f"`{' '.join(command)}`: {errors.read().strip()}")
+        return result
 
 
-def _start(command: List[str], errors: IO[str]) -> "subprocess.Popen[str]":
+def pack(
+    source: Union[str, "os.PathLike[str]"],
+    *options: str,
+    out: Union[str, "os.PathLike[str]", None] = None,
+    at: Optional[float] = None,
+    frame: Optional[int] = None,
+    world: Union[str, "os.PathLike[str]", None] = None,
+    launcher: Union[str, "os.PathLike[str]"] = "./reve",
+) -> Dict[str, Any]:
+    """Runs `./reve pack` and returns its result, the document of `--json`.
+
+    `source` is a world, a recording or a store. `out` is the file of the pack, by default
+    `NAME.reve` in the current folder. For a recording or a store, `at` [s] or `frame` chooses the
+    state, and `world` names the world file of the run. `options` are further options of the
+    command. `launcher` is the project's launcher.
+
+    The field `pack` of the result is the file, and `needsTrust` states whether it contains native
+    code. `notes` lists the parts of a recorded state that the pack does not contain. Raises
+    ReveError with the command's output if no pack was made.
+    """
+    command = [os.fspath(launcher), "pack", os.fspath(source), "--json"]
+    chosen: Dict[str, Union[str, float, "os.PathLike[str]", None]]
+    chosen = {"--out": out, "--at": at, "--frame": frame, "--world": world}
+    for option, value in chosen.items():
+        if value is not None:
+            command += [option, value if isinstance(value, str) else _text(value)]
+    command += options
+    with tempfile.TemporaryFile("w+") as errors:
+        process = _start(command, errors, "no-pack")
+        assert process.stdout is not None and process.stdin is not None
+        process.stdin.close()
+        try:
+            with process.stdout as document:
+                result = _event(document.read())
+        except BaseException:
+            process.terminate()
+            raise
+        finally:
+            _await(process)
+        if process.returncode != 0 or "pack" not in result:
+            errors.seek(0)
+            raise ReveError("no-pack", f"`{' '.join(command)}`: {errors.read().strip()}")
+        return result
+
+
+def _text(value: Union[float, "os.PathLike[str]"]) -> str:
+    return repr(value) if isinstance(value, (int, float)) else os.fspath(value)
+
+
+def _event(line: str) -> Dict[str, Any]:
+    try:
+        event = json.loads(line)
+    except ValueError:
+        return {}
+    return event if isinstance(event, dict) else {}
+
+
+def _await(process: "subprocess.Popen[str]") -> None:
+    """Waits for the end of a process that has closed its output or was terminated."""
+    try:
+        process.wait(_SECONDS_TO_END)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def _start(
+    command: List[str], errors: IO[str], reason: str = "no-server"
+) -> "subprocess.Popen[str]":
     try:
         return subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, text=True
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, text=True
         )
     except OSError as error:
         raise ReveError(
-            "no-server",
+            reason,
             f"cannot run {command[0]}: {error.strerror}",
             "give the path of the project's `reve` as launcher",
         ) from error

@@ -60,7 +60,8 @@ def failed(error: Exception) -> Disconnected:
 
 
 class TlsSocket:
-    """A socket with TLS. One thread may read while others write, unlike with ssl.SSLSocket."""
+    """A socket with TLS. One thread may read while other threads write, which ssl.SSLSocket does
+    not permit."""
 
     def __init__(self, connection: socket.socket, context: ssl.SSLContext, host: str) -> None:
         self._socket = connection

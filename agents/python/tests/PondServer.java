@@ -49,7 +49,8 @@ final class PondServer {
                     .start(
                             () -> {
                                 while (readByte() >= 0) {
-                                    // Only the end of the input is expected.
+                                    // The loop ignores the input, because only its end has a
+                                    // meaning.
                                 }
                                 server.stop();
                             });

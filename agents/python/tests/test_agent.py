@@ -34,7 +34,8 @@ class AgentTest(unittest.TestCase):
         return agent
 
     def test_an_agent_is_welcomed_with_its_body_and_the_worlds_name(self):
-        # All agents that left earlier have returned their bodies before the frame of the refusal.
+        # A body is free again after this refusal, because agents that left earlier return their
+        # bodies before the frame of the refusal.
         with self.assertRaises(reve.Disconnected) as raised:
             self.join("ada", body="duck")
         self.assertEqual(raised.exception.code, "no-such-body")
@@ -48,7 +49,8 @@ class AgentTest(unittest.TestCase):
     def test_a_perception_has_places_symbols_and_actions(self):
         with self.join("eve") as eve:
             perception = eve.perceive()
-            # The welcome may arrive before its frame is published; that frame is then the next one.
+            # The welcome may arrive before its frame is published. That frame is then the next
+            # frame.
             self.assertGreaterEqual(perception.frame, eve.welcome.frame)
             self.assertIsNotNone(perception.find(eve.body))
             self.assertAlmostEqual(perception.time, perception.frame / 240)
@@ -236,6 +238,14 @@ class AgentTest(unittest.TestCase):
             self.assertEqual([client["name"] for client in state.content["clients"]], ["control"])
             self.assertTrue(boss.speed(2))
             self.assertEqual(boss.state().content["speed"], 2)
+            self.assertNotIn("roundTripSeconds", boss.state().content["clients"][0])
+            with self.assertRaises(reve.ReveError) as refused:
+                boss.audit("ada", most=5)
+            self.assertEqual(refused.exception.code, "unsupported")
+            boss.state(round_trips=True)
+            end = time.monotonic() + 60
+            while "roundTripSeconds" not in boss.state().content["clients"][0]:
+                self.assertLess(time.monotonic(), end, "the client answers pings by itself")
             duck = boss.inspect("duck").content
             location = next(p for p in duck["physical"] if p["name"] == "location")
             self.assertEqual(location["unit"], "m")
@@ -390,7 +400,7 @@ class AgentTest(unittest.TestCase):
                             self.assertTrue(agent.step(paint).results[0])
                         else:
                             self.assertTrue(agent.act("duck", "paint", colour="red"))
-                    # after the events of the last act
+                    # The call below returns after the events of the last act have arrived.
                     agent.step() if lock_step else agent.perceive()
                     eye.perceive()
                     self.assertGreater(way.cuts, 0)

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the client's protocol state, without a connection."""
 
+import dataclasses
+import ssl
 import unittest
 
 from reve import protocol
 from reve.conversation import Conversation
+from reve.tls import failed
 
 
 def conversation():
@@ -80,6 +83,26 @@ def heard(frame, text, **fields):
 
 def perception(id, frame):
     return protocol.Perception(id, frame, frame / 60, ())
+
+
+class ServersTest(unittest.TestCase):
+    """Attempts to resume a session on the servers of a cluster."""
+
+    FIRST, SECOND = ("10.0.0.1", 7777), ("10.0.0.2", 7777)
+
+    def test_a_server_that_ends_in_the_handshake_is_left_for_another_one(self):
+        talk = conversation()
+        ended = failed(EOFError("the connection broke"))
+        ended.__cause__ = EOFError()
+        self.assertEqual(self.FIRST, talk.another_address(self.FIRST, ended))
+        self.assertFalse(talk.may_retry(ended), "there is no other server")
+        session = protocol.Ticket("secret", 60.0, (self.SECOND,))
+        talk.know_servers(dataclasses.replace(talk.welcome, session=session))
+        self.assertTrue(talk.may_retry(ended))
+        self.assertEqual(self.SECOND, talk.another_address(self.FIRST, ended))
+        untrusted = failed(ssl.SSLCertVerificationError("unknown authority"))
+        untrusted.__cause__ = ssl.SSLCertVerificationError()
+        self.assertFalse(talk.may_retry(untrusted))
 
 
 class HeardTest(unittest.TestCase):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the examples in the documents unchanged against a real server; only the port is replaced."""
 
+import json
 import os
 import pathlib
 import re
@@ -9,8 +10,10 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import zipfile
 from typing import List
 
+import pytest
 import reve
 from support import PACKAGE, java, launched, pond
 
@@ -122,6 +125,73 @@ class ExperimentsTest(unittest.TestCase):
             self.assertEqual(run.stdout, files["read"])
             with self.assertRaisesRegex(reve.ReveError, "there is no experiment file nothing"):
                 reve.experiment("nothing", launcher=ROOT / "reve")
+            out = pathlib.Path(folder, "stopped")
+            with self.assertRaises(KeyError):
+                reve.experiment(
+                    pathlib.Path(folder, "sinking.yaml"),
+                    "--jobs=1",
+                    f"--out={out}",
+                    launcher=ROOT / "reve",
+                    on_run=lambda run: run["no such field"],
+                )
+            self.assertTrue((out / "unfinished.jsonl").exists() or (out / "result.json").exists())
+
+
+@pytest.mark.slow
+class PacksTest(unittest.TestCase):
+    """Tests the example in Python of docs/world-file.md, with a recording of a sample world."""
+
+    def test_packs_of_worlds_and_recordings_are_made_as_the_page_says(self):
+        page = (ROOT / "docs" / "world-file.md").read_text("utf-8")
+        files = dict(re.findall(r"^```\w+ title=(\S+)\n(.*?)^```$", page, re.MULTILINE | re.DOTALL))
+        launcher = ROOT / "reve"
+        orbit = ROOT / "worlds" / "spring-orbit"
+        with tempfile.TemporaryDirectory() as folder:
+            log = pathlib.Path(folder, "run.log")
+            subprocess.run(
+                [launcher, "run", orbit, "--seconds", "1", "--record", log],
+                check=True,
+                capture_output=True,
+                timeout=120,
+            )
+            pathlib.Path(folder, "share.py").write_text(files["share.py"], "utf-8")
+            run = subprocess.run(
+                [sys.executable, "share.py"],
+                cwd=folder,
+                env={**os.environ, "PYTHONPATH": str(PACKAGE), "REVE": str(ROOT)},
+                capture_output=True,
+                text=True,
+                timeout=120,
+            )
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertEqual(run.stdout, files["share"])
+
+            half = pathlib.Path(folder, "half.reve")
+            again = pathlib.Path(folder, "again.reve")
+            made = reve.pack(log, frame=30, world=orbit, out=again, launcher=launcher)
+            self.assertEqual(again.read_bytes(), half.read_bytes())
+            self.assertEqual(made["bytes"], len(half.read_bytes()))
+            self.assertEqual(made["notes"], [])
+            with zipfile.ZipFile(half) as pack:
+                self.assertEqual(sorted(pack.namelist()), made["files"])
+                expected = json.loads(pack.read("expected.json"))
+            ran = subprocess.run(
+                [launcher, "run", half, "--seconds", "0.5", "--json"],
+                check=True,
+                capture_output=True,
+                timeout=120,
+            )
+            self.assertEqual(expected["frames"], 30)
+            self.assertEqual(json.loads(ran.stdout)["stateHash"], expected["stateHash"])
+
+            whole = reve.pack(str(orbit), out=str(half), launcher=launcher)
+            self.assertEqual(whole["world"], "spring-orbit")
+            self.assertNotIn("frame", whole)
+            with self.assertRaisesRegex(reve.ReveError, "ends at frame 60") as refused:
+                reve.pack(log, at=2, out=half, launcher=launcher)
+            self.assertEqual(refused.exception.code, "no-pack")
+            with self.assertRaisesRegex(reve.ReveError, "cannot run /nowhere/reve"):
+                reve.pack(log, launcher="/nowhere/reve")
 
 
 if __name__ == "__main__":

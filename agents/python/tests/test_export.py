@@ -31,6 +31,7 @@ items:
      physics: {mass: 1 kg, inertia: [1, 2, 3], angularVelocity: [0.3, 2, 0.1]}}
   - {name: pill, physical: {shape: capsule, radius: 0.25, height: 2, location: [-3, 5, 0]},
      physics: {mass: 1 kg}}
+  - {name: egg, physical: {shape: ellipsoid, size: [0.5, 1, 2], location: [-6, 5, 0]}}
   - {name: tin, physical: {shape: cylinder, radius: 0.5, height: 1, location: [0, 5, 4]}}
   - {name: z-up, physical: {shape: plane, size: [20, 20], location: [0, 0, 0]}}
   - {name: tent, physical: {shape: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -133,7 +134,8 @@ class McapTest(unittest.TestCase):
             for _, _, data in self.messages("/properties/body")
         ]
         for time, pill in fall:
-            # newton_motion changes the velocity first, so n steps fall g dt^2 n (n + 1) / 2
+            # The law newton_motion changes the velocity before the position, so a body falls g dt^2
+            # n (n + 1) / 2 in n steps.
             drop = 9.81 * time * (time + 1 / 60) / 2
             self.assertAlmostEqual(pill["position"]["y"], 5 - drop, 9)
             self.assertAlmostEqual(pill["velocity"]["y"], -9.81 * time, 9)
@@ -153,19 +155,20 @@ class McapTest(unittest.TestCase):
         seen = {}
         for topic, _, data in self.messages(*types):
             module = importlib.import_module(f"foxglove_schemas_protobuf.{types[topic]}_pb2")
-            # an unknown field, or a field of another type, raises an error
+            # The conversion raises an error for an unknown field, or a field of another type.
             seen[topic] = json_format.ParseDict(for_protobuf(data), getattr(module, types[topic])())
         shapes = {entity.id: entity for entity in seen["/scene"].entities}
-        self.assertEqual(set(shapes), {"ball", "crate", "pill", "tin", "z-up", "tent"})
+        self.assertEqual(set(shapes), {"ball", "crate", "pill", "egg", "tin", "z-up", "tent"})
         self.assertEqual(shapes["z-up"].frame_id, "body z-up")
         self.assertAlmostEqual(shapes["ball"].spheres[0].color.g, 128 / 255)
         self.assertEqual(shapes["crate"].cubes[0].size.z, 3)
+        self.assertEqual(shapes["egg"].spheres[0].size.y, 1)
         self.assertEqual([len(shapes["pill"].spheres), len(shapes["pill"].cylinders)], [2, 1])
         self.assertEqual(shapes["pill"].cylinders[0].size.z, 1.5)
         self.assertEqual(len(shapes["tent"].triangles[0].points), 12)
         connections = seen["/connections"].entities[0]
         self.assertEqual(len(connections.lines[0].points), 2)
-        last = {row["item"]: row for row in self.table("body")[-6:]}
+        last = {row["item"]: row for row in self.table("body")[-7:]}
         for point, item in zip(connections.triangles[0].points, ("ball", "crate", "pill")):
             self.assertEqual(point.x, float(last[item]["position.x [m]"]))
 

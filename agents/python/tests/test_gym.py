@@ -6,8 +6,10 @@ import importlib.util
 import json
 import os
 import re
+import socket
 import subprocess
 import sys
+import time
 import unittest
 import warnings
 
@@ -144,7 +146,7 @@ class GymTest(unittest.TestCase):
         environment = self.environment("cart-pole", lambda at: Environment(at, Balance()))
         (_, before, _, _), _ = environment.reset(seed=3)
         (_, after, _, _), _, _, _, _ = environment.step(numpy.array([1.0], numpy.float32))
-        # 10 N for a frame on 1 kg, and the pole
+        # A force of 10 N acts for a frame on the cart of 1 kg. The tolerance allows for the pole.
         self.assertAlmostEqual(after - before, 10.0 / 60 / 1.0, delta=0.005)
 
     def test_an_edit_that_the_world_refuses_is_told(self):
@@ -176,6 +178,32 @@ class GymTest(unittest.TestCase):
                 environment.step(environment.action_space.sample())
             with self.assertRaisesRegex(reve.ReveError, "has an environment of learner already"):
                 Environment(at, Balance(), world="cart-pole")
+
+    def test_a_server_ends_if_the_program_that_started_it_is_killed(self):
+        program = (
+            "import reve, sys, time\n"
+            f"with reve.serve({str(ROOT / 'worlds' / 'cart-pole')!r}, launcher={str(LAUNCHER)!r})"
+            " as at:\n"
+            "    print(at[1], flush=True)\n"
+            "    time.sleep(600)\n"
+        )
+        with subprocess.Popen(
+            [sys.executable, "-c", program],
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+        ) as killed:
+            port = int(killed.stdout.readline())
+            reve.connect("127.0.0.1", port, name="eye").close()
+            killed.kill()
+        end = time.monotonic() + 20
+        while True:
+            try:
+                socket.create_connection(("127.0.0.1", port), timeout=5).close()
+            except ConnectionRefusedError:
+                break
+            self.assertLess(time.monotonic(), end, "the server still answers")
+            time.sleep(0.1)
 
     def test_a_server_that_does_not_start_says_why(self):
         with self.assertRaisesRegex(reve.ReveError, "no-such-world"):

@@ -69,6 +69,14 @@ class FakeServer:
 
     def __exit__(self, *_):
         self._ends.set()
+        self.refuse()
+
+    def refuse(self):
+        """Accepts no more connections."""
+        try:
+            self._listening.shutdown(socket.SHUT_RDWR)  # also ends a wait for a connection
+        except OSError:
+            pass  # it was closed before
         self._listening.close()
 
 
@@ -117,6 +125,128 @@ class Moved(unittest.TestCase):
 
             self.assertEqual(asyncio.run(joins()), 6)
 
+    def test_a_session_continues_on_the_server_to_which_its_world_moves(self):
+        starting = {"t": "bye", "code": "world-starting", "message": "in a second"}
+
+        def moves(port):
+            def talk(connection, _):
+                connection.sendall(line({**WELCOME, **SESSION}))
+                connection.recv(65536)  # the ping, which is not answered here
+                sends_to(port)(connection, _)
+
+            return talk
+
+        attempts = []
+
+        def continues(connection, _):
+            attempts.append(len(attempts))
+            if len(attempts) % 2:
+                connection.sendall(line(starting))
+                return
+            connection.sendall(line({**WELCOME, **SESSION, "resumed": True}))
+            connection.recv(65536)  # the same ping
+            connection.sendall(line({"t": "pong", "id": 1}))
+            connection.recv(65536)  # the bye
+
+        with FakeServer(continues) as second, FakeServer(moves(second.port)) as first:
+            with reve.connect("127.0.0.1", first.port, name="ada", grace=60) as agent:
+                agent.ping()
+            self.assertEqual(len(attempts), 2)
+
+            async def pings():
+                async with await reve.aio.connect(
+                    "127.0.0.1", first.port, name="ada", grace=60
+                ) as agent:
+                    await agent.ping()
+
+            asyncio.run(pings())
+            self.assertEqual(len(attempts), 4)
+
+    def test_a_session_continues_although_the_next_server_ends(self):
+        ends = {"t": "bye", "code": "closing", "message": "the server ends"}
+        calls = {"first": 0, "second": 0}
+
+        def first_talk(port):
+            def talk(connection, _):
+                calls["first"] += 1
+                if calls["first"] % 2:
+                    connection.sendall(line({**WELCOME, **SESSION}))
+                    connection.recv(65536)  # the ping, which is not answered here
+                sends_to(port)(connection, _)
+
+            return talk
+
+        def second_talk(connection, _):
+            calls["second"] += 1
+            if calls["second"] % 2:
+                connection.sendall(line(ends))
+                return
+            connection.sendall(line({**WELCOME, **SESSION, "resumed": True}))
+            connection.recv(65536)  # the same ping
+            connection.sendall(line({"t": "pong", "id": 1}))
+            connection.recv(65536)  # the bye
+
+        with FakeServer(second_talk) as second, FakeServer(first_talk(second.port)) as first:
+            with reve.connect("127.0.0.1", first.port, name="ada", grace=60) as agent:
+                agent.ping()
+            self.assertEqual(calls, {"first": 2, "second": 2})
+
+            async def pings():
+                async with await reve.aio.connect(
+                    "127.0.0.1", first.port, name="ada", grace=60
+                ) as agent:
+                    await agent.ping()
+
+            asyncio.run(pings())
+            self.assertEqual(calls, {"first": 4, "second": 4})
+
+    def test_a_session_continues_on_a_server_that_the_welcome_names(self):
+        def silent(connection, ends):
+            ends.wait(PATIENCE)
+
+        def continues(connection, _):
+            connection.sendall(line({**WELCOME, **SESSION, "resumed": True}))
+            connection.recv(65536)  # the ping again
+            connection.sendall(line({"t": "pong", "id": 1}))
+            connection.recv(65536)  # the bye
+
+        def lost(others):
+            def talk(connection, _):
+                servers = [f"127.0.0.1:{other}" for other in others]
+                session = {"session": {**SESSION["session"], "servers": servers}}
+                connection.sendall(line({**WELCOME, **session}))
+                connection.recv(65536)  # the ping, which is not answered here
+                first.refuse()
+
+            return talk
+
+        with FakeServer(silent) as second, FakeServer(continues) as third:
+            first = FakeServer(lost([second.port, third.port]))
+            with reve.connect("127.0.0.1", first.port, name="ada", grace=60, timeout=20) as agent:
+                agent.ping()
+            first = FakeServer(lost([third.port]))
+
+            async def pings():
+                async with await reve.aio.connect(
+                    "127.0.0.1", first.port, name="ada", grace=60
+                ) as agent:
+                    await agent.ping()
+
+            asyncio.run(pings())
+
+    def test_a_client_without_a_session_does_not_follow_its_world(self):
+        def moves(connection, _):
+            connection.sendall(line(WELCOME))
+            connection.recv(65536)  # the ping
+            sends_to(9)(connection, _)
+
+        with FakeServer(moves) as server:
+            with reve.connect("127.0.0.1", server.port, name="ada") as agent:
+                with self.assertRaises(reve.Disconnected) as ended:
+                    agent.ping()
+                self.assertEqual(ended.exception.code, "moved")
+                self.assertEqual(ended.exception.address, ("127.0.0.1", 9))
+
     def test_the_client_does_not_follow_for_ever(self):
         port = []
         circle = FakeServer(lambda connection, ends: sends_to(port[0])(connection, ends))
@@ -135,7 +265,7 @@ class Moved(unittest.TestCase):
 
 
 def drip(data):
-    """Returns a talk that sends these bytes ten times a second."""
+    """Returns the function of a server that sends these bytes ten times a second."""
 
     def talk(connection, ends):
         while not ends.wait(0.1):
@@ -153,7 +283,7 @@ def flood(data):
 
 
 def welcome_and(*messages, **more):
-    """Returns a talk that welcomes the client and then sends these bytes."""
+    """Returns the function of a server that welcomes the client and then sends these bytes."""
 
     def talk(connection, ends):
         connection.sendall(line({**WELCOME, **more}) + b"".join(messages))

@@ -115,6 +115,24 @@ _DAMPED_SWING = _SWING.replace(
     '<joint name="elbow" pos',
     '<joint name="elbow" stiffness="4" springref="30" damping="0.2" armature="0.05" pos',
 )
+# The first arm with a gear between two of its joints, which MuJoCo keeps almost rigid.
+_GEARED_SWING = _SWING.replace(
+    "</worldbody>",
+    """</worldbody>
+  <equality>
+    <joint joint1="wrist" joint2="elbow" polycoef="0 -1.5 0 0 0" solref="0.0003 1"
+      solimp="0.9999 0.9999 0.001 0.5 2"/>
+  </equality>""",
+)
+# The first arm with actuators of its joints, which brake them because their controls are 0.
+_BRAKED_SWING = _SWING.replace(
+    "</worldbody>",
+    """</worldbody>
+  <actuator>
+    <velocity joint="elbow" kv="0.2" gear="1.5"/>
+    <general joint="shoulder" gainprm="0.3" biastype="affine" biasprm="0 0 -0.3"/>
+  </actuator>""",
+)
 _RATE = 9600  # steps of MuJoCo per second
 _UP = numpy.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # from axes with +Z up
 
@@ -160,7 +178,7 @@ def bodies_of_world(folder):
 
 
 def subtree_inertia(model, data, i):
-    """Returns the same of a body and the bodies that are welded to it, from MuJoCo."""
+    """Returns mass, location and inertia of a body with the bodies welded to it, from MuJoCo."""
     parts = [j for j in range(1, model.nbody) if model.body_weldid[j] == i]
     mass = sum(model.body_mass[j] for j in parts)
     centre = sum(model.body_mass[j] * data.xipos[j] for j in parts) / mass
@@ -211,6 +229,8 @@ class ImportTest(unittest.TestCase):
             ("arm.xml", _SWING),
             ("damped.urdf", _DAMPED_ARM),
             ("damped.xml", _DAMPED_SWING),
+            ("geared.xml", _GEARED_SWING),
+            ("braked.xml", _BRAKED_SWING),
         ):
             with tempfile.TemporaryDirectory() as name:
                 folder = pathlib.Path(name)
@@ -218,7 +238,7 @@ class ImportTest(unittest.TestCase):
                 world = out / "world.yaml"
                 text = re.sub(r"steps: \d+", "steps: 128", world.read_text("utf-8"))
                 world.write_text(text, "utf-8")
-                for seconds in (0.5, 1.0, 2.0):
+                for seconds in (0.5, 1.0, 2.0) if file_name == "arm.urdf" else (2.0,):
                     saved = folder / "saved.yaml"
                     subprocess.run(
                         [LAUNCHER, "run", out, "--seconds", str(seconds), "--save", saved],

@@ -50,8 +50,14 @@ def written(message):
             fields["time"] = {"mode": "lock-step", "every": time.every, "deadline": time.deadline}
         if session is not None:
             fields["session"] = {"token": session.token, "graceSeconds": session.grace_seconds}
+            if session.servers:
+                servers = [f"{host}:{port}" for host, port in session.servers]
+                fields["session"]["servers"] = servers
         if not message.resumed:
             del fields["resumed"]
+        fields["cameras"] = list(message.cameras)
+        if not message.cameras:
+            del fields["cameras"]
         if message.encoding == protocol.JSON:
             del fields["encoding"]
     if t == "image":
@@ -127,8 +133,10 @@ def lock_step(time):
 
 
 def said(message):
-    """Returns what this client encodes for a message with those values."""
+    """Returns the message that this client encodes from the given values."""
     t = message["t"]
+    if "ask" in message:
+        return protocol.ask(message["ask"], message["name"], message.get("token"))
     if t == "hello":
         resume, time = message.get("resume"), message.get("time")
         return protocol.hello(
@@ -147,7 +155,7 @@ def said(message):
             message["id"], message.get("every"), message.get("relations", False)
         )
     if t == "look":
-        return protocol.look(message["id"], message["sensor"])
+        return protocol.look(message["id"], message["sensor"], message.get("item"))
     if t == "act":
         act = protocol.act(message["id"], message["item"], message["action"], message["arguments"])
         return protocol.and_ready(act, message.get("frame")) if message.get("ready") else act
@@ -265,6 +273,24 @@ class ProtocolTest(unittest.TestCase):
         self.assertEqual((duck.name, duck.location, duck.actions), ("duck", (1.0, 0.0, -2.5), {}))
         with self.assertRaises(ProtocolError):
             first.updated(next(m for m in messages if isinstance(m, reve.Update) and m.since == 6))
+
+    def test_an_item_belongs_to_its_class_and_those_above_it(self):
+        line = {
+            "t": "perception",
+            "frame": 1,
+            "time": 0.1,
+            "items": [
+                {"name": "mug", "symbols": {"class": "cup", "classes": ["cup", "vessel", "body"]}},
+                {"name": "pot", "symbols": {"class": "vessel", "note": ["cup"]}},
+                {"name": "sign", "symbols": {"classes": "vessel"}},
+                {"name": "fog"},
+            ],
+        }
+        mug, pot, sign, fog = protocol.decode(json.dumps(line).encode()).items
+        self.assertTrue(mug.is_a("cup") and mug.is_a("vessel") and mug.is_a("body"))
+        self.assertTrue(pot.is_a("vessel"))
+        self.assertFalse(mug.is_a("pot") or pot.is_a("cup") or pot.is_a("body"))
+        self.assertFalse(sign.is_a("vessel") or sign.is_a("v") or fog.is_a("cup"))
 
     def test_readings_are_arrays_of_doubles_and_stay_until_the_next_ones(self):
         first = protocol.decode(

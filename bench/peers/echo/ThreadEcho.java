@@ -30,7 +30,7 @@ final class ThreadEcho {
                 out.write(bytes, 0, count);
             }
         } catch (IOException e) {
-            // The client has disconnected.
+            // The exception is ignored. It means that the client has disconnected.
         }
     }
 }

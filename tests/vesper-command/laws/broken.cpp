@@ -38,7 +38,9 @@ enum Fault {
   kRounding,
   kGrows,
   kImpulse,
-  kMisspelt
+  kMisspelt,
+  kEnergyStep,
+  kNoEnergy
 };
 constexpr Fault kFault = FAULT;
 
@@ -56,6 +58,7 @@ struct Broken {
                                       : kFault == kAngularMomentum ? VESPER_CLAIM_ANGULAR_MOMENTUM
                                       : kFault == kTranslation_    ? VESPER_CLAIM_TRANSLATION
                                       : kFault == kRotation_       ? VESPER_CLAIM_ROTATION
+                                      : kFault >= kEnergyStep      ? VESPER_CLAIM_ENERGY
                                                                    : 0;
 
   Read<Real> mass{"mass", "body", units::kilogram};
@@ -95,6 +98,7 @@ struct Broken {
     if (kFault == kImpulse) return -position[i] * (mass[i] * dt_);
     if (kFault == kCoincident) return Attraction(i);
     if (kFault == kRotation_ || kFault == kMomentum) return {mass[i], 0, 0};
+    if (kFault == kNoEnergy) return {-position[i].y, position[i].x, 0};
     if (kFault == kAngularMomentum) return {-position[i].y, position[i].x, 0};
     return -position[i] * mass[i];
   }
@@ -110,6 +114,7 @@ struct Broken {
     double energy = 0;
     for (uint64_t i = 0; i < mass.size(); ++i) {
       energy += 0.5 * double{mass[i]} * double{Dot(position[i], position[i])};
+      if (kFault == kEnergyStep && Dot(position[i], position[i]) > 4) energy -= 0.01;
     }
     return kFault == kEnergy ? 2 * energy : energy;
   }

@@ -28,18 +28,9 @@ void Gust(void*, uint64_t count, const double* at, double* out) {
   for (uint64_t i = 0; i < 3 * count; ++i) out[i] = std::sin(at[i]);
 }
 
-constexpr vesper_field_desc kGusts = {sizeof(vesper_field_desc), 3,   "gusts", "A force.",
-                                      VESPER_UNIT_NEWTON,        Gust};
+constexpr vesper_field_desc kFields[] = {{sizeof(vesper_field_desc), 3, "gusts", "A force.",
+                                          VESPER_UNIT_NEWTON, Gust, nullptr, nullptr, nullptr}};
 
 }  // namespace
 
-extern "C" VESPER_LAW_EXPORT const vesper_law_library* vesper_law_library_entry() {
-  static const detail::Library<Gusty> laws(LIBRARY_NAME);
-  static const vesper_law_library library = [] {
-    vesper_law_library table = *laws.get();
-    table.field_count = 1;
-    table.fields = &kGusts;
-    return table;
-  }();
-  return &library;
-}
+VESPER_LAW_LIBRARY_WITH_FIELDS(LIBRARY_NAME, kFields, Gusty)

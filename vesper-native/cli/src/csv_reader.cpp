@@ -11,8 +11,8 @@
 namespace vesper::cli {
 namespace {
 
-/// The column of a scene into which the numbers below one column name of the file are written.
-/// `property` is null if the file's column is skipped.
+/// The column of a scene that receives the numbers of one column of the file. `property` is null if
+/// the file's column is skipped.
 struct Target {
   const vesper_property_descriptor* property = nullptr;
   uint32_t component = 0;

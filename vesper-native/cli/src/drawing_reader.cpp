@@ -43,7 +43,7 @@ Colour ReadColour(SceneReader& reader) {
           static_cast<uint8_t>(rgb & 255), 255};
 }
 
-/// Reads a paint: COLOUR, or COLOUR COLOUR… by PROPERTY LOW HIGH
+/// Reads a paint of the form COLOUR, or COLOUR COLOUR… by PROPERTY LOW HIGH
 Paint ReadPaint(SceneReader& reader, const Scene& scene, const std::string& kind) {
   Paint paint{{ReadColour(reader)}, {}};
   while (IsColour(reader.Peek())) paint.colours.push_back(ReadColour(reader));

@@ -24,6 +24,9 @@ std::string ReadFile(const std::string& file, const std::string& shown) {
   std::error_code error;
   const uintmax_t size = std::filesystem::file_size(file, error);
   if (error) throw std::runtime_error(shown + ": " + error.message());
+  if (!std::filesystem::is_regular_file(file, error)) {
+    throw std::runtime_error(shown + ": not a regular file");
+  }
   if (size > kLargestFile) throw std::runtime_error(shown + ": larger than 64 MiB");
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};

@@ -76,7 +76,7 @@ Body MakeDiscBody(Random& random) {
 }
 
 /// Returns a body of a Plummer sphere, by S. Aarseth, M. Henon and R. Wielen, Astron. Astrophys. 37
-/// (1974) 183. The sphere's mass includes that of the disc.
+/// (1974) 183. The mass of the sphere includes the mass of the disc.
 Body MakeHaloBody(Random& random) {
   const double x = 1 / std::sqrt(std::pow(kHaloEdge * random.Uniform(), -2.0 / 3) - 1);
   double q = 0, height = 1;

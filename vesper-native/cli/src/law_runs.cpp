@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -19,7 +20,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Vector = std::array<double, 3>;
 
-constexpr int kRows = 6;        // lines of the table of a run
 constexpr int kPrinted = 20;    // lines of the table of a plot
 constexpr double kStep = 1e-9;  // step in which forces are evaluated [s]
 
@@ -149,10 +149,11 @@ int RunScene(const LawRunOptions& options) {
   const std::string partner = integrates ? "hooke_spring" : "velocity_verlet";
   scene.LoadMore(partner);
   const auto steps = static_cast<uint64_t>(std::llround(options.seconds / options.dt));
+  const uint64_t count = std::min(options.rows, std::max<uint64_t>(steps, 1) + 1);
   std::vector<Sums> rows;
   uint64_t done = 0;
-  for (int row = 0; row < kRows; ++row) {
-    const uint64_t until = steps * static_cast<uint64_t>(row) / (kRows - 1);
+  for (uint64_t row = 0; row < count; ++row) {
+    const uint64_t until = steps * row / (count - 1);
     while (done < until) {
       const auto next = static_cast<uint32_t>(std::min<uint64_t>(until - done, 1000));
       scene.Advance(options.dt, next);
@@ -292,10 +293,22 @@ int PrintPlot(const LawPlotOptions& options) {
   return kDone;
 }
 
-/// Runs a command on a law. If it fails, prints the reason and returns the exit code.
+/// Throws unless a file is a law as text. Code of other laws would run with all rights of the user.
+void RequireText(const std::string& file) {
+  if (!file.ends_with(".law")) {
+    throw std::invalid_argument(file + ": expected a law as text, whose name ends in .law");
+  }
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    throw std::runtime_error(file + ": " + (error ? error.message() : "not a regular file"));
+  }
+}
+
+/// Runs a command on a law. Prints the reason and returns the exit code if the command fails.
 template <class Options>
 int Explained(const Options& options, int (*command)(const Options&)) {
   try {
+    RequireText(options.file);
     return command(options);
   } catch (const std::invalid_argument& error) {
     return Fail(kWrongUsage, error.what());

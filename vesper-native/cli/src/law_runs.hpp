@@ -18,6 +18,7 @@ struct LawRunOptions {
   double seconds = 5;
   double dt = 0.001;  // [s]
   uint64_t bodies = 27;
+  uint64_t rows = 6;  // times at which energy and momentum are reported
   bool json = false;
 };
 

@@ -45,7 +45,8 @@ std::vector<std::string> ClaimNames(uint32_t claims) {
       {VESPER_CLAIM_MOMENTUM, "momentum"},
       {VESPER_CLAIM_ANGULAR_MOMENTUM, "angular-momentum"},
       {VESPER_CLAIM_TRANSLATION, "translation"},
-      {VESPER_CLAIM_ROTATION, "rotation"}};
+      {VESPER_CLAIM_ROTATION, "rotation"},
+      {VESPER_CLAIM_ENERGY, "energy"}};
   std::vector<std::string> names;
   for (const auto& [claim, name] : kClaims) {
     if ((claims & claim) != 0) names.push_back(name);

@@ -30,8 +30,8 @@ std::string Numbers(const double* v, double largest) {
          ")";
 }
 
-/// Returns the cells of one column of the report. `size` returns the number of a line, by which the
-/// cells are compared; `print` returns the text of the cell.
+/// Returns the cells of one column of the report. The function `size` returns the number of a line
+/// by which the cells are compared. The function `print` returns the text of the cell.
 template <class Size, class Print>
 std::vector<std::string> Cells(const std::vector<LedgerLine>& lines, Size size, Print print) {
   double largest = 0, largest_of_laws = 0;

@@ -88,6 +88,11 @@ void AddTest(CLI::App& app, int& code) {
   command->add_option("--python", options->python, "Virtual environment of laws in Python")
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory);
+  command
+      ->add_option("--prototype", options->prototype,
+                   "Prototype file with the properties of the world that the laws use")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
   command->add_flag("--json", options->json, "Print the report as one JSON document");
   command->callback([options, &code] { code = TestLaws(*options); });
 }
@@ -126,6 +131,9 @@ void AddLawRun(CLI::App& law, int& code) {
       ->capture_default_str();
   command->add_option("--bodies", options->bodies, "Bodies of the scene")
       ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
+  command->add_option("--rows", options->rows, "Times at which energy and momentum are reported")
+      ->check(CLI::Range(2, 10000))
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print the result as one JSON document");
   command->callback([options, &code] { code = RunLaw(*options); });
@@ -181,8 +189,8 @@ void AddNewLaw(CLI::App& app, int& code) {
   command->callback([options, &code] { code = WriteNewLaw(*options); });
 }
 
-/// Returns the exit code of a command that has printed its results; another code if the output was
-/// lost.
+/// Returns the exit code of a command that has printed its results. Returns another code if the
+/// output was lost.
 int CodeAfterPrinting(int code) {
   errno = 0;
   std::cout.flush();

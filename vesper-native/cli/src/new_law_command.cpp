@@ -13,7 +13,8 @@
 namespace vesper::cli {
 namespace {
 
-/// Converts a snake_case name: uniform_drag becomes UniformDrag.
+/// Converts a snake_case name to the name of a class. For example, uniform_drag becomes
+/// UniformDrag.
 std::string ClassName(const std::string& name) {
   std::string result;
   bool begins_word = true;

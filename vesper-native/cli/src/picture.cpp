@@ -84,7 +84,7 @@ Colour Mix(const std::vector<Colour>& colours, double t) {
   return mixed;
 }
 
-/// Returns the value of a row; for a vector, its length.
+/// Returns the value of a row. The value of a vector is its length.
 double Magnitude(const AnyColumn& column, uint64_t row) {
   const uint32_t components = column.descriptor().components;
   if (components == 1) return column.Get(row);
@@ -209,7 +209,7 @@ PictureWriter::Box PictureWriter::BoundsOf() const {
   return box;
 }
 
-/// Returns a camera that shows the whole box in a three-quarter view from above; a box without
+/// Returns a camera that shows the whole box from above, with its front and one side. A box without
 /// extent counts as 1 m wide.
 Camera PictureWriter::Fit(const Box& box) const {
   const Vec3<double> back = Normalized({0.48, 0.42, 1});

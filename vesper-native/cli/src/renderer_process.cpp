@@ -82,8 +82,8 @@ void RendererProcess::Send(Message& message) {
     if (sent >= 0) {
       rest = rest.subspan(static_cast<size_t>(sent));
     } else if (errno != EINTR) {
-      // The renderer may have sent an answer with the reason before it stopped reading; Await
-      // reports it.
+      // The renderer may have sent an answer with the reason before it stopped reading. The
+      // function Await reports this answer.
       if (errno == EPIPE || errno == ECONNRESET) Await();
       FailBroken(errno);
     }

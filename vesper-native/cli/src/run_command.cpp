@@ -43,8 +43,8 @@ void OnAlarm(int) {
   _exit(kFirstSignal + interrupted);
 }
 
-/// Makes Ctrl-C and SIGTERM end the run after its current frame. If this frame takes longer than
-/// kFramePatience, they end the run in the middle of the frame.
+/// Makes Ctrl-C and SIGTERM end the run after its current frame. The signals end the run in the
+/// middle of this frame if the frame takes longer than kFramePatience.
 void EndOnSignals() {
   struct sigaction action{};
   action.sa_handler = OnSignal;

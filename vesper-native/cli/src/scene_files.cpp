@@ -79,7 +79,8 @@ std::string SceneFiles::ReadWithin(const std::string& name) const {
   if (!fs::is_regular_file(fs::symlink_status(real, error))) Refuse(name, "not a regular file");
   const Descriptor file(open(real.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   if (file.get() < 0) FailToRead(name, {errno, std::generic_category()});
-  // Another process may have replaced the file, or a folder on its path, since the check.
+  // The path of the opened file is checked again. Another process may have replaced the file, or a
+  // folder on its path, since the first check.
   const std::string opened = "/proc/self/fd/" + std::to_string(file.get());
   if (fs::read_symlink(opened, error) != real || !IsRegular(file.get())) {
     Refuse(name, "not a regular file");

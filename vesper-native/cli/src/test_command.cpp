@@ -11,6 +11,7 @@
 #include "text_table.hpp"
 #include "vesper/kit/check.hpp"
 #include "vesper/kit/law_file.hpp"
+#include "vesper/kit/test_prototype.hpp"
 #include "vesper/vesper.hpp"
 #include "visible.hpp"
 
@@ -102,6 +103,13 @@ int TestLaws(const TestOptions& options) {
   if (!options.python.empty()) {
     const std::string folder = std::filesystem::absolute(options.python).lexically_normal();
     setenv("VESPER_PYTHON", folder.c_str(), 1);
+  }
+  if (!options.prototype.empty()) {
+    try {
+      UseTestPrototype(options.prototype);
+    } catch (const std::exception& error) {
+      return Fail(kInvalidScene, error.what());
+    }
   }
   Json report = Json::array();
   int passed = 0, failed = 0, skipped = 0;

@@ -11,6 +11,7 @@ struct TestOptions {
   std::vector<std::string> libraries;  // files
   std::vector<std::string> only;       // names of checks; empty: all checks
   std::string python;                  // virtual environment of laws in Python; empty: the system's
+  std::string prototype;               // prototype file of the worlds; empty: a standard one
   bool json = false;
 };
 

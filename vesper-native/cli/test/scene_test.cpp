@@ -34,8 +34,7 @@ std::string ErrorOf(const std::string& text) {
   return "no error";
 }
 
-/// Returns the error of a scene whose third line is `line`; if there is such a line, the scene has
-/// rows of three kinds.
+/// Returns the error of a scene that declares rows of three kinds and then contains `line`.
 std::string ErrorIn(const std::string& line) {
   return ErrorOf("scene 1\ndt 1\nrows world 1\nrows spring 2\nrows body 3\n" + line);
 }
@@ -305,7 +304,7 @@ TEST(GeneratorTest, GridEdgesJoinNeighboursOfTheGrid) {
   EXPECT_EQ(Values(scene, "length"), std::vector<double>(20, 1));
 }
 
-// All segments of a spoke have equal length; a chord of ring r has length 2 r sin.
+// All segments of a spoke have equal length. A chord of the ring r has the length 2 r sin.
 TEST(GeneratorTest, WebEdgesAreSpokesAndChords) {
   const Scene scene = Parse(
       "rows body 13\nposition web 2 6 radius 4\nrows spring 24\n"

@@ -8,8 +8,8 @@
  * other. During `vesper_engine_advance` the arrays belong to the engine, and every other call on
  * the same engine returns VESPER_BUSY.
  * Errors: every call that can fail returns a status and fills the optional `error`. Misuse, such as
- * a null argument, also returns a status, in release builds too. Out-parameters are unchanged on
- * failure.
+ * a null argument, also returns a status, in all builds. If a call fails, it does not change its
+ * out-parameters.
  * Memory: the engine borrows an array from the call that adds or rebinds it. It stops using the
  * array when the client removes or rebinds the property or destroys the engine. The engine copies
  * the strings and structs that it receives. A returned `const char*` is static, or lives as long as
@@ -102,16 +102,19 @@ typedef struct vesper_engine_config {
    *  requires the same.
    *  0: the client may have edited any array between two calls. Since 1.1. */
   uint32_t touches;
-  /** (threads), or null. The engine writes here which law each thread is calling, one word per
-   *  thread. A client can observe the words from another thread or process. A word is 0 if the
-   *  thread calls no law. Otherwise its upper 32 bits are the id of the library, and its lower 32
-   *  bits are 1 + the index of the law. Borrowed until destroy. Since 1.1. */
+  /** (threads), or null. One word for each thread, in which the engine writes the law that the
+   *  thread is calling. A client can observe the words from another thread or process. A word is 0
+   *  if the thread calls no law. Otherwise its upper 32 bits are the id of the library, and its
+   *  lower 32 bits are 1 + the index of the law. Borrowed until destroy. Since 1.1. */
   uint64_t* running;
   /** 1: a law that writes a magnitude of 2^333 (1.7e100) or more to an f64 property fails as if it
    *  had written infinity. Without this limit, another law that computes with the value may
-   *  overflow and be blamed. Since 1.2. */
+   *  overflow, and the engine would report the other law. Since 1.2. */
   uint32_t limit_values;
-  uint32_t reserved; /**< 0. */
+  /** 1: a law rests while a field that it reads (a FIELD property, not optional) is not bound. The
+   *  engine then does not call the law, which contributes nothing, and writes a warning to the log.
+   *  0: `advance` returns NOT_FOUND. Since 1.2. */
+  uint32_t rest_without_fields;
 } vesper_engine_config;
 
 /** Information about one loaded law. */
@@ -254,9 +257,9 @@ VESPER_API vesper_status vesper_provider_add_physical_property(
 VESPER_API vesper_status vesper_provider_rebind_physical_property(
     vesper_provider* provider, const char* name, void* data, uint64_t value_count,
     const uint32_t* indices, uint64_t object_count, vesper_error* error) VESPER_NOEXCEPT;
-/** Registers or replaces the field of a FIELD property; the engine copies `field`. A field is
- *  removed in the same way as arrays. Returns TYPE_MISMATCH if the property is not a FIELD
- *  property. */
+/** Registers or replaces the field of a FIELD property; the engine copies `field`.
+ *  vesper_provider_remove_physical_property also removes a field. Returns TYPE_MISMATCH if the
+ *  property is not a FIELD property. */
 VESPER_API vesper_status vesper_provider_set_field(vesper_provider* provider, const char* name,
                                                    const vesper_field* field,
                                                    vesper_error* error) VESPER_NOEXCEPT;
@@ -267,10 +270,10 @@ VESPER_API vesper_status vesper_provider_remove_physical_property(
 VESPER_API vesper_status
 vesper_provider_find_physical_property(const vesper_provider* provider, const char* name,
                                        vesper_property* out, vesper_error* error) VESPER_NOEXCEPT;
-/** Marks values as edited in place. The engine then increases the properties' versions, checks
- *  references again and expands indexed values again, and laws rebuild their caches. The call is
- *  not needed for values that laws read in each step, unless the property is a reference or
- *  indexed, or `config.deferred` is 1. `names` null: all properties. */
+/** Marks the values of the named properties as edited in place; `names` null: all properties. The
+ *  engine then increases the versions of the properties, checks references again and expands
+ *  indexed values again. Laws rebuild their caches. The call is not needed for values that laws
+ *  read in each step, unless the property is a reference or indexed, or `config.deferred` is 1. */
 VESPER_API vesper_status vesper_provider_touch(vesper_provider* provider, const char* const* names,
                                                uint32_t count, vesper_error* error) VESPER_NOEXCEPT;
 
@@ -376,7 +379,7 @@ VESPER_API vesper_status vesper_engine_begin_changes(vesper_engine* engine,
  *  1.2. */
 VESPER_API vesper_status vesper_engine_end_changes(vesper_engine* engine, uint32_t keep,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Sets in which steps the laws of a library are called: in every step whose number (see
+/** Sets the steps in which the laws of a library are called: every step whose number (see
  *  `vesper_engine_step_count`) is a multiple of `interval`. In these steps, the engine multiplies
  *  the contributions of the laws to accumulators by `interval`. In all other steps, the laws
  *  contribute nothing. Therefore their impulse over `interval` steps stays the same (the impulse
@@ -394,6 +397,16 @@ VESPER_API vesper_status vesper_engine_law_info(const vesper_engine* engine,
                                                 vesper_library_id library, uint32_t index,
                                                 vesper_law_info* out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
+
+/** Copies the SCRATCH values of one row of a law to `out`, as doubles. `use` is an index of the
+ *  uses that `vesper_engine_law_info` returns, and `count` is its number of components. A row that
+ *  has no values yet is zero. Returns NOT_FOUND if the use does not exist or is no SCRATCH use, and
+ *  INVALID_ARGUMENT for another `count`. Call it between frames. Since 1.2. */
+VESPER_API vesper_status vesper_engine_scratch_row(const vesper_engine* engine,
+                                                   vesper_library_id library, uint32_t law,
+                                                   uint32_t use, uint64_t row, double* out,
+                                                   uint32_t count,
+                                                   vesper_error* error) VESPER_NOEXCEPT;
 
 /** Applies all laws for `steps` steps of `dt` [time unit]. Either all steps take effect, or none.
  *  If a step fails, the engine is FAULTED, its time is unchanged, and written arrays are undefined.
@@ -414,27 +427,28 @@ VESPER_API vesper_status vesper_engine_advance(vesper_engine* engine, double dt,
 /** Clears the fault of a failed step. The client must have restored the arrays. */
 VESPER_API vesper_status vesper_engine_clear_fault(vesper_engine* engine,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Writes deferred values back to the named arrays; `names` null: to all arrays. Has an effect
- *  only if `vesper_engine_config.deferred` is 1. Unload, find, state_hash and save_state
- *  synchronize the arrays that they need; destroy does not. If the call fails, or a law delivers
- *  values that are not finite, the engine is FAULTED as after a failed step. The steps stay
- *  counted, so the client must also load a saved state. If the client touches or rebinds an array,
- *  its content is valid, and the engine discards the deferred values of this array. */
+/** Writes deferred values back to the named arrays; `names` null: to all arrays. Has an effect only
+ *  if `vesper_engine_config.deferred` is 1. The calls unload, find, state_hash and save_state
+ *  synchronize the arrays that they need; destroy does not. If the call fails, or a law writes
+ *  values that are not finite, the engine is FAULTED as after a failed step. The step count still
+ *  includes the steps, so the client must also load a saved state. If the client touches or rebinds
+ *  an array, the content of the array is valid, and the engine discards the array's deferred
+ *  values. */
 VESPER_API vesper_status vesper_engine_synchronize(vesper_engine* engine, const char* const* names,
                                                    uint32_t count,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Announces that row `from` of a kind moves to row `to` <= `from`, whose item was removed. An
- *  example is the last row that fills a gap. The SCRATCH values of the laws move with the row, and
- *  those of row `from` are reset. `from == to`: the item of that row was removed. Call it only if a
- *  row now belongs to another item. The engine itself detects rows that were added or removed at
- *  the end. */
+/** Announces that the item of row `from` of a kind moves to row `to` <= `from`, because the item of
+ *  row `to` was removed. For example, the last row fills the gap of a removed item. The SCRATCH
+ *  values of the laws move with the item, and those of row `from` are reset. `from == to`: the item
+ *  of this row was removed. Call this function only if a row now belongs to another item. The
+ *  engine itself detects rows that were added or removed at the end. */
 VESPER_API vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind,
                                                 uint64_t from, uint64_t to,
                                                 vesper_error* error) VESPER_NOEXCEPT;
 /** Returns in `out` the number of bytes that save_state would write now. The saved state contains
- *  the data that only the engine has: step count, time, and the SCRATCH values of laws. The saved
- *  state and the client's arrays together continue a run with identical bits. The run may continue
- *  in another process on the same type of machine. */
+ *  the data that only the engine has: step count, time, and the SCRATCH values of laws. From the
+ *  saved state and the client's arrays, a run continues with identical bits, also in another
+ *  process on the same type of machine. */
 VESPER_API vesper_status vesper_engine_state_size(vesper_engine* engine, uint64_t* out,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 /** Writes the state to `out`, with a version and a checksum. `size` is the result of state_size,
@@ -448,8 +462,8 @@ VESPER_API vesper_status vesper_engine_save_state(vesper_engine* engine, void* o
 VESPER_API vesper_status vesper_engine_load_state(vesper_engine* engine, const void* state,
                                                   uint64_t size,
                                                   vesper_error* error) VESPER_NOEXCEPT;
-/** Removes the SCRATCH values of a library's laws from a saved state, in place, so that an engine
- *  without this library can load the state. `*size` becomes the new size [bytes]. Returns
+/** Removes the SCRATCH values of a library's laws from a saved state, in place. An engine without
+ *  this library can then load the state. `*size` becomes the new size [bytes]. Returns
  *  INVALID_ARGUMENT if the state is damaged. Since 1.1. */
 VESPER_API vesper_status vesper_saved_state_remove_library(void* state, uint64_t* size,
                                                            const char* library,

@@ -9,17 +9,18 @@
  * snapshots, rollbacks, replays and unloading at run time.
  *
  * If the engine has several threads, laws of different libraries run concurrently unless they
- * collide. Two laws collide if one writes what the other reads or writes; both may accumulate. Laws
- * of one library never run concurrently, so a suite needs no locks. Results equal those of
- * sequential execution in load order, whatever the number of threads.
+ * collide. Two laws collide if one of them writes a property that the other reads or writes. Two
+ * laws that accumulate into the same property do not collide. Laws of one library never run
+ * concurrently, so a suite needs no locks. For any number of threads, the results equal those of
+ * sequential execution in load order.
  *
  * Rules for laws:
  * - A law starts no threads, uses no signals, and calls neither exit nor abort.
- * - No exception leaves the law.
- * - No change of floating-point modes outlives a call.
+ * - A law lets no exception escape from its functions.
+ * - A law restores the floating-point modes that it changes before a call returns.
  * - A law accesses only rows `[0, row_count)`.
- * - Equal inputs give equal bits. Therefore sums have a fixed order, whatever the number of
- * threads.
+ * - Equal inputs give equal bits. Therefore the order of summands must not depend on the number of
+ *   threads.
  */
 #ifndef VESPER_LAW_H_
 #define VESPER_LAW_H_
@@ -94,6 +95,12 @@ typedef struct vesper_step {
  *  different version, the copy is stale and the array is valid; otherwise the copy is valid. */
 #define VESPER_USE_DEFERRED 2u
 
+/** `vesper_property_use.flags` of a FIELD: the law reads the slope of the field, too. Its function
+ *  writes, for each component, the value and the derivatives of the value by x, y and z [unit/m]:
+ *  (count x components x 4). The engine refuses the law while the field comes from a client, or
+ * from a library that does not provide `slopes`. Since 1.2. */
+#define VESPER_USE_SLOPE 4u
+
 /** A property that a law uses. It is matched by name; kind, type, components and dimension must
  *  agree. If the unit of a real property differs in scale, the law receives a converted column
  *  of its own. The engine converts written values back; values that the law does not change keep
@@ -109,7 +116,7 @@ typedef struct vesper_property_use {
   uint32_t components;            /**< Components per row. */
   vesper_access access;           /**< Requested access, at most the prototype's `law_access`. */
   vesper_unit unit;               /**< Unit in which the law reads and writes. */
-  uint32_t flags;                 /**< VESPER_USE_OPTIONAL and VESPER_USE_DEFERRED, or 0. */
+  uint32_t flags;                 /**< VESPER_USE_… joined with |, or 0. */
   uint32_t reserved;
 } vesper_property_use;
 
@@ -131,6 +138,9 @@ typedef struct vesper_parameter_desc {
 #define VESPER_CLAIM_ANGULAR_MOMENTUM 2u /**< Sum of its moments on the bodies is zero. */
 #define VESPER_CLAIM_TRANSLATION 4u      /**< Invariant under a shift of the origin. */
 #define VESPER_CLAIM_ROTATION 8u         /**< Forces rotate with the world. */
+#define VESPER_CLAIM_ENERGY                                        \
+  16u /**< The work of its forces is the decrease of its potential \
+           energy. */
 
 /** Describes one law in one precision. Static data of the library. */
 typedef struct vesper_law_desc {
@@ -188,10 +198,23 @@ typedef struct vesper_field_desc {
   const char* doc;     /**< One line. */
   vesper_unit unit;    /**< Unit of the values; converted if its scale differs from the
                             property's. */
-  /** Evaluates the field as in `vesper_field`. `user` is the suite of the library, or null if it
-   *  has none. `advance` must not change data in `user` that this function reads, because other
-   *  laws may evaluate the field concurrently. */
+  /** Evaluates the field as in `vesper_field`. The library fails, and not the law that reads the
+   *  field, if the law fails after a value that is not finite. `user` is the suite of the library,
+   *  or null if it has none. `advance` must not change data in `user` that this function reads,
+   *  because other laws may evaluate the field concurrently. */
   void (*evaluate)(void* user, uint64_t count, const double* at, double* out);
+  /** Receives the time of each step before the laws of the step run. It may store data in `user`
+   *  that `evaluate` reads. Called on the client's thread while no law runs. Null: the field does
+   *  not depend on the time. Since 1.2. */
+  void (*begin_step)(void* user, const vesper_step* step);
+  /** Describes why the field has no finite value at the position `at` (3) [m]: fills `message` and
+   *  `law_index` of `error`. Called on a thread of the engine after a law that read this value
+   *  failed. Null: the engine describes the value. Since 1.2. */
+  void (*explain)(void* user, const double* at, vesper_error* error);
+  /** Evaluates the field with its slope, for laws with the use VESPER_USE_SLOPE. Writes `out`
+   *  (count x components x 4): for each component, the value and its derivatives by x, y and z
+   *  [unit/m]. The same rules hold as for `evaluate`. Null: the slope is unknown. Since 1.2. */
+  void (*slopes)(void* user, uint64_t count, const double* at, double* out);
 } vesper_field_desc;
 
 /** Description of a law library. Static data; the engine checks `abi_version` before it reads

@@ -35,14 +35,16 @@
  *   void Bind()             rebuilds its caches: arrays are new, or the client edited them
  *   double PotentialEnergy()  [J] of the present state
  *   void Synchronize(auto& column)  writes one of its Deferred columns; required if it has any
- *   using Suite = S;        a class that the laws of the library share. Each engine has one S,
- *   void Join(Suite&)       created with S() before the laws and destroyed after them. Join passes
- *                           it to each law after the parameters, in the order of the library
+ *   using Suite = S;        a class of which all laws of the library share one object. Each engine
+ *                           has its own object. It is created with S() before the laws, and
+ *                           destroyed after them
+ *   void Join(Suite&)       receives the shared object. It is called for each law after the
+ *                           parameters are set, in the order of the laws in the library
  *
- * The law is default-constructed once when its library is opened, to read the declarations, and
- * once for every engine that loads it. Names and docs must be string literals. An exception from
- * the constructor or Join at load, or from Bind, Advance or PotentialEnergy, becomes LAW_FAILED
- * with its what() as message.
+ * The law is default-constructed once when its library is opened, to read the declarations. It is
+ * constructed again for each engine that loads it. Names and docs must be string literals. An
+ * exception from the constructor or Join at load, or from Bind, Advance or PotentialEnergy, becomes
+ * LAW_FAILED with its what() as message.
  */
 #ifndef VESPER_LAW_HPP_
 #define VESPER_LAW_HPP_
@@ -75,11 +77,12 @@ enum Claim : uint32_t {
   kAngularMomentum = VESPER_CLAIM_ANGULAR_MOMENTUM,
   kTranslation = VESPER_CLAIM_TRANSLATION,
   kRotation = VESPER_CLAIM_ROTATION,
+  kEnergy = VESPER_CLAIM_ENERGY,
 };
 
 /** A number in the declared unit, constant while the law is loaded. The engine refuses values
- *  outside [minimum, maximum]. Before the law is loaded it has its default; from Bind on, the value
- *  that the client gave. */
+ *  outside [minimum, maximum]. Until the law is loaded, the parameter has its default. From the
+ *  first Bind on, it has the value that the client gave. */
 class Parameter {
  public:
   /** Stores name, one line of documentation and unit, and default and range in that unit. */
@@ -118,10 +121,10 @@ class Step {
   /** Number of steps before this one. */
   const uint64_t index;
 
-  /** Calls body(begin, end) for disjoint ranges that cover [0, count), possibly concurrently,
-   *  and returns when all calls have returned. Ranges have `grain` elements, or a length chosen
-   *  by the engine if `grain` is 0; they do not depend on the number of threads. If bodies
-   *  throw, it rethrows the exception of the lowest range. */
+  /** Calls body(begin, end) for disjoint ranges that cover [0, count), possibly concurrently, and
+   *  returns when all calls have returned. Ranges have `grain` elements, or a length that the
+   *  engine chooses if `grain` is 0. The ranges do not depend on the number of threads. If calls of
+   *  `body` throw exceptions, ParallelFor rethrows the exception of the lowest range. */
   template <std::invocable<uint64_t, uint64_t> Body>
   void ParallelFor(uint64_t count, uint64_t grain, Body&& body) const;
 

@@ -175,8 +175,8 @@ class Column {
 
 template <class Row>
 using Read = Column<Row, VESPER_READ, 0>;
-/** A column of which every row must be written before Advance returns. Its previous contents
- *  must not be read. */
+/** A column that the law only writes. Advance must write every row, and must not read the previous
+ *  contents. */
 template <class Row>
 using Write = Column<Row, VESPER_WRITE, 0>;
 template <class Row>
@@ -199,10 +199,10 @@ using OptionalReadWrite = Column<Row, VESPER_READ_WRITE, VESPER_USE_OPTIONAL>;
 template <class Row>
 using OptionalAccumulate = Column<Row, VESPER_ACCUMULATE, VESPER_USE_OPTIONAL>;
 
-/** A column of which the laws of a library keep one copy in their Suite, for example on a GPU. Bind
- *  reads the array if version() differs from the version of the copy. Otherwise the copy is
- *  valid and may be newer than the array. Advance works on the copy only. When the engine needs the
- *  written values, it calls law.Synchronize(column), which must fill the whole column. See
+/** A column that the laws of a library copy into their Suite, for example to a GPU. If version()
+ *  differs from the version of the copy, Bind must read the array. Otherwise the copy is valid, and
+ *  may contain newer values than the array. Advance works on the copy only. When the engine needs
+ *  the written values, it calls law.Synchronize(column), which must fill the whole column. See
  *  VESPER_USE_DEFERRED in law.h. */
 template <class Row>
 using DeferredRead = Column<Row, VESPER_READ, VESPER_USE_DEFERRED>;

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <span>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -230,12 +231,14 @@ class Instance {
 template <template <class> class... Laws>
 class Library {
  public:
-  explicit Library(const char* name) {
+  explicit Library(const char* name, std::span<const vesper_field_desc> fields = {}) {
     library_.struct_size = sizeof library_;
     library_.abi_version = VESPER_ABI_VERSION;
     library_.name = name;
     library_.law_count = static_cast<uint32_t>(descs_.size());
     library_.laws = descs_.data();
+    library_.field_count = static_cast<uint32_t>(fields.size());
+    library_.fields = fields.data();
     if constexpr (!std::is_void_v<Suite>) {
       library_.open = [](const vesper_host*, vesper_suite** out, vesper_error* error) noexcept {
         return Guard(error, [&] { *out = reinterpret_cast<vesper_suite*>(new Suite()); });
@@ -308,10 +311,14 @@ class FailedLibrary {
 
 /** Defines the library: VESPER_LAW_LIBRARY("name", Law, MoreLaws...), once, in one source file,
  *  at global scope. The library file must be libvesper_law_NAME.so with the same name. */
-#define VESPER_LAW_LIBRARY(name, ...)                                                 \
+#define VESPER_LAW_LIBRARY(name, ...) VESPER_LAW_LIBRARY_WITH_FIELDS(name, {}, __VA_ARGS__)
+
+/** Defines a library that provides fields, as VESPER_LAW_LIBRARY does. `fields` is an array of
+ *  vesper_field_desc with static lifetime. The functions of the fields receive the Suite. */
+#define VESPER_LAW_LIBRARY_WITH_FIELDS(name, fields, ...)                             \
   extern "C" VESPER_LAW_EXPORT const vesper_law_library* vesper_law_library_entry() { \
     try {                                                                             \
-      static const ::vesper::detail::Library<__VA_ARGS__> library(name);              \
+      static const ::vesper::detail::Library<__VA_ARGS__> library(name, fields);      \
       return library.get();                                                           \
     } catch (const std::exception& e) {                                               \
       static const ::vesper::detail::FailedLibrary failed(name, e.what());            \

@@ -15,7 +15,8 @@ namespace vesper {
 
 /** A search for pairs of near rows, by a grid of cells whose side is the distance. The order of the
  *  pairs depends on the positions and rows only. Only one thread at a time may use an object. An
- *  object may be a member of a law, because it keeps only allocated memory between two searches. */
+ *  object may be a member of a law, because it keeps nothing except allocated memory between two
+ *  searches. */
 template <class Real>
 class Neighbours {
  public:

@@ -6,9 +6,9 @@
  * a struct begins with `struct_size`, which the side that fills the struct sets. Minor versions
  * only append fields. Neither side reads or writes beyond the `struct_size` of the other; a missing
  * field counts as zero. A field that the engine does not know must be zero; otherwise the engine
- * returns ABI_MISMATCH. Therefore a law or client built for a later minor version works as long as
- * it uses no new feature. The stride of an array of such structs is the `struct_size` of its first
- * element. Fields named `reserved` are zero.
+ * returns ABI_MISMATCH. Therefore an engine accepts a law or client that was built for a later
+ * minor version, if it uses no new feature. The stride of an array of such structs is the
+ * `struct_size` of its first element. Fields named `reserved` are zero.
  *
  * These structs are frozen (never change) within a major version: `vesper_error`, `vesper_unit` and
  * `vesper_layout_entry`, which contain no size; `vesper_property`, which laws receive in arrays;
@@ -26,8 +26,8 @@ extern "C" {
 /** Version of this contract: laws and engine must have the same major version (see
  *  `vesper_law_library`). */
 #define VESPER_ABI_MAJOR 1u
-/** Increases when a field or function is appended. Laws and engines of different minor versions
- *  work together. */
+/** Increases when a field or function is appended. Laws and engines of different minor versions are
+ *  compatible. */
 #define VESPER_ABI_MINOR 2u
 /** Major and minor version in one number, the major one in the upper 16 bits. */
 #define VESPER_ABI_VERSION ((VESPER_ABI_MAJOR << 16) | VESPER_ABI_MINOR)

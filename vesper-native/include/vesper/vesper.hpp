@@ -185,6 +185,8 @@ struct EngineConfig {
   /** If true, the client calls Touch for every array that it edited. Laws may then keep data that
    *  they derived from other arrays. */
   bool touches = false;
+  /** If true, a law rests while a field that it reads is not bound; see vesper_engine_config. */
+  bool rest_without_fields = false;
   /** Receives log lines (VESPER_LOG_..., text) on the calling thread. Must not throw. */
   std::function<void(uint32_t, const char*)> log = {};
 
@@ -196,6 +198,7 @@ struct EngineConfig {
     config.validate = validate ? 1 : 0;
     config.deferred = deferred ? 1 : 0;
     config.touches = touches ? 1 : 0;
+    config.rest_without_fields = rest_without_fields ? 1 : 0;
     config.law_path = law_path.c_str();
     if (!probe_path.empty()) config.probe_path = probe_path.c_str();
     if (log) {
@@ -311,7 +314,8 @@ class CustomPropertyProvider {
  public:
   virtual ~CustomPropertyProvider() = default;
   /** Returns the arrays of a property (struct_size may stay 0), or nothing if the client has no
-   *  such property. An exception fails the engine call that needed the property. */
+   *  such property. If this function throws an exception, the engine call that needed the property
+   *  fails. */
   virtual std::optional<vesper_provided_property> FindPhysicalProperty(std::string_view name) = 0;
   /** Returns a number that changes whenever the answer of FindPhysicalProperty changes for any
    *  property. */
@@ -457,6 +461,17 @@ class PhysicsEngine {
     vesper_error error{};
     detail::Check(vesper_engine_set_interval(engine_.get(), library, interval, &error), error);
   }
+  /** Returns the SCRATCH values of one row of a law, as doubles; see `vesper_engine_scratch_row`.
+   *  `components` is that of the use. */
+  std::vector<double> ScratchRow(vesper_library_id library, uint32_t law, uint32_t use,
+                                 uint32_t components, uint64_t row) const {
+    std::vector<double> values(components);
+    vesper_error error{};
+    detail::Check(vesper_engine_scratch_row(engine_.get(), library, law, use, row, values.data(),
+                                            components, &error),
+                  error);
+    return values;
+  }
   /** Returns the laws of a loaded library, in the engine's precision; valid until the library is
    *  unloaded. */
   std::vector<vesper_law_info> Laws(vesper_library_id library) const {
@@ -498,7 +513,7 @@ class PhysicsEngine {
     const vesper_status status = vesper_engine_synchronize(engine_.get(), nullptr, 0, &error);
     if (status != VESPER_OK) throw Error(error, LawName(error));
   }
-  /** Clears the fault of a failed step. The arrays must have been restored. */
+  /** Clears the fault of a failed step. The client must have restored the arrays. */
   void ClearFault() {
     vesper_error error{};
     detail::Check(vesper_engine_clear_fault(engine_.get(), &error), error);

@@ -120,4 +120,56 @@ std::string CheckPotentialEnergy(const Subject& of) {
   return "";
 }
 
+// Moves each body along a line in small steps, and compares the work of its force with the change
+// of the energy. The work in a step differs from the trapezoid rule by less than the change of the
+// force times the length. A step of the energy, or a force that depends on the velocity or the
+// time, does not satisfy this bound.
+std::string CheckEnergy(const Subject& of) {
+  const LawsUnderTest subject(of);
+  subject.RequireClaim(VESPER_CLAIM_ENERGY);
+  if (subject.real_type() != VESPER_F64) {
+    throw CheckSkipped("differences of f32 energies say nothing");
+  }
+  if (subject.laws().size() > 1)
+    throw CheckSkipped("the forces of the laws of a suite cannot be separated");
+  const vesper_law_desc& desc = *subject.laws().front();
+  constexpr double kLength = 0.01;  // [m]
+  constexpr uint64_t kSteps = 400;
+  const Vec3<double> direction{0.6, -0.48, 0.64};
+  World world = subject.MakeWorld(7);
+  const BareLaw law(desc, world.PropertiesFor(desc), &subject.library().table());
+  AnyColumn& position = world["position"];
+  uint64_t index = 0;
+  for (uint64_t body = 0; body < position.rows(); ++body) {
+    double energy = 0, force = 0;
+    const Vec3<double> begin = position.GetVector(body);
+    for (uint64_t step = 0; step <= kSteps; ++step, ++index) {
+      const Vec3<double> place = begin + direction * (kLength * static_cast<double>(step));
+      position.Set(3 * body, place.x);
+      position.Set(3 * body + 1, place.y);
+      position.Set(3 * body + 2, place.z);
+      world.Clear("externalForce");
+      law.Step({kDt, index}, [](uint32_t) {});
+      const double energy_here = law.PotentialEnergy();
+      const double force_here = Dot(world["externalForce"].GetVector(body), direction);
+      if (step > 0) {
+        const double work = (force + force_here) / 2 * kLength;
+        const double error = std::abs(energy_here - energy + work);
+        const double bound = kLength * (std::abs(force_here - force) +
+                                        1e-3 * (std::abs(force_here) + std::abs(force))) +
+                             1e-9 * (1 + std::abs(energy_here));
+        Expect(error <= bound, "the force does " + std::to_string(work) + " J of work on body " +
+                                   std::to_string(body) + " at " + std::to_string(place.x) + ", " +
+                                   std::to_string(place.y) + ", " + std::to_string(place.z) +
+                                   " m, but the energy changes by " +
+                                   std::to_string(energy_here - energy) + " J (seed " +
+                                   std::to_string(kSeed) + ")");
+      }
+      energy = energy_here;
+      force = force_here;
+    }
+  }
+  return "";
+}
+
 }  // namespace vesper

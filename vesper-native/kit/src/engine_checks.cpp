@@ -30,8 +30,8 @@ size_t CountEntries(const char* folder) {
   return static_cast<size_t>(std::distance(begin(entries), end(entries)));
 }
 
-/// Expects that an error names the law. If only the input can be the cause, expects that it names
-/// the input.
+/// Expects that an error names the law. Expects that it names the input if only the input can be
+/// the cause.
 void ExpectBlame(const LawsUnderTest& subject, const std::string& input, const Error& error) {
   const std::string what = error.what();
   if (error.status() == VESPER_INVALID_ARGUMENT && error.property() == input) return;
@@ -87,7 +87,7 @@ double ProcessorTime() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Returns the processor time of two steps [s]. Makes one step before them, which prepares memory
+/// Returns the processor time of two steps [s]. Makes one step before these two. It prepares memory
 /// and is not counted.
 double TimeOfSteps(const LawsUnderTest& subject, uint64_t rows) {
   World world = subject.MakeWorld(rows);
@@ -128,9 +128,9 @@ std::string CheckThreads(const Subject& of) {
     World many = subject.MakeWorld(rows);
     PhysicsEngine engine = many.MakeEngine(subject.file(), threads);
     engine.Advance(kDt, 2);
-    for (const AnyColumn& column : one.columns()) {
-      const std::string name = column.descriptor().name;
-      Expect(many[name].bytes() == column.bytes(),
+    for (size_t i = 0; i < one.columns().size(); ++i) {
+      const std::string name = one.columns()[i].descriptor().name;
+      Expect(many.columns()[i].bytes() == one.columns()[i].bytes(),
              "'" + name + "' has other bits on " + std::to_string(threads) + " threads than on 1");
     }
     Expect(engine.StateHash() == reference.StateHash(), "the state hash differs");
@@ -205,8 +205,8 @@ std::string MeasureTime(const Subject& of) {
       note += (note.empty() ? "" : ", ") + std::string(law.name) + " " + text;
       total += law.nanoseconds;
     }
-    // If time is quadratic in the number of rows, ten times the rows would take a hundred times as
-    // long.
+    // Ten times the rows would take a hundred times as long if the time is quadratic in the number
+    // of rows.
     if (rows == 100000 || total > 10'000'000) {
       return note + " per row and call, " + std::to_string(rows) + " rows, 1 thread";
     }

@@ -59,7 +59,8 @@ std::string CheckExports(const Subject& subject) {
 }
 
 std::string CheckImports(const Subject& subject) {
-  // A sanitizer's runtime is permitted: the author links it to find faults.
+  // The runtime library of a sanitizer is permitted, because the author of a law links it to find
+  // faults.
   const std::string standard =
       "libc\\.so\\.6|libm\\.so\\.6|libstdc\\+\\+\\.so\\.6|libgcc_s\\.so\\.1|"
       "ld-linux[^/]*\\.so\\.[0-9]+|lib(asan|lsan|tsan|ubsan)\\.so\\.[0-9]+";

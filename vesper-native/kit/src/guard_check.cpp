@@ -68,15 +68,16 @@ void CatchFaults() {
   sigaction(SIGBUS, &action, nullptr);
 }
 
-/// Runs one law for one step. If a memory fault occurs, its handler jumps back to this function.
-/// The process ends soon afterwards, so leaked resources do not matter.
+/// Runs one law for one step. The handler of a memory fault jumps back to this function. The
+/// process ends soon afterwards, so leaked resources do not matter.
 void RunGuarded(const vesper_law_library& library, const vesper_law_desc& desc, World& world,
                 Side side) {
   std::vector<vesper_property> properties = world.PropertiesFor(desc);
   std::vector<std::unique_ptr<GuardedArray>> arrays;
   for (vesper_property& property : properties) {
     if (property.scalar_type == VESPER_FIELD) continue;
-    arrays.push_back(std::make_unique<GuardedArray>(world[property.name], property.access, side));
+    arrays.push_back(
+        std::make_unique<GuardedArray>(world.ColumnOf(property), property.access, side));
     property.data = arrays.back()->data();
   }
   if (sigsetjmp(before_fault, 1) != 0) {

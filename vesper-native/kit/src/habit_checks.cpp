@@ -11,6 +11,7 @@
 
 #include "nearest_name.hpp"
 #include "subject.hpp"
+#include "vesper/kit/test_prototype.hpp"
 
 namespace vesper {
 namespace {
@@ -29,7 +30,7 @@ struct FloatingPointModes {
   }
 };
 
-/// Throws unless this thread has the default modes.
+/// Throws an exception unless this thread has the default modes.
 void ExpectDefaultModes(const std::string& where) {
   const FloatingPointModes modes;
   Expect(modes.rounding == FE_TONEAREST,
@@ -43,8 +44,8 @@ size_t AllocatedBytes() {
   return now.uordblks + now.hblkhd;
 }
 
-/// Returns whether the names have nearly the same length. Otherwise the similar name is another
-/// word.
+/// Returns whether the names have nearly the same length. The similar name is another word if the
+/// lengths differ more.
 bool IsMisspelt(std::string_view name, const std::string& nearest) {
   constexpr size_t kMost = 2;
   return std::max(name.size(), nearest.size()) - std::min(name.size(), nearest.size()) <= kMost;
@@ -102,7 +103,8 @@ std::string CheckModes(const Subject& of) {
 
 std::string CheckMemory(const Subject& of) {
   const LawsUnderTest subject(of);
-  // Laws may enlarge their buffers at times, so only growth in each of several periods is a leak.
+  // Laws may sometimes enlarge their buffers. Therefore only growth in each of several periods
+  // counts as a leak.
   constexpr int kPeriods = 4;
   constexpr uint32_t kSteps = 64;
   constexpr size_t kLeast = 8;  // minimum size of a leak in a step [bytes]
@@ -148,8 +150,7 @@ std::string CheckStepLength(const Subject& of) {
 
 std::string CheckNames(const Subject& of) {
   const LawsUnderTest subject(of);
-  const vesper_prototype& prototype =
-      StandardPrototype(subject.real_type() == VESPER_F64 ? "si-f64" : "si-f32");
+  const vesper_prototype& prototype = TestPrototype(subject.real_type());
   for (const vesper_property_use& use : subject.Uses()) {
     if (use.access == VESPER_SCRATCH) continue;
     std::vector<std::string> names;

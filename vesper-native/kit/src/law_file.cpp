@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "python_laws.hpp"
+#include "vesper/kit/test_prototype.hpp"
 
 namespace vesper {
 namespace {
@@ -96,11 +97,11 @@ PreparedLibrary LawFile::Prepare(const vesper_prototype& prototype, const std::s
 
 LawFile::LawFile(const std::string& path) : path_(path) {
   if (path.ends_with(kTextEnding) || IsPython(path)) {
-    const vesper_prototype& f64 = StandardPrototype("si-f64");
+    const vesper_prototype& f64 = TestPrototype(VESPER_F64);
     prepared_ = PrepareFile(f64, path);
     table_ = &TableOf(prepared_.get(), f64);
     if (!IsPython(path)) return;  // the table of a text has both precisions
-    const vesper_prototype& f32 = StandardPrototype("si-f32");
+    const vesper_prototype& f32 = TestPrototype(VESPER_F32);
     f32_prepared_ = PrepareFile(f32, path);
     f32_table_ = &TableOf(f32_prepared_.get(), f32);
     return;
@@ -180,7 +181,7 @@ std::vector<std::string> LawFile::Imports() const {
   for (const Symbol& symbol : DynamicSymbols()) {
     if (symbol.defined) continue;
     Dl_info info{};
-    // Searches the handle of this library first, because the program may contain copies of the
+    // The handle of this library is searched first, because the program may contain copies of the
     // library's data.
     void* address = dlsym(handle_.get(), symbol.name.c_str());
     if (address == nullptr) address = dlsym(RTLD_DEFAULT, symbol.name.c_str());
@@ -215,11 +216,11 @@ vesper_host HostFor(const vesper_law_library* library) {
   return host;
 }
 
-vesper_suite* Open(const vesper_law_library* library) {
+vesper_suite* Open(const vesper_law_library* library, const vesper_host& host) {
   if (library == nullptr || library->open == nullptr) return nullptr;
   vesper_suite* suite = nullptr;
   vesper_error error{};
-  RequireOk(library->open(&kHost, &suite, &error), error);
+  RequireOk(library->open(&host, &suite, &error), error);
   return suite;
 }
 
@@ -243,7 +244,7 @@ BareLaw::BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>
     : desc_(desc),
       host_(HostFor(library)),
       properties_(properties),
-      suite_(Open(library), Close{library}),
+      suite_(Open(library, host_), Close{library}),
       law_(Create(desc, host_, suite_.get()), Destroy{&desc}) {
   Bind();
 }

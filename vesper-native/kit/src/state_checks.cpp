@@ -39,7 +39,8 @@ void ExpectSameBits(World& world, const Values& expected, const std::string& whe
   }
 }
 
-/// Captures the output that this process writes to one of its standard files from now on.
+/// Captures the output that this process writes to one of its standard files during the life of
+/// this object.
 class Capture {
  public:
   explicit Capture(int file) : file_(file), memory_(memfd_create("output", MFD_CLOEXEC)) {

@@ -33,6 +33,7 @@ constexpr Check kChecks[] = {
     {"rotation", "results rotate with the world", true, CheckRotation},
     {"potential-energy", "its forces are the gradient of its potential energy", true,
      CheckPotentialEnergy},
+    {"energy", "its forces do the work by which its potential energy falls", true, CheckEnergy},
     {"convergence", "its error vanishes with dt", true, CheckConvergence},
     {"time", "nanoseconds per row", true, MeasureTime},
 };

@@ -71,6 +71,7 @@ std::string CheckAngularMomentum(const Subject&);
 std::string CheckTranslation(const Subject&);
 std::string CheckRotation(const Subject&);
 std::string CheckPotentialEnergy(const Subject&);
+std::string CheckEnergy(const Subject&);
 std::string CheckConvergence(const Subject&);
 std::string MeasureTime(const Subject&);
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vesper/kit/law_file.hpp"
+#include "vesper/kit/test_prototype.hpp"
 
 namespace vesper {
 namespace {
@@ -44,18 +45,22 @@ void Normalise(AnyColumn& column, uint64_t row) {
   }
 }
 
-const vesper_prototype& PrototypeOf(vesper_scalar_type real_type) {
-  return StandardPrototype(real_type == VESPER_F64 ? "si-f64" : "si-f32");
-}
-
-/// Returns true for a SCRATCH property. An engine allocates its memory; a law that runs without an
-/// engine gets a column instead.
+/// Returns true for a SCRATCH property. An engine allocates the memory of such a property. A law
+/// that runs without an engine gets a column instead.
 bool IsScratch(const vesper_property_descriptor& property) {
   return property.law_access == VESPER_SCRATCH;
 }
 
 bool IsField(const vesper_property_descriptor& property) {
   return property.scalar_type == VESPER_FIELD;
+}
+
+/// Returns true for the property that a law uses by this name. A column of the law's own may have
+/// the name of a property of the prototype.
+bool IsUsed(const vesper_property_descriptor& property, const std::string& name,
+            const std::string& kind, vesper_access access) {
+  return property.name == name && property.kind == kind &&
+         IsScratch(property) == ((access & VESPER_SCRATCH) != 0);
 }
 
 /// Returns the properties of the prototype, then those that only the library declares. SCRATCH
@@ -68,7 +73,7 @@ std::vector<vesper_property_descriptor> DescriptorsFor(
   for (const vesper_law_desc* law : laws) {
     for (const auto& use : std::span(law->uses, law->use_count)) {
       const auto known = std::ranges::find_if(
-          all, [&](const auto& property) { return property.name == std::string(use.name); });
+          all, [&](const auto& each) { return IsUsed(each, use.name, use.kind, use.access); });
       if (known == all.end()) {
         all.push_back({sizeof(vesper_property_descriptor), use.scalar_type, use.name, use.kind,
                        use.components, use.access, use.unit, nullptr, nullptr,
@@ -108,7 +113,7 @@ void RotateRows(AnyColumn& column, const Quaternion& by) {
 
 World::World(vesper_scalar_type real_type, const std::vector<const vesper_law_desc*>& laws,
              std::span<const vesper_field_desc> brings, uint64_t rows, uint32_t seed)
-    : prototype_(PrototypeOf(real_type)), descriptors_(DescriptorsFor(prototype_, laws, brings)) {
+    : prototype_(TestPrototype(real_type)), descriptors_(DescriptorsFor(prototype_, laws, brings)) {
   prototype_.properties = descriptors_.data();
   prototype_.property_count =
       static_cast<uint32_t>(std::ranges::count_if(descriptors_, std::not_fn(IsScratch)));
@@ -145,7 +150,7 @@ void World::Place(AnyColumn& column, const std::function<double(double, double)>
 
 void World::Fill(AnyColumn& column, const std::function<double(double, double)>& draw) {
   const vesper_property_descriptor& property = column.descriptor();
-  // The engine computes sums, and scratch starts at zero.
+  // These columns get no values, because the engine computes sums, and scratch starts at zero.
   if ((property.law_access & (VESPER_ACCUMULATE | VESPER_SCRATCH)) != 0) return;
   const std::string name = property.name;
   if (IsPlace(name)) return Place(column, draw);
@@ -157,7 +162,7 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
   const bool is_vector = column.is_vector();
   const bool is_rotation = IsRotation(name);
   for (uint64_t row = 0; row < column.rows(); ++row) {
-    // Uses neighbouring rows, so that the rows of one reference differ.
+    // Neighbouring rows are used, so that the rows of one reference differ.
     auto reference = static_cast<uint64_t>(draw(0, static_cast<double>(column.rows())));
     for (uint32_t c = 0; c < property.components; ++c) {
       const uint64_t value = row * property.components + c;
@@ -186,6 +191,16 @@ const AnyColumn& World::operator[](const std::string& name) const {
 
 AnyColumn& World::operator[](const std::string& name) {
   return const_cast<AnyColumn&>(std::as_const(*this)[name]);
+}
+
+AnyColumn& World::ColumnOf(const vesper_property& used) {
+  const auto column = std::ranges::find_if(columns_, [&](const AnyColumn& each) {
+    return IsUsed(each.descriptor(), used.name, used.kind, used.access);
+  });
+  if (column == columns_.end()) {
+    throw std::logic_error("the world has no property " + std::string(used.name));
+  }
+  return *column;
 }
 
 void World::Clear(const std::string& name) {
@@ -230,7 +245,7 @@ vesper_property World::PropertyFor(const vesper_property_use& use) {
     property.data = const_cast<vesper_field*>(&field.function());
     return property;
   }
-  AnyColumn& column = (*this)[use.name];
+  AnyColumn& column = ColumnOf(property);
   property.data = column.data();
   property.row_count = column.rows();
   return property;

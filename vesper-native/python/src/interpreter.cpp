@@ -19,7 +19,7 @@ constexpr const char* kModule =
 
 PyObject* module = nullptr;  // the module `vesper`; kept as long as the process lives
 
-/// parse_unit(text): returns the bytes of a vesper_unit.
+/// Implements parse_unit(text) of the module `vesper`. Returns the bytes of a vesper_unit.
 PyObject* ParseUnit(PyObject*, PyObject* argument) {
   const char* text = PyUnicode_AsUTF8(argument);
   if (text == nullptr) return nullptr;
@@ -32,7 +32,33 @@ PyObject* ParseUnit(PyObject*, PyObject* argument) {
   return PyBytes_FromStringAndSize(reinterpret_cast<const char*>(&unit), sizeof unit);
 }
 
-PyMethodDef functions[] = {{"parse_unit", ParseUnit, METH_O, nullptr}, {}};
+/// Implements evaluate_field(field, at, out) of the module `vesper`. Writes the values of a field
+/// at positions (rows x 3) into `out` (rows x components). Both are arrays of f64.
+PyObject* EvaluateField(PyObject*, PyObject* arguments) {
+  PyObject* capsule;
+  Py_buffer at{}, out{};
+  if (!PyArg_ParseTuple(arguments, "Oy*w*", &capsule, &at, &out)) return nullptr;
+  const auto* field =
+      static_cast<const vesper_field*>(PyCapsule_GetPointer(capsule, kFieldCapsule));
+  if (field != nullptr) {
+    const auto components = reinterpret_cast<intptr_t>(PyCapsule_GetContext(capsule));
+    const Py_ssize_t rows = at.len / Py_ssize_t{3 * sizeof(double)};
+    if (out.len == rows * components * Py_ssize_t{sizeof(double)}) {
+      field->evaluate(field->user, static_cast<uint64_t>(rows), static_cast<const double*>(at.buf),
+                      static_cast<double*>(out.buf));
+    } else {
+      PyErr_SetString(PyExc_ValueError, "the values of a field do not fit into the array");
+    }
+  }
+  PyBuffer_Release(&at);
+  PyBuffer_Release(&out);
+  if (PyErr_Occurred() != nullptr) return nullptr;
+  Py_RETURN_NONE;
+}
+
+PyMethodDef functions[] = {{"parse_unit", ParseUnit, METH_O, nullptr},
+                           {"evaluate_field", EvaluateField, METH_VARARGS, nullptr},
+                           {}};
 PyModuleDef definition = {
     PyModuleDef_HEAD_INIT, "_vesper", nullptr, -1, functions, nullptr, nullptr, nullptr, nullptr};
 
@@ -47,8 +73,8 @@ void KeepToOneThread() {
   }
 }
 
-/// Returns the virtual environment whose packages laws may import. If it is empty, laws may import
-/// the packages of the system.
+/// Returns the virtual environment whose packages laws may import. Laws may import the packages of
+/// the system if it is empty.
 std::string Environment() {
   const char* folder = std::getenv("VESPER_PYTHON");
   return folder == nullptr ? "" : folder;
@@ -77,7 +103,7 @@ void RequireEnvironment(const std::string& folder) {
                 program.c_str(), program.c_str());
 }
 
-/// Returns the end of the message for a missing NumPy, which says what to do.
+/// Returns the end of the message for a missing NumPy. It tells the user how to install NumPy.
 std::string NeedsNumPy() {
   const std::string folder = Environment();
   return "laws in Python need NumPy" +
@@ -98,7 +124,7 @@ void Initialize() {
   config.buffered_stdio = 0;  // keeps the output of laws in order with other output
   config.use_hash_seed = 1;
   config.hash_seed = 0;
-  // Python finds its packages from the path of the program.
+  // The path of the program is set, because Python uses it to find its packages.
   const std::string folder = Environment();
   PyStatus status = folder.empty()
                         ? PyConfig_SetString(&config, &config.program_name, VESPER_PYTHON_PROGRAM)

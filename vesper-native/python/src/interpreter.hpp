@@ -47,6 +47,10 @@ class Turn {
   PyGILState_STATE state_;
 };
 
+/// Name of the capsules that contain the `vesper_field` of a law. The context of a capsule is the
+/// number of components.
+inline constexpr const char* kFieldCapsule = "vesper_field";
+
 /// Starts Python with the module `vesper`; further calls do nothing. Python uses the packages of
 /// the virtual environment that the environment variable VESPER_PYTHON names, or those of the
 /// system. Throws LIBRARY_LOAD_FAILED if Python cannot start.

@@ -89,13 +89,17 @@ class Instance {
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
-  /// Makes a NumPy array on the memory of each column; the array of a column that the law only
-  /// reads refuses writes.
+  /// Makes a NumPy array on the memory of each column, and a function of each field. The array of a
+  /// column that the law only reads refuses writes.
   void Bind(const vesper_property* properties) {
     const Turn turn;
     const Object columns(PyList_New(0));
     for (size_t i = 0; i < columns_; ++i) {
       const vesper_property& property = properties[i];
+      if (property.scalar_type == VESPER_FIELD) {
+        Append(columns.get(), FieldOf(property), property);
+        continue;
+      }
       const auto size = static_cast<Py_ssize_t>(property.row_count * property.components *
                                                 (property.scalar_type == VESPER_F64 ? 8 : 4));
       static char none[8];
@@ -103,11 +107,7 @@ class Instance {
           PyMemoryView_FromMemory(size == 0 ? none : static_cast<char*>(property.data), size,
                                   property.access == VESPER_READ ? PyBUF_READ : PyBUF_WRITE),
           VESPER_LAW_FAILED, source_);
-      const Object column = Checked(
-          Py_BuildValue("(OKI)", memory.get(), static_cast<unsigned long long>(property.row_count),
-                        property.components),
-          VESPER_LAW_FAILED, source_);
-      if (PyList_Append(columns.get(), column.get()) != 0) throw Raised(VESPER_LAW_FAILED, source_);
+      Append(columns.get(), memory, property);
     }
     Checked(PyObject_CallMethod(instance_.get(), "bind", "(O)", columns.get()), VESPER_LAW_FAILED,
             source_);
@@ -120,6 +120,25 @@ class Instance {
   }
 
  private:
+  Object FieldOf(const vesper_property& property) const {
+    Object field =
+        Checked(PyCapsule_New(property.data, kFieldCapsule, nullptr), VESPER_LAW_FAILED, source_);
+    const intptr_t components = property.components;
+    if (PyCapsule_SetContext(field.get(), reinterpret_cast<void*>(components)) != 0) {
+      throw Raised(VESPER_LAW_FAILED, source_);
+    }
+    return field;
+  }
+
+  /// Appends (data, rows, components) to a list.
+  void Append(PyObject* columns, const Object& data, const vesper_property& property) const {
+    const Object column = Checked(
+        Py_BuildValue("(OKI)", data.get(), static_cast<unsigned long long>(property.row_count),
+                      property.components),
+        VESPER_LAW_FAILED, source_);
+    if (PyList_Append(columns, column.get()) != 0) throw Raised(VESPER_LAW_FAILED, source_);
+  }
+
   const std::string& source_;
   Object instance_;
   Object advance_;

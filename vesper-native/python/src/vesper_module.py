@@ -87,6 +87,13 @@ class Accumulate(_Column):
     access = needed = _ACCUMULATE
 
 
+class Field(_Column):
+    """A function of position that the law reads: Field("world", "m/s"). The argument of the law is
+    a function. It takes an array of positions (rows, 3) in m, and returns the values there."""
+
+    access = needed = _READ
+
+
 class Scratch(_Column):
     """Private memory of the law: one row for each row of the kind, initially zero. The engine saves
     it and rolls it back together with the world."""
@@ -210,6 +217,13 @@ class _Law:
             name = _SHORT_NAMES.get(name, name)
         found = properties.get((use.kind, name))
         if found is None:
+            field = properties.get(("world", name))
+            if field is not None and field[2] == _FIELD:
+                self.file.refuse(
+                    argument,
+                    f"'{name}' is a field of kind world, the annotation says '{use.kind}'; write "
+                    f"vesper.Field('world', '{_symbol(field[5])}')",
+                )
             kinds = {kind for kind, _ in properties}
             if use.kind not in kinds:
                 self.file.refuse(
@@ -219,10 +233,12 @@ class _Law:
             own = {other for kind, other in properties if kind == use.kind}
             self.file.refuse(argument, f"{use.kind} has no property '{name}'" + _near(name, own))
         _, _, scalar_type, components, permitted, unit = found
-        if scalar_type == _FIELD:
+        if (scalar_type == _FIELD) != isinstance(use, Field):
+            found, right = ("field", "Field") if scalar_type == _FIELD else ("column", "Read")
             self.file.refuse(
                 argument,
-                f"'{name}' is a field, expected a column; write this law as text or in C++",
+                f"'{name}' is a {found}, the annotation is vesper.{type(use).__name__}; "
+                f"write vesper.{right}('{use.kind}', '{_symbol(unit)}')",
             )
         if use.unit[:7] != unit[:7]:
             self.file.refuse(
@@ -249,7 +265,7 @@ class _Law:
     def forbid_rebinding(self):
         """Refuses an assignment such as `force = …`, because it would make a new array and not
         change the column."""
-        columns = {name for name, _ in self.uses}
+        columns = {name for name, use in self.uses if use[2] != _FIELD}
         for node in ast.walk(self.node):
             targets = node.targets if isinstance(node, ast.Assign) else []
             for target in targets:
@@ -282,6 +298,8 @@ class _Law:
         arguments = {name: parameter.default for name, parameter in self.parameters}
         arguments.update((name, 0.0) for name in self.step)
         for name, (_, _, scalar_type, components, access, _) in self.uses:
+            if scalar_type == _FIELD:
+                continue  # Numba compiles no calls of fields
             shape = (1,) if components == 1 else (1, components)
             arguments[name] = numpy.zeros(shape, _TYPES[scalar_type])
             arguments[name].flags.writeable = access != _READ  # Numba distinguishes the types
@@ -292,17 +310,50 @@ class _Law:
         return _Instance(self, values)
 
 
+class _Call:
+    """Whether the function of a law runs."""
+
+    inside = False
+
+
+class _FieldOf:
+    """The argument of a law for a field."""
+
+    def __init__(self, name, field, components, call):
+        self.name = name
+        self.field = field
+        self.components = components
+        self.call = call
+
+    def __call__(self, positions):
+        if not self.call.inside:
+            raise RuntimeError(f"the field '{self.name}' is valid during the call of the law only")
+        at = numpy.ascontiguousarray(positions, numpy.float64)
+        if at.ndim not in (1, 2) or at.shape[-1] != 3:
+            raise ValueError(
+                f"the positions for '{self.name}' have the shape {numpy.shape(positions)}, expected"
+                " (rows, 3) or (3,)"
+            )
+        values = numpy.empty(at.shape[:-1] + ((self.components,) if self.components > 1 else ()))
+        _vesper.evaluate_field(self.field, at, values)
+        return values[()]
+
+
 class _Instance:
-    """A loaded law: its function, with the columns and parameters as arguments."""
+    """A loaded law: its function, with the columns, fields and parameters as arguments."""
 
     def __init__(self, law, values):
         self.law = law
         self.function = law.function
         self.arguments = {name: value for (name, _), value in zip(law.parameters, values)}
         self.has_dt, self.has_time = (name in law.step for name in _STEP)
+        self.call = _Call()
 
     def bind(self, columns):
         for (name, use), (memory, rows, components) in zip(self.law.uses, columns):
+            if use[2] == _FIELD:
+                self.arguments[name] = _FieldOf(use[0], memory, components, self.call)
+                continue
             shape = (rows,) if components == 1 else (rows, components)
             self.arguments[name] = numpy.ndarray(shape, _TYPES[use[2]], memory)
 
@@ -312,7 +363,11 @@ class _Instance:
             arguments["dt"] = dt
         if self.has_time:
             arguments["time"] = time
-        result = self.function(**arguments)
+        self.call.inside = True
+        try:
+            result = self.function(**arguments)
+        finally:
+            self.call.inside = False
         if result is not None:
             raise _Refused(
                 f"{self.law.name} returned {type(result).__name__}, expected nothing: a law writes "

@@ -35,8 +35,8 @@ float Radius(Shape shape, const Vector3f& size, float mesh_reach) {
 /// Returns the level of detail of the coarsest sphere whose outline deviates from a circle by at
 /// most a quarter of a pixel.
 uint32_t SphereLevel(float radius_pixels) {
-  // Maximum radius [px] of each level: each level divides the deviation by four, so the radius may
-  // be four times as large.
+  // This variable is the maximum radius of a level [px]. Each level divides the deviation by four,
+  // so the radius may be four times as large as that of the level before.
   float reach = 1.5F;
   int level = kCoarsestSphere;
   for (; level < kFinestSphere && radius_pixels > reach; ++level) reach *= 4;
@@ -115,8 +115,8 @@ void Sort(const Scene& scene, const View& view, DrawList& list) {
         continue;
       }
       const float radius = instance.size.maxCoeff() / 2;
-      const float depth = view.Depth(instance.position - view.origin()) - radius;
-      const uint32_t level = SphereLevel(radius * view.PixelsPerMetre(depth));
+      const Ball ball{instance.position - view.origin(), radius};
+      const uint32_t level = SphereLevel(radius * view.PixelsPerMetre(ball));
       if (spheres[level] == nullptr) spheres[level] = &list[key(level)];
       spheres[level]->push_back(record);
     }

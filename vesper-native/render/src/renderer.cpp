@@ -427,7 +427,7 @@ void Renderer::SetSurfaceUniforms(const Program& program, const Scene& scene, co
 void Renderer::SetMaterial(const Program& program, const Material& material) const {
   const auto colour = ToLinear(material.colour);
   const double exponent = GlossExponent(material.roughness);
-  // This strength makes the total light of a highlight independent of its size.
+  // This formula makes the total light of a highlight independent of its size.
   const double strength = std::min(0.22 * (exponent + 2) / (GlossExponent(0.45) + 2), 1.5);
   gl_.Uniform3fv(program["material_colour"], 1, colour.data());
   gl_.Uniform1f(program["gloss_exponent"], static_cast<float>(exponent));

@@ -24,8 +24,8 @@ std::vector<Vector3f> IcosahedronCorners() {
   return corners;
 }
 
-/// Returns the 20 faces of an icosahedron: all triples of corners in which each pair of corners has
-/// an edge.
+/// Returns the 20 faces of an icosahedron. The faces are all triples of corners in which each pair
+/// of corners has an edge.
 std::vector<uint32_t> IcosahedronFaces(const std::vector<Vector3f>& corners) {
   const auto adjacent = [&](uint32_t a, uint32_t b) {
     return (corners[a] - corners[b]).norm() < 1.1F;
@@ -62,8 +62,8 @@ void Refine(std::vector<Vector3f>& corners, std::vector<uint32_t>& faces) {
   faces = std::move(fine);
 }
 
-/// Adds a square with an upright texture. If the square is horizontal, the top of its texture is
-/// towards -z.
+/// Adds a square with an upright texture. The top of the texture of a horizontal square is towards
+/// -z.
 void AddSquare(TriangleMesh& mesh, const Vector3f& centre, const Vector3f& u, const Vector3f& v) {
   const auto first = static_cast<uint32_t>(mesh.vertices.size());
   const Vector3f normal = u.cross(v).normalized();

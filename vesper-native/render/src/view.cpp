@@ -44,6 +44,7 @@ View::View(const Camera& camera, const Image& image, const Extent& extent)
   const Vector3f up = right.cross(forward_);
   const float half_width =
       half_height_ * static_cast<float>(image.width) / static_cast<float>(image.height);
+  corner_ = 1 / std::hypot(1.0F, half_height_, half_width);
   Matrix4f view = Matrix4f::Identity();
   view.row(0).head<3>() = right;
   view.row(1).head<3>() = up;
@@ -90,6 +91,16 @@ Vector4f View::Eye() const {
 float View::PixelsPerMetre(float depth) const {
   const float height = orthographic_ ? half_height_ : half_height_ * std::max(depth, near_);
   return image_height_ / (2 * height);
+}
+
+float View::PixelsPerMetre(const Ball& ball) const {
+  float depth = Depth(ball.centre) - ball.radius;
+  if (!orthographic_ && depth < near_) {
+    // The ball reaches the plane of the eye. All of its visible points are in the cone around the
+    // corners of the view, and therefore have a depth in proportion to their distance.
+    depth = std::max(depth, corner_ * ((ball.centre - eye_).norm() - ball.radius));
+  }
+  return PixelsPerMetre(depth);
 }
 
 Matrix4f ShadowMatrix(const Vector3f& to_light, std::span<const Ball> casters) {

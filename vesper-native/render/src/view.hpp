@@ -58,6 +58,8 @@ class View {
   float Depth(const Vector3f& position) const { return forward_.dot(position - eye_); }
   /// Returns the size [px] of 1 m at a depth; depths before the near plane count as the near plane.
   float PixelsPerMetre(float depth) const;
+  /// Returns a size [px] of 1 m that no visible point of a ball exceeds.
+  float PixelsPerMetre(const Ball& ball) const;
 
  private:
   void FitDepth(const Extent& extent);
@@ -66,6 +68,7 @@ class View {
   Vector3f origin_, eye_, forward_;
   bool orthographic_;
   float half_height_;  ///< half height of the view: [m] if orthographic, else [m] per [m] of depth
+  float corner_;       ///< cosine of the angle between the view direction and a corner of the view
   float image_height_, target_height_, fade_radius_, near_ = 0, far_ = 1;
   Matrix4f clip_;
 };

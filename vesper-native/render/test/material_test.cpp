@@ -11,16 +11,17 @@ namespace {
 
 using MaterialTest = PictureTest;
 
-/// Upper left, upper right, lower left, lower right.
+/// The colours of the quarters of a texture: upper left, upper right, lower left, lower right.
 constexpr std::array kQuarters{kRed, kGreen, kBlue, kWhite};
 
-/// Returns a camera that looks along -z; the view is 4 m wide and 3 m high, with 100 pixels per
+/// Returns a camera that looks along -z. Its view is 4 m wide and 3 m high, with 100 pixels per
 /// metre.
 Message Front() { return Orthographic({0, 0, 9}, {0, 0, 0}, 3); }
 
 Message Quarters() { return Texture(1, 2, 2, {kQuarters.begin(), kQuarters.end()}); }
 
-/// Returns the nearest pure colour of a pixel: half a pixel off centre, neighbours mix in a little.
+/// Returns the pure colour that is nearest to the colour of a pixel. The pixel is half a pixel off
+/// the centre, so neighbours mix in a little.
 Rgba Pure(Rgba pixel) {
   for (int i = 0; i < 3; ++i) pixel[i] = pixel[i] > 127 ? 255 : 0;
   return pixel;
@@ -50,7 +51,8 @@ TEST_F(MaterialTest, TextureLiesOnAPlaneWithItsTopTowardsMinusZ) {
 }
 
 TEST_F(MaterialTest, TextureRunsAroundASphereWithoutASeam) {
-  // Red west of the centre, green east of it, and red where the ends meet at the back.
+  // The texture is red to the west of the centre, green to the east, and red where its ends meet at
+  // the back.
   const std::vector<Message> scene{Texture(1, 4, 1, {kRed, kRed, kGreen, kRed}),
                                    Material(1, kWhite, 1, 0, 1),
                                    Instances(1, {Unlit({}, {2, 2, 2}, kWhite)}, 0, {1})};

@@ -48,7 +48,8 @@ TEST_F(PictureTest, SphereOfEverySizeIsRound) {
 }
 
 TEST_F(PictureTest, BoxFaceHasItsProjectedCorners) {
-  // The near face of a 4 x 2 x 2 box at depth 9: (+-2, +-1) / 9 against tan(fov / 2) in 150 px.
+  // The near face of a 4 x 2 x 2 box is at depth 9. Its corners are at (+-2, +-1) / 9, where
+  // tan(fov / 2) corresponds to 150 px.
   const float fov = 0.7F;
   const Picture picture =
       Draw({Perspective({0, 0, 10}, {0, 0, 0}, fov), Instances(2, {Unlit({}, {4, 2, 2}, kGreen)})});
@@ -94,7 +95,7 @@ TEST_F(PictureTest, NearerItemsHideFartherOnesInAnyOrder) {
 }
 
 TEST_F(PictureTest, DepthStaysFineOnAPlaneThatReachesFarAway) {
-  // A red sheet 5 mm above a blue ground of 2 km, from a distance of 30 m.
+  // The picture shows a red sheet 5 mm above a blue ground of 2 km, from a distance of 30 m.
   const Picture picture = Draw(
       {Perspective({0, 15, 26}, {0, 0, 0}, 0.5F),
        Instances(3, {Unlit({}, {2000, 0, 2000}, kBlue), Unlit({0, 0.005F, 0}, {8, 0, 8}, kRed)})});
@@ -126,7 +127,8 @@ TEST_F(PictureTest, LineRunsBetweenTheProjectionsOfItsEnds) {
 }
 
 TEST_F(PictureTest, LineThatPassesTheEyeIsCutInFrontOfIt) {
-  // The plane extends from far ahead to behind the eye, below it: only the lower half shows it.
+  // The plane is below the eye and extends from far ahead to behind the eye. Therefore only the
+  // lower half of the picture shows it.
   const Picture picture = Draw(
       {Perspective({0, 1, 0}, {0, 1, -10}, 1), Segments({{{0, 0, -50}, {0, 0, 20}, kWhite}}, 4)});
   const auto covered = picture.Of(kWhite);
@@ -163,7 +165,8 @@ float ToSrgb(float linear) {
 }
 
 TEST_F(PictureTest, LitPlaneFollowsLambertsLaw) {
-  // Seen from above; the light is tilted by an angle; ambient light from the sky is white.
+  // The scene is seen from above. The light is tilted by an angle, and the ambient light from the
+  // sky is white.
   for (const float lean : {0.0F, 0.6F, 1.2F}) {
     const Picture picture =
         Draw({Environment(kBlack, kBlack, {std::sin(lean), std::cos(lean), 0}, 0.5F, 0.25F),
@@ -177,7 +180,8 @@ TEST_F(PictureTest, LitPlaneFollowsLambertsLaw) {
 }
 
 TEST_F(PictureTest, ShadowFallsWhereTheLightIsHidden) {
-  // Light along (-1, -1, 0): a ball at height 2 shades the ground around (2, 0).
+  // The light comes from the direction (-1, 1, 0), so a ball at height 2 shades the ground around
+  // (2, 0).
   const std::vector scene{Environment(kBlack, kBlack, {-1, 1, 0}, 0.6F, 0.3F),
                           Orthographic({0, 50, 0}, {0, 0, 0}, 6, {0, 0, -1}),
                           Instances(3, {{{}, {20, 0, 20}, kWhite, 0}}),
@@ -239,7 +243,8 @@ TEST_F(PictureTest, FadingPlaneEndsInTheBackground) {
 }
 
 TEST_F(PictureTest, GridLinesAreOneUnitApart) {
-  // 12 m high, seen from above: a line each metre, 25 pixels apart, stronger at 0 and 10 m.
+  // The view from above is 12 m high. It shows a line at each metre, 25 pixels apart, with stronger
+  // lines at 0 and 10 m.
   const Picture picture = Draw({Orthographic({0.5F, 9, 0.5F}, {0.5F, 0, 0.5F}, 12, {0, 0, -1}),
                                 Instances(3, {{{0.3F, 0, 0.1F}, {40, 0, 40}, kWhite, kGrid}})});
   const int plain = picture.At(200, 150)[0];

@@ -34,8 +34,8 @@ Request FeedAll(const std::vector<Message>& messages) {
   return last;
 }
 
-/// Returns the decoder's error for the last of `messages`, after it accepted the others; "" if it
-/// accepts all.
+/// Returns the decoder's error for the last of `messages`, after the decoder has accepted the other
+/// messages. Returns "" if it accepts all of them.
 std::string Refusal(const std::vector<Message>& messages) {
   SceneDecoder decoder;
   for (size_t i = 0; i + 1 < messages.size(); ++i) Feed(decoder, messages[i]);
@@ -193,7 +193,7 @@ TEST(SceneStream, AMessageOfMoreThanTheLimitIsRefusedByItsHeader) {
   EXPECT_THROW(decoder.CheckHeader({6, kMaxMessageBytes + 1}), MalformedStream);
 }
 
-// If a decoder accepts a damaged message, the scene must obey the rules of the renderer.
+// The scene must obey the rules of the renderer if a decoder accepts a damaged message.
 TEST(SceneStream, DamagedMessagesAreRefusedOrWithinTheRules) {
   const uint32_t seed = 20260411;
   RecordProperty("seed", std::to_string(seed));
@@ -224,7 +224,7 @@ TEST(SceneStream, DamagedMessagesAreRefusedOrWithinTheRules) {
               payload[at] = static_cast<char>(random());
           }
         }
-        // A copy of exactly this size, so that the address sanitizer detects an access past the
+        // The copy has exactly this size, so that the address sanitizer detects an access past the
         // end.
         const std::vector<char> exact(payload.begin(), payload.end());
         MessageHeader header;

@@ -26,7 +26,7 @@ using std::chrono::milliseconds;
 
 apart::Options TestOptions() { return {VESPER_TEST_SANDBOX, uint64_t{256} << 20, false}; }
 
-/// An engine whose libraries run apart.
+/// An engine whose libraries run in sandboxes.
 class ApartEngine : public TestEngine {
  public:
   ApartEngine() : TestEngine({.touches = true}) {
@@ -148,7 +148,8 @@ INSTANTIATE_TEST_SUITE_P(Acts, Contained, testing::ValuesIn(kCases),
 TEST_F(HostileLaw, MustRestBetweenItsCalls) {
   Load(ANSWER_BY_ITSELF);
   vesper_error error{};
-  // On a busy machine the law gets little processor time in each pause.
+  // Many frames are needed, because the law gets little processor time in each pause on a busy
+  // machine.
   for (int frame = 0; frame < 300 && error.status == VESPER_OK; ++frame) {
     error = Advance();
     usleep(100000);
@@ -193,7 +194,7 @@ TEST_F(HostileLaw, LogsABoundedNumberOfLines) {
   EXPECT_NE(engine_.log().back().find("more log lines were dropped"), std::string::npos);
 }
 
-/// VESPER_WILD_WRITES sets the number of writes.
+/// The environment variable VESPER_WILD_WRITES sets the number of writes.
 TEST_F(HostileLaw, ChangesOnlyItsOutputsByWildWrites) {
   const char* wanted = std::getenv("VESPER_WILD_WRITES");
   const long writes = wanted != nullptr ? std::atol(wanted) : 2000;
@@ -238,7 +239,8 @@ TEST(LawApartTest, ConstructorsAreContained) {
                  engine.TryLoadApart("constructor_exiting"));
 }
 
-/// Runs the laws for 1,000 steps, in this process or apart, and returns the hash of the state.
+/// Runs the laws for 1,000 steps, in this process or in a sandbox, and returns the hash of the
+/// state.
 uint64_t HashAfterRun(const std::vector<std::string>& laws, bool is_apart, size_t count) {
   ApartEngine engine;
   Bodies bodies(count);
@@ -254,7 +256,7 @@ uint64_t HashAfterRun(const std::vector<std::string>& laws, bool is_apart, size_
 
 TEST(LawApartTest, HasTheBitsOfTheSameLawInTheEngine) {
   const std::vector<std::string> laws = {"field", "euler_four_stages", "hostile"};
-  // 3,000 rows are several ranges of a parallel_for.
+  // A parallel_for divides 3,000 rows into several ranges.
   const uint64_t expected = HashAfterRun(laws, false, 3000);
   EXPECT_EQ(HashAfterRun(laws, true, 3000), expected);
   EXPECT_NE(HashAfterRun({"euler"}, true, 3000), expected);
@@ -343,8 +345,24 @@ TEST(LawApartTest, IsReplacedIfItIsKilledFromOutside) {
   }
 }
 
-/// Runs one disabled test in a process of a user namespace that permits no network namespaces;
-/// returns its exit code.
+TEST(LawApartTest, IsContinuedIfItIsStoppedFromOutside) {
+  ApartEngine engine;
+  Bodies bodies(2);
+  engine.AddBodies(bodies);
+  EXPECT_OK(engine.TryLoadApart("hostile"));
+  const pid_t sandbox = Child();
+  ASSERT_GT(sandbox, 0);
+  for (int frame = 0; frame < 3; ++frame) {
+    kill(sandbox, SIGSTOP);
+    bodies.acceleration.assign(6, 0);
+    EXPECT_OK(engine.AdvanceWithin(milliseconds(100)));
+    EXPECT_EQ(bodies.acceleration, std::vector<double>(6, 1.0));
+    EXPECT_EQ(Child(), sandbox);
+  }
+}
+
+/// Runs one disabled test in a process of a user namespace that permits no network namespaces.
+/// Returns the exit code of the test.
 int RunWithoutNetworkNamespaces(const char* test) {
   const pid_t child = fork();
   if (child == 0) {
@@ -369,7 +387,7 @@ TEST(LawApartTest, NamesTheLayersThatTheMachineLacks) {
   EXPECT_EQ(RunWithoutNetworkNamespaces("RefusesAnIncompleteSandbox"), 0);
 }
 
-/// Part of the test above.
+/// This test is a part of the test above, which runs it in another process.
 TEST(LawApartTest, DISABLED_RefusesAnIncompleteSandbox) {
   if (std::getenv("VESPER_TEST_LAYERS") == nullptr) return;
   ApartEngine engine;
@@ -409,7 +427,7 @@ TEST(LawApartTest, EndsWithTheProcessOfTheEngine) {
   EXPECT_FALSE(IsAlive(sandbox));
 }
 
-/// Part of the test above.
+/// This test is a part of the test above, which runs it in another process.
 TEST(LawApartTest, DISABLED_EngineThatIsKilled) {
   const char* pipe_end = std::getenv("VESPER_TEST_PIPE");
   if (pipe_end == nullptr) return;

@@ -47,7 +47,7 @@ static vesper_law_desc laws[] = {
     LAW("second", VESPER_PHASE_OBSERVE, 0, NULL, 0, NULL, 0, Create, Bind, Act),
 };
 static const vesper_field_desc fields[] = {
-    {sizeof(vesper_field_desc), 3, "wind", "A field.", VESPER_UNIT_ONE, NULL}};
+    {sizeof(vesper_field_desc), 3, "wind", "A field.", VESPER_UNIT_ONE, NULL, NULL, NULL, NULL}};
 static vesper_law_library library = {
     sizeof library, VESPER_ABI_VERSION, "bad_table", 2, 0, laws, NULL, NULL, 0, 0, NULL, NULL};
 

@@ -21,7 +21,11 @@ static void Blow(void* user, uint64_t count, const double* at, double* out) {
   const vesper_suite* suite = user;
   for (uint64_t i = 0; i < count; ++i) {
     for (int c = 0; c < COMPONENTS; ++c) out[COMPONENTS * i + c] = 0;
+#ifdef LOST
+    out[COMPONENTS * i] = suite->per_height / (0 * at[3 * i + 1]);
+#else
     out[COMPONENTS * i] = suite->per_height * at[3 * i + 1];
+#endif
   }
 }
 
@@ -35,8 +39,8 @@ static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error*
 static const vesper_property_use kUses[] = {REAL_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
 static const vesper_law_desc kLaws[] = {
     LAW("weather", VESPER_PHASE_OBSERVE, 0, kUses, USE_COUNT, NULL, 0, Create, Bind, Act)};
-static const vesper_field_desc kFields[] = {
-    {sizeof(vesper_field_desc), COMPONENTS, "wind", "Blows along x.", FIELD_UNIT, Blow}};
+static const vesper_field_desc kFields[] = {{sizeof(vesper_field_desc), COMPONENTS, "wind",
+                                             "Blows along x.", FIELD_UNIT, Blow, NULL, NULL, NULL}};
 
 const vesper_law_library* vesper_law_library_entry(void) {
   static const vesper_law_library library = {

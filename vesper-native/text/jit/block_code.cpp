@@ -99,8 +99,8 @@ class BlockCode {
   }
 
   /// Stores those results that are columns of other rows, because nothing has filled their
-  /// registers. Does not store columns of the row itself: their registers may be the columns of the
-  /// world, which this function must not write.
+  /// registers. Does not store columns of the row itself, because their registers may be the
+  /// columns of the world, which this function must not write.
   void StoreLoads(ProgramEmitter& emitter) {
     std::vector<uint16_t> results{program_.energy};
     for (const ResultGroup& group : program_.results) {

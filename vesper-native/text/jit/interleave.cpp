@@ -20,13 +20,13 @@ Vec Emit(VectorAssembler& vectors, InstId name, const Vec& a, const Vec& b, uint
   return to;
 }
 
-/// For AVX-512: returns lanes i and j of `a`, and lanes k and l of `b`.
+/// Returns lanes i and j of `a`, and lanes k and l of `b` (AVX-512).
 Vec Lanes(VectorAssembler& vectors, const Vec& a, int i, int j, const Vec& b, int k, int l) {
   return Emit(vectors, Inst::kIdVshuff64x2, a, b,
               static_cast<uint32_t>(i | j << 2 | k << 4 | l << 6));
 }
 
-/// For AVX2: returns lane i of `a` and lane j of `b`.
+/// Returns lane i of `a` and lane j of `b` (AVX2).
 Vec Lanes(VectorAssembler& vectors, const Vec& a, int i, const Vec& b, int j) {
   return Emit(vectors, Inst::kIdVperm2f128, a, b, static_cast<uint32_t>(i | (2 + j) << 4));
 }
@@ -109,7 +109,7 @@ VectorTriple SplitRows(VectorAssembler& v, const VectorTriple& memory) {
   if (IsF64(v)) {  // lanes: x0 y0, z0 x1, y1 z1
     return {Two(v, first, 0, second, 1), Two(v, first, 1, third, 0), Two(v, second, 0, third, 1)};
   }
-  // Lanes: x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3.
+  // The three lanes contain x0 y0 z0 x1, y1 z1 x2 y2 and z2 x3 y3 z3.
   const Vec late = Four(v, second, 2, 3, third, 1, 2);   // x2 y2 x3 y3
   const Vec early = Four(v, first, 1, 2, second, 0, 1);  // y0 z0 y1 z1
   return {Four(v, first, 0, 3, late, 0, 2), Four(v, early, 0, 2, late, 1, 3),

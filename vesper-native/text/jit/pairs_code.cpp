@@ -126,8 +126,8 @@ class PairsCode {
         result.sums.push_back(vectors_.NewVector());
       }
     }
-    // If a result is the negative of another result, it is not computed but subtracted, because
-    // x + (-y) and x - y have the same bits.
+    // A result that is the negative of another result is not computed but subtracted, because x +
+    // (-y) and x - y have the same bits.
     for (Result& result : results_) {
       const uint16_t positive = emitter.NegativeOf(result.from);
       for (const Result& other : results_) {
@@ -135,7 +135,8 @@ class PairsCode {
       }
       if (result.positive != kNothing) skipped_[result.from] = true;
     }
-    // A NaN or infinity of a first row is also in its sum, which is checked at the end of a block.
+    // The result of a first row is not checked here. Its NaN or infinity is also in its sum, which
+    // is checked at the end of a block.
     for (Result& result : results_) {
       for (const Result& other : results_) {
         result.checked |= other.of_first && other.source() == result.source();
@@ -166,8 +167,8 @@ class PairsCode {
     return x86::ptr(Field(table, column * 8), at_, shift, offset);
   }
 
-  /// Emits one group of rows. At an edge of the range of second rows, sets the results of rows
-  /// outside of this range to 0.
+  /// Emits one group of rows. Sets the results of rows outside of the range of second rows to 0 at
+  /// an edge of this range.
   void EmitGroup(ProgramEmitter& emitter, bool edge) {
     x86::Gp from, to;
     if (edge) FindBorders(from, to);

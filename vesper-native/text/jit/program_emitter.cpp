@@ -22,7 +22,8 @@ void ProgramEmitter::LoadUniforms() {
       if (operand >= kUniform && operand != kNothing) ++uses[operand - kUniform];
     }
   }
-  // Loads values into half of the vector registers. asmjit would move further values to the stack.
+  // Values are loaded into at most half of the vector registers, because asmjit would move further
+  // values to the stack.
   size_t room = vectors_.vector_registers() / 2;
   for (size_t i = 0; i < uses.size() && room > 0; ++i) {
     if (uses[i] == 0 || before_[i].number) continue;

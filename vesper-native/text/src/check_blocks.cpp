@@ -175,9 +175,7 @@ void Checker::CheckStatements(const std::vector<Statement>& statements, Effects&
     try {
       CheckStatement(statement, effects);
     } catch (const Abandon&) {
-      // After an error, further statements are still checked. The exception is a failed `let`,
-      // because later statements that use its name would also be reported.
-      if (statement.kind == StatementKind::kLet) break;
+      // Further statements are still checked.
     }
   }
   effects_ = &effects;
@@ -213,10 +211,15 @@ void Checker::CheckStatement(const Statement& statement, Effects& effects) {
 
 void Checker::CheckLet(const Statement& statement) {
   RequireNewName(statement.name);
-  Value value = Evaluate(*statement.value);
-  value.span = statement.value->span;
-  lets_.emplace_back(statement.name.word, value);
-  NoteName(statement.name.word, value);
+  try {
+    Value value = Evaluate(*statement.value);
+    value.span = statement.value->span;
+    lets_.emplace_back(statement.name.word, value);
+    NoteName(statement.name.word, value);
+  } catch (const Abandon&) {
+    failed_.insert(statement.name.word);
+    throw;
+  }
 }
 
 void Checker::NoteName(const std::string& name, const Value& value) {
@@ -339,6 +342,10 @@ void Checker::Assign(const Statement& statement, Effects& effects) {
   const PropertyCode use = code_.properties[property];
   if (use.is_reference) {
     problems_.Fail(target->span, "'" + name + "' says which rows it joins, and cannot be set");
+  }
+  if (use.is_field) {
+    problems_.Fail(target->span,
+                   "'" + name + "' is a field, a function of the place; laws only read it");
   }
   Value value = Evaluate(*statement.value);
   value.span = statement.value->span;
@@ -495,7 +502,8 @@ void Checker::Push(uint16_t participant, const std::array<NodeId, 3>& force, Spa
 
 NodeId Checker::EnergyAtEdge(const Block& block, NodeId energy, Span span) {
   if (pass_->within == kNoNode || block.edge == Edge::kCut) return energy;
-  for (const Load& load : graph_.LoadsOf(energy, distance_)) {
+  const NodeId square = graph_[distance_].a;  // r^2 is this node, without a root
+  for (const Load& load : graph_.LoadsOf(energy, {distance_, square})) {
     if (load.property != pass_->position || code_.properties[load.property].own) continue;
     problems_.Fail(span,
                    "the energy depends on positions other than by the distance, so it cannot be "
@@ -503,10 +511,12 @@ NodeId Checker::EnergyAtEdge(const Block& block, NodeId energy, Span span) {
                    "end the heading by: energy cut:");
   }
   if (block.edge != Edge::kSmooth) {
-    return graph_.Subtract(energy, graph_.Substitute(energy, {{distance_, pass_->within}}));
+    const NodeId edge = graph_.Substitute(
+        energy, {{distance_, pass_->within}, {square, graph_.WholePower(pass_->within, 2)}});
+    return graph_.Subtract(energy, edge);
   }
-  // A smooth cutoff for `within R`: a factor that falls from 1 at 0.9 R to 0 at R; its first and
-  // second derivatives are 0 at both ends.
+  // The smooth cutoff for `within R` is a factor that decreases from 1 at 0.9 R to 0 at R. Its
+  // first and second derivatives are 0 at both ends.
   const NodeId begin = graph_.Multiply(graph_.Constant(0.9), pass_->within);
   const NodeId t = graph_.Binary(
       Operation::kMax, graph_.Constant(0),
@@ -524,10 +534,18 @@ void Checker::FinishEnergy(const Block& block, Effects& effects) {
   if (effects.energy == kNoNode) return;
   const Span span = effects.energy_span;
   graph_.At(span);
+  const bool has_step = pass_->within != kNoNode && block.edge == Edge::kCut;
+  pass_->conserves_energy = effects.stored.empty() && effects.added.empty() && !has_step &&
+                            graph_.IsContinuous(effects.energy);
   const NodeId energy = EnergyAtEdge(block, effects.energy, span);
   std::vector<Load> wanted;
   for (const Load& load : graph_.LoadsOf(energy)) {
     const PropertyCode& use = code_.properties[load.property];
+    if (use.is_field) {
+      pass_->conserves_energy = false;  // because the field may depend on the time
+      if (use.kind == "body") wanted.push_back(load);
+      continue;
+    }
     if (use.kind == "body" && use.name == "position" && load.participant != kWorld) {
       wanted.push_back(load);
     } else if (use.name == "velocity" || use.name == "angularVelocity" ||
@@ -546,9 +564,19 @@ void Checker::FinishEnergy(const Block& block, Effects& effects) {
   std::map<uint16_t, std::array<NodeId, 3>> forces;
   for (const Load& load : wanted) {
     auto [entry, is_new] = forces.try_emplace(load.participant);
-    if (is_new) entry->second.fill(graph_.Constant(0));
+    std::array<NodeId, 3>& force = entry->second;
+    if (is_new) force.fill(graph_.Constant(0));
     const auto found = gradient.find(load);
-    if (found != gradient.end()) entry->second[load.component] = graph_.Negate(found->second);
+    if (found == gradient.end()) continue;
+    if (!code_.properties[load.property].is_field) {
+      force[load.component] = graph_.Subtract(force[load.component], found->second);
+      continue;
+    }
+    const uint16_t slope = UseSlope(load.property, load.component);
+    for (uint16_t i = 0; i < 3; ++i) {
+      const NodeId by = graph_.LoadOf({load.participant, slope, i});
+      force[i] = graph_.Subtract(force[i], graph_.Multiply(found->second, by));
+    }
   }
   for (const auto& [participant, force] : forces) Push(participant, force, span, effects);
   pass_->energy = energy;

@@ -45,6 +45,15 @@ Value Checker::Number(NodeId node, const Dimension& dimension, Span span) const 
   return value;
 }
 
+/// Returns a hint for a value in the place of a condition.
+std::string Checker::ComparisonHint(const Value& value) const {
+  const std::string source = Source(value.span);
+  if (value.IsRotation()) return "compare one of its components, such as: " + source + ".w > 0";
+  const std::string number = value.IsVector() ? "|" + source + "|" : source;
+  const std::string unit = value.dimension.IsOne() ? "" : " " + UnitName(value.dimension);
+  return "compare it with another value, such as: " + number + " > 1" + unit;
+}
+
 void Checker::RequireQuantity(const Value& value) {
   if (!value.condition) return;
   problems_.Fail(value.span, Quoted(value.span) + " is a condition, expected a value",
@@ -77,7 +86,24 @@ void Checker::RequireUnit(Value& value, const Dimension& expected, const std::st
                  hint);
 }
 
-void Checker::RequireSameUnit(Value& left, Value& right, const std::string& what, Span span) {
+/// Returns `c (w - v)` for the sum `c w - v`, if this sum would have one unit; otherwise nothing.
+std::string Checker::Bracketed(const Expression& sum, const Value& left, const Value& right) {
+  const Expression& product = *sum.parts[0];
+  const Expression* first = &product;
+  while (first->kind == ExpressionKind::kBinary && (first->word == "*" || first->word == "/")) {
+    first = first->parts[0].get();
+  }
+  if (first == &product || left.components != right.components) return {};
+  const Value factor = Evaluate(*first);
+  if (factor.components != 1 || left.dimension / factor.dimension != right.dimension) return {};
+  std::string rest = Source({first->span.end, product.span.end});
+  rest.erase(0, rest.find_first_not_of(" *"));
+  if (rest.starts_with("/") || rest.starts_with(")")) return {};
+  return Source(first->span) + " (" + rest + " " + sum.word + " " + Source(right.span) + ")";
+}
+
+void Checker::RequireSameUnit(Value& left, Value& right, const std::string& what, Span span,
+                              const std::string& better) {
   if (left.any_unit) left.dimension = right.dimension;
   if (right.any_unit) right.dimension = left.dimension;
   if (left.dimension == right.dimension) return;
@@ -93,6 +119,7 @@ void Checker::RequireSameUnit(Value& left, Value& right, const std::string& what
   } else {
     hint = FactorHint(Quoted(left.span), left.dimension, right.dimension);
   }
+  if (!better.empty()) hint = "if brackets are missing, write " + better;
   problems_.Fail(span,
                  Quoted(left.span) + " is " + KindAndUnit(left) + " and " + Quoted(right.span) +
                      " is " + KindAndUnit(right) + ": they cannot be " + what,
@@ -101,7 +128,7 @@ void Checker::RequireSameUnit(Value& left, Value& right, const std::string& what
 
 void Checker::CheckUnitSymbols(const Expression& tree) {
   for (const std::string& symbol : tree.unit_symbols) {
-    const bool known = IsKnown(symbol);
+    const bool known = IsKnown(symbol) || failed_.contains(symbol);
     if (!known) continue;
     std::string number = Source(tree.span);
     if (tree.kind == ExpressionKind::kTuple) {
@@ -137,8 +164,10 @@ Value Checker::Evaluate(const Expression& tree) {
     case ExpressionKind::kNot: {
       Value value = Evaluate(*tree.parts[0]);
       if (!value.condition) {
-        problems_.Fail(value.span, Quoted(value.span) + " is " + KindAndUnit(value) +
-                                       ", but 'not' takes a condition such as r < 1 m");
+        problems_.Fail(value.span,
+                       Quoted(value.span) + " is " + KindAndUnit(value) +
+                           ", but 'not' takes a condition such as r < 1 m",
+                       ComparisonHint(value));
       }
       value.node[0] = graph_.Unary(Operation::kNot, value.node[0]);
       value.span = tree.span;
@@ -204,6 +233,9 @@ Value Checker::EvaluateName(const Expression& tree) {
   if (block_ != nullptr && IsProperty(row_kind_, name)) {
     return ReadProperty(kOwnRow, Resolve(kOwnRow, name, tree.span), tree.span);
   }
+  if (const uint32_t field = FindField(name); field != kNone) {
+    return ReadProperty(kOwnRow, UseField(kOwnRow, field, tree.span), tree.span);
+  }
   if (IsProperty(world_kind_, name)) {
     return ReadProperty(kWorld, Resolve(kWorld, name, tree.span), tree.span);
   }
@@ -249,8 +281,10 @@ Value Checker::EvaluateBinary(const Expression& tree) {
   if (tree.word == "and" || tree.word == "or") {
     for (const Value* value : {&left, &right}) {
       if (value->condition) continue;
-      problems_.Fail(value->span, Quoted(value->span) + " is " + KindAndUnit(*value) + ", but '" +
-                                      tree.word + "' takes conditions such as r < 1 m");
+      problems_.Fail(value->span,
+                     Quoted(value->span) + " is " + KindAndUnit(*value) + ", but '" + tree.word +
+                         "' takes conditions such as r < 1 m",
+                     ComparisonHint(*value));
     }
     left.node[0] = graph_.Binary(tree.word == "and" ? Operation::kAnd : Operation::kOr,
                                  left.node[0], right.node[0]);
@@ -284,7 +318,9 @@ Value Checker::EvaluateSum(const Expression& tree, Value left, Value right) {
                    "write |" + Source(vector.span) +
                        "| for the length of the vector, or a vector (" + "x, y, z) for the number");
   }
-  RequireSameUnit(left, right, what, tree.span);
+  const bool same = left.any_unit || right.any_unit || left.dimension == right.dimension;
+  RequireSameUnit(left, right, what, tree.span,
+                  same ? std::string{} : Bracketed(tree, left, right));
   if (left.components != right.components) return left;
   const Operation operation = tree.word == "+" ? Operation::kAdd : Operation::kSubtract;
   Value sum = left;
@@ -389,8 +425,10 @@ Value Checker::EvaluatePower(const Expression& tree) {
   graph_.At(tree.span);
   RequireNumber(exponent, "an exponent");
   if (!exponent.dimension.IsOne()) {
-    problems_.Fail(exponent.span, "the exponent " + Quoted(exponent.span) + " is " +
-                                      KindAndUnit(exponent) + ", expected a plain number");
+    problems_.Fail(exponent.span,
+                   "the exponent " + Quoted(exponent.span) + " is " + KindAndUnit(exponent) +
+                       ", expected a plain number",
+                   "divide it by a constant in " + UnitName(exponent.dimension));
   }
   const bool constant = graph_.IsConstant(exponent.node[0]);
   const double n = constant ? graph_[exponent.node[0]].value : 0;
@@ -502,8 +540,10 @@ Value Checker::EvaluateConditional(const Expression& tree) {
   Value second = Evaluate(*tree.parts[2]);
   graph_.At(tree.span);
   if (!condition.condition) {
-    problems_.Fail(condition.span, Quoted(condition.span) + " is " + KindAndUnit(condition) +
-                                       ", expected a condition such as r < 1 m");
+    problems_.Fail(condition.span,
+                   Quoted(condition.span) + " is " + KindAndUnit(condition) +
+                       ", expected a condition such as r < 1 m",
+                   ComparisonHint(condition));
   }
   RequireQuantity(first);
   RequireQuantity(second);

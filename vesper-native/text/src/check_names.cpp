@@ -7,6 +7,7 @@
 #include "nearest_name.hpp"
 #include "unit.hpp"
 #include "unit_parser.hpp"
+#include "vesper/engine.h"
 
 namespace vesper::text {
 namespace {
@@ -36,6 +37,18 @@ constexpr std::pair<std::string_view, std::string_view> kLetters[] = {
 
 constexpr std::string_view kBuiltIn[] = {"dt",     "time",       "pi",       "stage",
                                          "energy", "attraction", "repulsion"};
+
+/// Returns the type of a standard property that has 64 bits in all worlds; 0 for all others.
+vesper_scalar_type FixedTypeOf(const std::string& kind, const std::string& name) {
+  const vesper_prototype* single = vesper_prototype_standard("si-f32");
+  for (uint32_t i = 0; i < single->property_count; ++i) {
+    const vesper_property_descriptor& known = single->properties[i];
+    if (known.scalar_type == VESPER_F64 && name == known.name && kind == known.kind) {
+      return VESPER_F64;
+    }
+  }
+  return 0;
+}
 
 bool IsUnitSymbol(std::string_view name) {
   try {
@@ -104,11 +117,88 @@ uint16_t Checker::UseProperty(uint32_t property) {
   use.dimension = DimensionOf(spec.unit);
   use.is_reference = spec.refers_to != kNone;
   use.accumulator = spec.IsAccumulator();
+  if (IsReal(spec.type) && spec.type != prototype_.real_type()) use.other_type = spec.type;
+  use.fixed_type = use.other_type != 0 ? use.other_type : FixedTypeOf(use.kind, use.name);
   const size_t declared = FindOwned(spec.kind, spec.name);
   use.optional = declared < owned_.size() && owned_[declared].tree->optional;
   code_.properties.push_back(use);
   used_.emplace_back(key, static_cast<uint16_t>(code_.properties.size() - 1));
   return used_.back().second;
+}
+
+uint32_t Checker::FindField(std::string_view name) const {
+  const auto& properties = prototype_.properties();
+  for (uint32_t i = 0; i < properties.size(); ++i) {
+    if (IsField(properties[i].type) && properties[i].name == name) return i;
+  }
+  return kNone;
+}
+
+uint16_t Checker::UseField(uint16_t participant, uint32_t field, Span span) {
+  const PropertySpec& spec = prototype_.properties()[field];
+  const uint32_t kind = KindOfParticipant(participant);
+  const uint32_t found =
+      kind == kNone || kind == world_kind_ ? kNone : FindProperty(kind, "position");
+  if (found == kNone || prototype_.properties()[found].components != 3) {
+    std::string owner = "this part of the law has no rows with a position";
+    if (kind != kNone && kind != world_kind_) owner = Plural(kind) + " have no position";
+    problems_.Fail(span, Quoted(span) + " is a field, a function of the place, but " + owner,
+                   "use it in a block: each body:");
+  }
+  if (spec.components != 1 && spec.components != 3) {
+    problems_.Fail(span, Quoted(span) + " has " + std::to_string(spec.components) +
+                             " components; a law as text reads fields of numbers and vectors");
+  }
+  const uint16_t positions = Resolve(participant, "position", span);
+  for (uint16_t component = 0; component < 3; ++component) {
+    if (effects_ == nullptr || !effects_->stored.contains({participant, positions, component})) {
+      continue;
+    }
+    problems_.Fail(span, "this block has set the position, so " + Quoted(span) + " is unknown here",
+                   "read the field above, or in a block below this one");
+  }
+  code_.properties[positions].read = true;
+  uses_axes_ =
+      true;  // because the law cannot claim that the field looks the same when it is turned
+  const std::string key = prototype_.kinds()[kind] + "." + spec.name;
+  for (const auto& [known, place] : used_) {
+    if (known == key) return place;
+  }
+  PropertyCode use;
+  use.name = spec.name;
+  use.kind = prototype_.kinds()[kind];
+  use.components = spec.components;
+  use.dimension = DimensionOf(spec.unit);
+  use.is_field = true;
+  use.positions = positions;
+  use.field_kind = prototype_.kinds()[spec.kind];
+  use.field_components = spec.components;
+  return AddField(use, key);
+}
+
+uint16_t Checker::AddField(const PropertyCode& use, const std::string& key) {
+  const auto place = static_cast<uint16_t>(code_.properties.size());
+  const auto first = std::ranges::find_if(code_.properties, [&](const PropertyCode& other) {
+    return other.is_field && other.name == use.name;
+  });
+  const auto first_place = static_cast<uint16_t>(first - code_.properties.begin());
+  code_.properties.push_back(use);
+  code_.properties.back().first_of_field = first_place;  // `place` if it is the first
+  if (use.slope_of != 0) code_.properties[first_place].sloped = true;
+  used_.emplace_back(key, place);
+  return place;
+}
+
+uint16_t Checker::UseSlope(uint16_t values, uint16_t component) {
+  PropertyCode use = code_.properties[values];
+  const std::string key = use.kind + "." + use.name + "'" + std::to_string(component);
+  for (const auto& [known, place] : used_) {
+    if (known == key) return place;
+  }
+  use.components = 3;
+  use.slope_of = static_cast<uint16_t>(component + 1);
+  use.sloped = false;
+  return AddField(use, key);
 }
 
 uint16_t Checker::UseOwned(size_t owned) {
@@ -146,6 +236,9 @@ uint16_t Checker::Resolve(uint16_t participant, const std::string& name, Span sp
   if (property == kNone) {
     const size_t owned = FindOwned(kind, name);
     if (owned < owned_.size()) return UseOwned(owned);
+    if (const uint32_t field = FindField(name); field != kNone) {
+      return UseField(participant, field, span);
+    }
     std::vector<std::string> names;
     for (const PropertySpec& spec : prototype_.properties()) {
       if (spec.kind == kind && !IsField(spec.type)) names.push_back(spec.name);
@@ -162,13 +255,7 @@ uint16_t Checker::Resolve(uint16_t participant, const std::string& name, Span sp
     problems_.Fail(span, Plural(kind) + " of this world have no '" + name + "'", hint);
   }
   const PropertySpec& spec = prototype_.properties()[property];
-  if (IsField(spec.type)) {
-    problems_.Fail(span,
-                   "'" + name +
-                       "' is a field, a function of the place; a law as text cannot "
-                       "evaluate fields",
-                   "a compiled law can, see docs/writing-a-law.md");
-  }
+  if (IsField(spec.type)) return UseField(participant, property, span);
   if (!IsReal(spec.type) && spec.refers_to == kNone) {
     problems_.Fail(span, "'" + name + "' holds whole numbers; a law as text reads real numbers");
   }
@@ -238,7 +325,7 @@ std::vector<std::string> Checker::NamesInScope() const {
   for (const auto& [name, kind] : participants_) names.push_back(name);
   for (const std::string_view name : kBuiltIn) names.emplace_back(name);
   for (const PropertySpec& spec : prototype_.properties()) {
-    if (!IsReal(spec.type)) continue;
+    if (!IsReal(spec.type) && !IsField(spec.type)) continue;
     if (spec.kind == row_kind_ || spec.kind == world_kind_) names.push_back(spec.name);
   }
   for (const UsualName& usual : kUsualNames) {
@@ -253,6 +340,7 @@ std::vector<std::string> Checker::NamesInScope() const {
 }
 
 void Checker::FailUnknown(const std::string& name, Span span) {
+  if (failed_.contains(name)) throw Abandon{};
   if (row_kind_ == kNone && !participants_.empty()) {
     for (const auto& [participant, kind] : participants_) {
       if (!IsProperty(kind, name)) continue;
@@ -268,7 +356,7 @@ void Checker::FailUnknown(const std::string& name, Span span) {
         "write " + participant + "." + name);
   }
   const std::vector<std::string> names = NamesInScope();
-  // For a name of one or two letters, a similar name is not a useful suggestion.
+  // A similar name is not a useful suggestion for a name of one or two letters.
   const std::string* nearest = name.size() > 2 ? NearestName(name, names) : nullptr;
   const std::vector<std::string> functions = FunctionNames();
   if (name.size() > 2 && text_.substr(span.end).starts_with("(")) {

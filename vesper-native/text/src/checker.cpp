@@ -5,12 +5,18 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <span>
 
 #include "nearest_name.hpp"
 #include "unit.hpp"
 #include "vesper/engine.h"
 
 namespace vesper::text {
+namespace {
+
+constexpr size_t kMostDeclared = 200;  // properties, and also parameters, of a law
+
+}  // namespace
 
 vesper_access PropertyCode::Access() const {
   if (own) return VESPER_SCRATCH;
@@ -35,11 +41,11 @@ LawCode Checker::Run() {
   code_.version = tree_.version;
   try {
     Declare();
-    if (tree_.blocks.empty() && problems_.empty()) {
+    if (tree_.blocks.empty() && tree_.fields.empty() && problems_.empty()) {
       problems_.Add(tree_.name.span, "the law has no block, so it acts on nothing",
                     "add one, such as: each body:");
     }
-    code_.passes.reserve(tree_.blocks.size());
+    code_.passes.reserve(tree_.blocks.size() + tree_.owned.size());
     for (const Block& block : tree_.blocks) {
       if (problems_.full()) break;
       try {
@@ -50,6 +56,7 @@ LawCode Checker::Run() {
       }
     }
     if (!problems_.empty()) return std::move(code_);
+    CheckLimits();
     DerivePhase();
     FinishProperties();
     if (!problems_.empty()) return std::move(code_);
@@ -75,17 +82,108 @@ LawCode Checker::Run() {
   return std::move(code_);
 }
 
+/// Requires that a value depends on the place of a field, the time, parameters and numbers only.
+void Checker::RequireOfPlace(NodeId value, Span span) {
+  for (const NodeId id : graph_.Ordered(value)) {
+    const Node& node = graph_[id];
+    std::string other;
+    if (node.operation == Operation::kStep) other = "dt";
+    if (node.operation == Operation::kStage) other = "stage";
+    if (node.operation == Operation::kLoad) other = code_.properties[node.load.property].name;
+    if (other.empty()) continue;
+    problems_.Fail(span,
+                   "a field depends on its place, on the time, on parameters and on numbers, but "
+                   "this one depends on '" +
+                       other + "'");
+  }
+}
+
+void Checker::DeclareField(const FieldTree& tree) {
+  const std::string name = "'" + tree.name.word + "'";
+  const uint32_t found = FindField(tree.name.word);
+  if (found == kNone) {
+    problems_.Fail(tree.name.span, "this world declares no field " + name,
+                   "declare it under `properties` of the world file: {name: " + tree.name.word +
+                       ", kind: world, type: field, components: 3, unit: …}");
+  }
+  const PropertySpec& spec = prototype_.properties()[found];
+  if (spec.components != 1 && spec.components != 3) {
+    problems_.Fail(tree.name.span, name + " has " + std::to_string(spec.components) +
+                                       " components; a law as text provides numbers and vectors");
+  }
+  for (const FieldCode& known : code_.fields) {
+    if (known.name != tree.name.word) continue;
+    problems_.Fail(tree.name.span, "the law provides " + name + " already");
+  }
+  RequireNewName(tree.place);
+  FieldCode field{.name = spec.name,
+                  .doc = tree.doc.empty() ? "A field of a law as text." : tree.doc,
+                  .components = spec.components,
+                  .dimension = DimensionOf(spec.unit),
+                  .values = {kNoNode, kNoNode, kNoNode},
+                  .program = {},
+                  .slopes = {}};
+  Value place;
+  place.dimension = kLength;
+  place.components = 3;
+  for (uint16_t i = 0; i < 3; ++i) {
+    place.node[i] = graph_.Parameter(kPlaceParameter + i);
+  }
+  lets_.clear();
+  lets_.emplace_back(tree.place.word, place);
+  for (const Statement& let : tree_.lets) CheckLet(let);
+  Value value = Evaluate(*tree.value);
+  value.span = tree.value->span;
+  RequireQuantity(value);
+  if (value.any_unit && value.components == 1 && spec.components == 3) {
+    value.components = 3;
+    value.node[1] = value.node[2] = value.node[0];
+  }
+  if (value.components != spec.components) {
+    problems_.Fail(value.span, Quoted(value.span) +
+                                   (value.IsVector() ? " is a vector" : " is a number") +
+                                   ", but the field " + name +
+                                   (spec.components == 3 ? " is a vector" : " is a number"));
+  }
+  RequireUnit(value, field.dimension, name);
+  for (uint32_t i = 0; i < 3; ++i) {
+    field.values[i] = i < spec.components ? value.node[i] : kNoNode;
+    if (field.values[i] != kNoNode) RequireOfPlace(field.values[i], value.span);
+  }
+  field.program = FieldProgram(graph_, std::span(field.values).first(spec.components));
+  if (field.program.size() > FieldProgram::kMostNodes) {
+    problems_.Fail(value.span, "the field is too large: its formula has more than " +
+                                   std::to_string(FieldProgram::kMostNodes) + " parts");
+  }
+  field.slopes =
+      FieldProgram::WithSlopes(graph_, std::span(field.values).first(spec.components), value.span);
+  lets_.clear();
+  code_.fields.push_back(std::move(field));
+}
+
 void Checker::Declare() {
   for (const Ownership& owned : tree_.owned) {
+    if (problems_.full()) return;
     try {
       DeclareOwned(owned);
     } catch (const Abandon&) {
+      failed_.insert(owned.name.word);
     }
   }
   for (const ParameterTree& parameter : tree_.parameters) {
+    if (problems_.full()) return;
     try {
       DeclareParameter(parameter);
     } catch (const Abandon&) {
+      failed_.insert(parameter.name.word);
+    }
+  }
+  for (const FieldTree& field : tree_.fields) {
+    if (problems_.full()) return;
+    try {
+      DeclareField(field);
+    } catch (const Abandon&) {
+      lets_.clear();
     }
   }
 }
@@ -151,8 +249,10 @@ void Checker::DeclareParameter(const ParameterTree& tree) {
     }
     parameter.value.node[i] = graph_.Parameter(static_cast<uint32_t>(code_.parameters.size()));
     code_.parameters.push_back(std::move(code));
-    if (code_.parameters.size() > 200)
-      problems_.Fail(tree.name.span, "the law has over 200 parameters");
+    if (code_.parameters.size() > kMostDeclared) {
+      problems_.Fail(tree.name.span,
+                     "the law has over " + std::to_string(kMostDeclared) + " parameters");
+    }
   }
   parameter.value.any_unit = false;
   parameters_.push_back(std::move(parameter));
@@ -178,6 +278,10 @@ uint32_t Checker::KindOf(const Name& name, bool plural) const {
 }
 
 void Checker::DeclareOwned(const Ownership& tree) {
+  if (owned_.size() == kMostDeclared) {
+    problems_.Fail(tree.name.span,
+                   "the law declares over " + std::to_string(kMostDeclared) + " properties");
+  }
   const uint32_t kind = KindOf(tree.rows, false);
   if (kind == world_kind_) {
     problems_.Fail(tree.rows.span, "the world has one row of constants",
@@ -194,9 +298,10 @@ void Checker::DeclareOwned(const Ownership& tree) {
   if (found != kNone) {
     const PropertySpec& spec = prototype_.properties()[found];
     if (tree.unit && DimensionOf(spec.unit) != owned.dimension) {
-      problems_.Fail(tree.unit_span, "'" + tree.name.word + "' of this world is in " +
-                                         UnitName(DimensionOf(spec.unit)) + ", found " +
-                                         UnitName(owned.dimension));
+      problems_.Fail(tree.unit_span,
+                     "'" + tree.name.word + "' of this world is in " +
+                         UnitName(DimensionOf(spec.unit)) + ", found " + UnitName(owned.dimension),
+                     "write in " + UnitName(DimensionOf(spec.unit)) + ", or choose another name");
     }
     if (!tree.optional && !tree.unit && !DimensionOf(spec.unit).IsOne()) {
       problems_.Fail(tree.name.span, Plural(kind) + " have '" + tree.name.word + "' already",
@@ -210,7 +315,82 @@ void Checker::DeclareOwned(const Ownership& tree) {
       if (tree.name.word == known.name) owned.dimension = DimensionOf(known.unit);
     }
   }
+  try {
+    if (tree.minimum != nullptr) ReadLimits(owned);
+  } catch (const Abandon&) {
+    // The property exists, so that its uses are no further problems.
+  }
   owned_.push_back(owned);
+}
+
+void Checker::ReadLimits(Owned& owned) {
+  const Ownership& tree = *owned.tree;
+  const std::string name = "'" + tree.name.word + "'";
+  if (tree.optional) {
+    problems_.Fail(tree.limits_span, name + " is a property of the world, which sets its limits",
+                   "only properties of the law's own (has) have limits in a text");
+  }
+  const auto limit = [&](const Expression& expression, const char* what) {
+    Value value = ConstantExpression(expression, what);
+    RequireNumber(value, what);
+    RequireUnit(value, owned.dimension, name);
+    return ConstantOf(value);
+  };
+  owned.minimum = limit(*tree.minimum, "the least value");
+  if (tree.maximum != nullptr) owned.maximum = limit(*tree.maximum, "the greatest value");
+  if (owned.minimum > 0 || owned.maximum < 0) {
+    problems_.Fail(tree.limits_span, name + " is 0 at the start, which these limits exclude",
+                   "choose limits that include 0, or declare the property in the world file");
+  }
+}
+
+void Checker::CheckLimits() {
+  for (size_t i = 0; i < owned_.size(); ++i) {
+    const Owned& owned = owned_[i];
+    const Ownership& tree = *owned.tree;
+    if (tree.minimum == nullptr || FindProperty(owned.kind, tree.name.word) != kNone) continue;
+    const uint16_t property = UseOwned(i);
+    PassCode pass{};
+    pass.kind = BlockKind::kRows;
+    pass.checks_limits = true;
+    pass.span = Join(tree.name.span, tree.limits_span);
+    pass.rows = prototype_.kinds()[owned.kind];
+    graph_.At(tree.limits_span);
+    for (uint16_t component = 0; component < tree.components; ++component) {
+      const Load load{kOwnRow, property, component};
+      const NodeId value = graph_.LoadOf(load);
+      NodeId inside = graph_.Binary(Operation::kLessOrEqual, graph_.Constant(owned.minimum), value);
+      if (tree.maximum != nullptr) {
+        inside = graph_.Binary(
+            Operation::kAnd, inside,
+            graph_.Binary(Operation::kLessOrEqual, value, graph_.Constant(owned.maximum)));
+      }
+      const NodeId none = graph_.Constant(std::numeric_limits<double>::quiet_NaN());
+      pass.outputs.push_back({load, false, graph_.Select(inside, value, none), tree.limits_span});
+    }
+    code_.passes.push_back(std::move(pass));
+  }
+}
+
+/// Requires that a law of phase observe sets only properties that it declares, and none of those
+/// that every world has.
+void Checker::RequireOnlyOwnChanges() {
+  const vesper_prototype* standard = vesper_prototype_standard("si-f64");
+  for (const PropertyCode& use : code_.properties) {
+    if (use.own || use.set_at.end == 0) continue;
+    const std::span known(standard->properties, standard->property_count);
+    const bool is_standard =
+        std::any_of(known.begin(), known.end(), [&](const vesper_property_descriptor& property) {
+          return use.name == property.name && use.kind == property.kind;
+        });
+    const size_t declared = FindOwned(prototype_.FindKind(use.kind), use.name);
+    if (!is_standard && declared < owned_.size()) continue;
+    problems_.Fail(
+        use.set_at,
+        Quoted(use.set_at) +
+            " cannot be set in phase observe, which only records the result of the step",
+        "set a property that the law declares by: each " + use.kind + " has NAME in UNIT");
+  }
 }
 
 void Checker::DerivePhase() {
@@ -221,8 +401,10 @@ void Checker::DerivePhase() {
                 : phase == "constrain" ? VESPER_PHASE_CONSTRAIN
                                        : VESPER_PHASE_OBSERVE;
   if (added_force_ && code_.phase != VESPER_PHASE_FORCE) {
-    problems_.Fail(tree_.phase->span, "a law that adds forces is of phase force, found " + phase);
+    problems_.Fail(tree_.phase->span, "a law that adds forces is of phase force, found " + phase,
+                   "remove the line, because force is the phase of such laws");
   }
+  if (code_.phase == VESPER_PHASE_OBSERVE) RequireOnlyOwnChanges();
   if (code_.phase != VESPER_PHASE_INTEGRATE) {
     if (tree_.stages != 1 || !tree_.weights.empty()) {
       problems_.Fail(tree_.phase->span, "only laws of phase integrate have stages");
@@ -276,8 +458,8 @@ void Checker::FinishProperties() {
       if (output.add) {
         (use.accumulator ? use.added : use.modified) = true;
       } else {
-        // If this pass does not store all components of every row, other values stay as they are.
-        // Then the property counts as modified and not as stored.
+        // Other values stay as they are if this pass does not store all components of every row.
+        // The property then counts as modified and not as stored.
         const size_t components = static_cast<size_t>(
             std::count_if(pass.outputs.begin(), pass.outputs.end(), [&](const Output& other) {
               return other.to.property == output.to.property && !other.add;
@@ -299,7 +481,10 @@ void Checker::FinishProperties() {
   }
   for (const bool own : {false, true}) {
     for (uint32_t i = 0; i < code_.properties.size(); ++i) {
-      if (code_.properties[i].own == own) code_.table_order.push_back(i);
+      const PropertyCode& use = code_.properties[i];
+      if (use.own == own && (!use.is_field || use.first_of_field == i)) {
+        code_.table_order.push_back(i);
+      }
     }
   }
   if (code_.properties.size() > 200) {

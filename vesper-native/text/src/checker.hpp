@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -42,13 +44,30 @@ class Checker {
   LawCode Run();
 
  private:
+  /// A property of the law's own. Its limits are infinite unless the text sets them.
+  struct Owned {
+    const Ownership* tree;
+    uint32_t kind;
+    Dimension dimension;
+    double minimum = -std::numeric_limits<double>::infinity();
+    double maximum = std::numeric_limits<double>::infinity();
+  };
+
   // --- declarations (checker.cpp)
   void Declare();
   void DeclareParameter(const ParameterTree& tree);
   void DeclareOwned(const Ownership& owned);
+  void ReadLimits(Owned& owned);
+  /// Adds passes at the end of the law that fail for values of its own properties beyond their
+  /// limits.
+  void CheckLimits();
+  /// Checks a function of position that the law provides.
+  void DeclareField(const FieldTree& tree);
+  void RequireOfPlace(NodeId value, Span span);
   double ConstantOf(const Value& value) const;
   Value ConstantExpression(const Expression& tree, const char* what);
   void DerivePhase();
+  void RequireOnlyOwnChanges();
   void FinishProperties();
   uint32_t KindOf(const Name& name, bool plural) const;
   std::string KindSuggestion(const Name& name) const;
@@ -95,7 +114,10 @@ class Checker {
   NodeId DotOf(const Value& a, const Value& b);
   void RequireNumber(const Value& value, const std::string& where);
   void RequireQuantity(const Value& value);
-  void RequireSameUnit(Value& left, Value& right, const std::string& what, Span span);
+  void RequireSameUnit(Value& left, Value& right, const std::string& what, Span span,
+                       const std::string& better = {});
+  std::string ComparisonHint(const Value& value) const;
+  std::string Bracketed(const Expression& sum, const Value& left, const Value& right);
   void RequireUnit(Value& value, const Dimension& expected, const std::string& what);
   void CheckUnitSymbols(const Expression& tree);
 
@@ -103,6 +125,14 @@ class Checker {
   /// Returns the index of a property in the law's list; adds it to the list if it is new.
   uint16_t UseProperty(uint32_t property);
   uint16_t UseOwned(size_t owned);
+  /// Returns the index of the values of a field at the positions of a participant's rows.
+  uint16_t UseField(uint16_t participant, uint32_t field, Span span);
+  /// Returns the index of the slope of a component of a field, at the positions of the property
+  /// `values` of the law's list.
+  uint16_t UseSlope(uint16_t values, uint16_t component);
+  uint16_t AddField(const PropertyCode& use, const std::string& key);
+  /// Returns the index of a field in the prototype; kNone if there is no field of this name.
+  uint32_t FindField(std::string_view name) const;
   /// Finds a property of a kind by its name or by a common name for it. Returns kNone if there is
   /// no such property.
   uint32_t FindProperty(uint32_t kind, std::string_view name) const;
@@ -143,11 +173,6 @@ class Checker {
     Value value;
   };
   std::vector<Parameter> parameters_;
-  struct Owned {
-    const Ownership* tree;
-    uint32_t kind;
-    Dimension dimension;
-  };
   std::vector<Owned> owned_;
   std::vector<std::pair<std::string, uint16_t>> used_;  // "kind.name" of each property, and its
                                                         // index in code_
@@ -157,6 +182,8 @@ class Checker {
   PassCode* pass_ = nullptr;
   Effects* effects_ = nullptr;
   std::vector<std::pair<std::string, Value>> lets_;
+  /// Names whose declarations have a problem. Formulas that use them get no further problem.
+  std::set<std::string> failed_;
   static constexpr size_t kMostLets = 2000;
   size_t checked_lets_ = 0;    // number of `let` statements checked so far, counting each block of
                                // the law

@@ -12,8 +12,8 @@ namespace {
 bool IsPosition(const PropertyCode& use) { return use.name == "position" && use.components == 3; }
 
 /// The change of each node's value if the origin is shifted. It is a factor of the shift: 1 for a
-/// position, and 0 for a value that does not change, such as a difference of positions. It is
-/// nothing if the value changes in another way.
+/// position, and 0 for a value that does not change, such as a difference of positions. The change
+/// is empty if the value changes in another way.
 class Origins {
  public:
   explicit Origins(const LawCode& law) : law_(law) {
@@ -29,6 +29,7 @@ class Origins {
   std::optional<double> Compute(NodeId id) const {
     const Node& node = law_.graph[id];
     if (node.operation == Operation::kLoad) {
+      if (law_.properties[node.load.property].is_field) return std::nullopt;
       return IsPosition(law_.properties[node.load.property]) ? 1 : 0;
     }
     if (node.a == kNoNode) return 0;
@@ -162,6 +163,27 @@ bool IsCentral(LawCode& law, const PassCode& pass, const std::vector<NodeId>& fo
   return true;
 }
 
+/// Returns true if all forces follow from continuous energies, whose other properties the law does
+/// not change.
+bool ConservesEnergy(const LawCode& law) {
+  std::vector<bool> changes(law.properties.size()), matters(law.properties.size());
+  for (const PassCode& pass : law.passes) {
+    if (pass.energy != kNoNode) {
+      if (!pass.conserves_energy) return false;
+      for (const Load& load : law.graph.LoadsOf(pass.energy)) matters[load.property] = true;
+      continue;
+    }
+    for (const Output& output : pass.outputs) {
+      if (law.properties[output.to.property].accumulator) return false;
+      changes[output.to.property] = true;
+    }
+  }
+  for (size_t i = 0; i < changes.size(); ++i) {
+    if (changes[i] && matters[i]) return false;
+  }
+  return law.has_energy;
+}
+
 }  // namespace
 
 uint32_t DeriveClaims(LawCode& law, bool uses_axes) {
@@ -190,6 +212,7 @@ uint32_t DeriveClaims(LawCode& law, bool uses_axes) {
     angular_momentum = angular_momentum && central;
   }
   if (momentum) claims |= VESPER_CLAIM_MOMENTUM;
+  if (ConservesEnergy(law)) claims |= VESPER_CLAIM_ENERGY;
   if (angular_momentum) claims |= VESPER_CLAIM_ANGULAR_MOMENTUM;
   return claims;
 }

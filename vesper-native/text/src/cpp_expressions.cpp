@@ -109,12 +109,35 @@ std::string PassWriter::OfStep(TermKind kind) {
   return energy_ ? members_.last_stage : "step.stage";
 }
 
+/// Returns a parameter, or a component of the place of a field.
+std::string PassWriter::OfParameter(uint32_t index) const {
+  if (index < kPlaceParameter) return members_.parameters[index];
+  const uint32_t component = index - kPlaceParameter;
+  return component == 0 ? "at[3 * i]" : "at[3 * i + " + std::to_string(component) + "]";
+}
+
+const std::string& PassWriter::RowOf(uint16_t participant) const {
+  return participant == kOwnRow ? row_ : participants_[participant - kFirst];
+}
+
+std::string PassWriter::Converted(const PropertyCode& property, std::string value, bool vector) {
+  if (property.fixed_type == 0) return value;
+  if (!vector) return "Real(" + std::move(value) + ")";
+  needs_.precisions = true;
+  return "To<Real>(" + std::move(value) + ")";
+}
+
 std::string PassWriter::LoadOf(const Load& load, bool whole) {
   const PropertyCode& property = law_.properties[load.property];
+  return Converted(property, ElementOf(load, whole), whole && property.components == 3);
+}
+
+std::string PassWriter::ElementOf(const Load& load, bool whole) {
+  const PropertyCode& property = law_.properties[load.property];
   const std::string& column = members_.properties[load.property];
-  const std::string& row =
-      load.participant == kOwnRow ? row_ : participants_[load.participant - kFirst];
+  const std::string& row = RowOf(load.participant);
   std::string text = column + "[" + row + "]";
+  if (property.is_field) text = fields_.at({load.participant, load.property});
   if (property.optional) {
     needs_.optional_columns = true;
     text = "ValueOrZero(" + column + ", " + row + ")";
@@ -147,7 +170,7 @@ std::string PassWriter::Row(TermId id, int least) {
   if (!local.empty()) {
     return term.uniform && !term.vector && !term.condition ? "Real(" + local + ")" : local;
   }
-  if (term.kind == TermKind::kParameter) return "Real(" + members_.parameters[term.index] + ")";
+  if (term.kind == TermKind::kParameter) return "Real(" + OfParameter(term.index) + ")";
   if (term.kind == TermKind::kLoad) return LoadOf(term.load, term.vector);
   if (term.vector) return RowVector(term, least);
   if (term.kind == TermKind::kComponent) {
@@ -203,7 +226,8 @@ std::string PassWriter::Uniform(TermId id, int least) {
   if (!locals_[id].empty()) return locals_[id];
   switch (term.kind) {
     case TermKind::kParameter:
-      return members_.parameters[term.index] + ".value()";
+      return term.index < kPlaceParameter ? OfParameter(term.index) + members_.parameter_value
+                                          : OfParameter(term.index);
     case TermKind::kTime:
     case TermKind::kStep:
     case TermKind::kStage:
@@ -213,7 +237,7 @@ std::string PassWriter::Uniform(TermId id, int least) {
   }
 }
 
-/// Returns an operation on numbers, in the type of the rows or, for uniform terms, in double.
+/// Returns an operation on numbers. Its type is the type of the rows, or double for uniform terms.
 std::string PassWriter::OperationText(const Term& term, int least, bool uniform) {
   const auto part = [&](size_t k, int binds) {
     return uniform ? Uniform(term.parts[k], binds) : Row(term.parts[k], binds);
@@ -222,7 +246,7 @@ std::string PassWriter::OperationText(const Term& term, int least, bool uniform)
     return uniform ? Uniform(term.parts[k], binds) : Typed(term.parts[k], binds);
   };
   if (const Sign sign = SignOf(term.operation); sign.text != nullptr) {
-    // Compilers warn of && inside of || without brackets.
+    // Brackets are added, because compilers warn of && inside of || without brackets.
     const int left = term.operation == Operation::kOr ? kEqual : sign.binds;
     const int right = term.operation == Operation::kOr ? kEqual : sign.binds + 1;
     const bool constant_first =

@@ -80,7 +80,8 @@ std::string SnakeCase(std::string_view name) {
     if (starts_word) result += '_';
     result += IsLetter(name[i]) || IsDigit(name[i]) ? Lower(name[i]) : '_';
   }
-  // Names with two underscores in a row are reserved for the compiler.
+  // Successive underscores become one, because names with two successive underscores are reserved
+  // for the compiler.
   result.erase(std::unique(result.begin(), result.end(),
                            [](char a, char b) { return a == '_' && b == '_'; }),
                result.end());
@@ -156,6 +157,27 @@ std::string UnitConstant(const Dimension& dimension) {
     starts_word = false;
   }
   return result;
+}
+
+std::string CppUnits::Of(const Dimension& dimension) {
+  if (const std::string_view known = NamedUnit(dimension); !known.empty()) {
+    return "units::" + std::string(known);
+  }
+  const auto found = std::ranges::find(units_, dimension, &Unit::dimension);
+  if (found != units_.end()) return found->name;
+  units_.push_back({dimension, names_.Take(UnitConstant(dimension))});
+  return units_.back().name;
+}
+
+std::string CppUnits::Declarations() const {
+  std::string text;
+  for (const Unit& each : units_) {
+    const vesper_unit unit = ToUnit(each.dimension);
+    text += "constexpr vesper_unit " + each.name + " = VESPER_UNIT_INIT(";
+    for (const int8_t exponent : unit.exponent) text += std::to_string(exponent) + ", ";
+    text += "1.0, " + CppString(unit.symbol) + ");\n";
+  }
+  return text;
 }
 
 }  // namespace vesper::text

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "dimension.hpp"
 
@@ -34,5 +35,20 @@ std::string CppLine(size_t indent, const std::string& line);
 std::string_view NamedUnit(const Dimension& dimension);
 /// Returns a name for the unit of a dimension: "W/K" becomes "kWPerK".
 std::string UnitConstant(const Dimension& dimension);
+
+/// The units of a file that have no name in vesper::units, with their constants.
+class CppUnits {
+ public:
+  std::string Of(const Dimension& dimension);
+  std::string Declarations() const;
+
+ private:
+  struct Unit {
+    Dimension dimension;
+    std::string name;
+  };
+  CppNames names_;
+  std::vector<Unit> units_;
+};
 
 }  // namespace vesper::text

@@ -33,6 +33,23 @@ std::string PassWriter::Write(int indent) {
   return std::move(lines_);
 }
 
+std::string PassWriter::WriteField(const FieldCode& field, int indent) {
+  indent_ = indent;
+  of_field_ = true;
+  for (uint32_t k = 0; k < field.components; ++k) {
+    roots_.push_back({nullptr, false, terms_.OfNumber(field.values[k]), {}});
+  }
+  Analyse();
+  NameLocals();
+  WriteUniforms();
+  for (uint32_t k = 0; k < field.components; ++k) {
+    const std::string to =
+        field.components == 1 ? "i" : "3 * i" + (k == 0 ? "" : " + " + std::to_string(k));
+    Line("out[" + to + "] = " + Uniform(roots_[k].term, 0) + ";");
+  }
+  return std::move(lines_);
+}
+
 // --- analysis ---------------------------------------------------------------------------------
 
 void PassWriter::NameRows() {
@@ -78,7 +95,7 @@ void PassWriter::Analyse() {
     used_in_rows_[root.term] = true;
   }
   if (pass_.within != kNoNode) ++uses_[within];
-  // Parts have smaller numbers than the terms that use them.
+  // The loop runs backwards, because parts have smaller numbers than the terms that use them.
   for (TermId id = static_cast<TermId>(count); id-- > 0;) {
     if (uses_[id] == 0) continue;
     for (const TermId part : terms_[id].parts) {
@@ -126,7 +143,7 @@ void PassWriter::AnalyseTerm(TermId id) {
       const std::string& name = law_.parameters[term.index].name;
       locals_[id] = names_.Take(SnakeCase(name.substr(0, name.size() - 2)));
     } else {
-      take(term.vector ? "constant_vector" : "constant");
+      take(term.vector ? "constant_vector" : of_field_ ? "value" : "constant");
     }
     return;
   }
@@ -137,7 +154,21 @@ void PassWriter::AnalyseTerm(TermId id) {
   }
 }
 
+/// Names a variable for each field that the pass reads at a row.
+void PassWriter::NameFields() {
+  for (TermId id = 0; id < terms_.size(); ++id) {
+    const Term& term = terms_[id];
+    if (uses_[id] == 0 || term.kind != TermKind::kLoad) continue;
+    const PropertyCode& use = law_.properties[term.load.property];
+    const std::pair at{term.load.participant, term.load.property};
+    if (!use.is_field || fields_.contains(at)) continue;
+    const std::string where = at.first == kOwnRow ? "_here" : "_of_" + RowOf(at.first);
+    fields_.emplace(at, names_.Take(SnakeCase(use.name) + where));
+  }
+}
+
 void PassWriter::NameLocals() {
+  NameFields();
   std::vector<bool> split(terms_.size());  // vectors of which a component is taken
   for (TermId id = 0; id < terms_.size(); ++id) {
     if (uses_[id] > 0 && terms_[id].kind == TermKind::kComponent) split[terms_[id].parts[0]] = true;
@@ -149,8 +180,8 @@ void PassWriter::NameLocals() {
       locals_[id] = names_.Take("vector");
     }
   }
-  // If several results are stored, or one of them is read in the same pass, all results are
-  // computed before the first is stored.
+  // All results are computed before the first is stored if several results are stored, or one of
+  // them is read in the same pass.
   const bool is_read = std::any_of(roots_.begin(), roots_.end(), [&](const Root& root) {
     return root.output != nullptr && Reads(root.output->to);
   });
@@ -200,13 +231,15 @@ void PassWriter::WriteUniforms() {
       bool written = false;
       for (TermId other = 0; other < id; ++other) written = written || same(other);
       if (written) continue;
-      Line("const auto " + name + " = First(" + members_.properties[term.load.property] + ");");
+      const PropertyCode& use = law_.properties[term.load.property];
+      const std::string first = "First(" + members_.properties[term.load.property] + ")";
+      Line("const auto " + name + " = " + Converted(use, first, use.components == 3) + ";");
     } else if (term.vector) {
       std::string parts;
       for (uint32_t k = 0; k < 3; ++k) {
         std::string part;
         if (term.kind == TermKind::kParameter) {
-          part = "Real(" + members_.parameters[term.index + k] + ")";
+          part = "Real(" + OfParameter(term.index + k) + ")";
         } else {
           part = Row(term.parts[k], 0);
         }
@@ -220,6 +253,14 @@ void PassWriter::WriteUniforms() {
       Line(std::string(term.condition ? "const bool " : "const double ") + taken + " = " + value +
            ";");
     }
+  }
+}
+
+void PassWriter::WriteFields() {
+  for (const auto& [at, name] : fields_) {
+    const PropertyCode& use = law_.properties[at.second];
+    Line(std::string(use.components == 3 ? "const Vec3<Real> " : "const Real ") + name + " = " +
+         members_.properties[at.second] + "(" + LoadOf({at.first, use.positions, 0}, true) + ");");
   }
 }
 
@@ -243,13 +284,21 @@ void PassWriter::WriteLocals() {
   }
 }
 
-std::string PassWriter::Target(const Root& root) {
+/// Stores a result in a property with another precision.
+void PassWriter::StoreConverted(const Root& root) {
+  needs_.precisions = true;
   const Load& to = root.output->to;
-  return LoadOf(to, root.vector);
+  const std::string value = root.local.empty() ? Typed(root.term) : root.local;
+  const std::string sum = LoadOf(to, root.vector) + " + (" + value + ")";
+  Line("Store(" + ElementOf(to, root.vector) + ", " + (root.output->add ? sum : value) + ");");
 }
 
 void PassWriter::WriteResult(const Root& root) {
-  const std::string target = Target(root);
+  if (law_.properties[root.output->to.property].fixed_type != 0) {
+    StoreConverted(root);
+    return;
+  }
+  const std::string target = LoadOf(root.output->to, root.vector);
   if (!root.local.empty()) {
     Line(target + (root.output->add ? " += " : " = ") + root.local + ";");
     return;
@@ -285,6 +334,7 @@ void PassWriter::WriteResults() {
 }
 
 void PassWriter::WriteBody() {
+  WriteFields();
   WriteLocals();
   WriteResults();
 }
@@ -294,7 +344,7 @@ std::string PassWriter::RowsOfPass() {
   const std::string* optional = nullptr;
   for (size_t i = 0; i < law_.properties.size(); ++i) {
     const PropertyCode& property = law_.properties[i];
-    if (property.kind != pass_.rows) continue;
+    if (property.kind != pass_.rows || property.is_field) continue;
     if (!property.optional) return members_.properties[i] + ".size()";
     optional = &members_.properties[i];
   }
@@ -324,9 +374,14 @@ void PassWriter::WriteLoop() {
   const std::string &a = participants_[0], &b = participants_[1];
   if (pass_.within != kNoNode) {
     const std::string& position = members_.properties[pass_.position];
+    const std::string cutoff = names_.Take("cutoff");
+    Line("const double " + cutoff + " = " + Uniform(terms_.OfNumber(pass_.within), 0) + ";");
+    if (!energy_) {
+      needs_.finite = true;
+      Line("if (" + cutoff + " > 0) RequireFinite(" + position + ");");
+    }
     Open(members_.neighbours + ".ForEachPair(" + position + ".data(), " + position + ".size(), " +
-         Uniform(terms_.OfNumber(pass_.within), 0) + ", [&](uint32_t " + a + ", uint32_t " + b +
-         ") {");
+         cutoff + ", [&](uint32_t " + a + ", uint32_t " + b + ") {");
     WriteBody();
     Close("});");
     return;

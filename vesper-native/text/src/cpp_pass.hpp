@@ -2,7 +2,9 @@
 // Writes one pass of a law as C++.
 #pragma once
 
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cpp_names.hpp"
@@ -14,6 +16,7 @@ namespace vesper::text {
 struct CppMembers {
   std::vector<std::string> properties;
   std::vector<std::string> parameters;
+  std::string parameter_value = ".value()";  // follows the name of a parameter
   std::string neighbours;  // the search for pairs within a distance; empty if there is none
   // Names of members with values of the last step, on which an energy may depend.
   std::string last_time, last_dt, last_stage;
@@ -26,8 +29,10 @@ struct CppNeeds {
   bool optional_columns = false;    // the function ValueOrZero
   bool algorithms = false;          // std::min, std::max
   bool limits = false;
-  bool step = false;       // the argument `step` is used
-  bool last_step = false;  // an energy depends on time, dt or the stage
+  bool step = false;        // the argument `step` is used
+  bool last_step = false;   // an energy depends on time, dt or the stage
+  bool finite = false;      // the function RequireFinite
+  bool precisions = false;  // the functions To and Store
 };
 
 /// Writes the statements of one pass: its results, or its energy.
@@ -39,6 +44,9 @@ class PassWriter {
 
   /// Returns the lines of the pass, indented by `indent` blanks.
   std::string Write(int indent);
+  /// Returns the statements that compute a field at one place, indented by `indent` blanks. The
+  /// names of `members` are those in the function of the field.
+  std::string WriteField(const FieldCode& field, int indent);
 
  private:
   /// A result: a number or a vector that is stored in a property or added to it.
@@ -54,6 +62,7 @@ class PassWriter {
   void AnalyseTerm(TermId id);
   bool IsUniformLocal(TermId id) const;
   void NameLocals();
+  void NameFields();
   void NameRows();
   std::string RowsOfPass();
 
@@ -61,6 +70,7 @@ class PassWriter {
   void Open(const std::string& line);
   void Close(const std::string& line = "}");
   void WriteUniforms();
+  void WriteFields();
   void WriteLocals();
   void WriteResults();
   void WriteResult(const Root& root);
@@ -79,10 +89,17 @@ class PassWriter {
   std::string OperationText(const Term& term, int least, bool uniform);
   std::string Literal(double value);
   bool IsZeroVector(const Term& term) const;
+  /// Returns a value of a property in the precision of the law.
   std::string LoadOf(const Load& load, bool whole);
-  std::string Target(const Root& root);
+  /// Returns the element of a column, or of one of its components.
+  std::string ElementOf(const Load& load, bool whole);
+  /// Converts a value of a property to the precision of the law, if it has another precision.
+  std::string Converted(const PropertyCode& property, std::string value, bool vector);
+  void StoreConverted(const Root& root);
   std::string TypeOf(const Term& term) const;
   std::string OfStep(TermKind kind);
+  std::string OfParameter(uint32_t index) const;
+  const std::string& RowOf(uint16_t participant) const;
   bool Reads(const Load& load) const;
 
   const LawCode& law_;
@@ -99,6 +116,9 @@ class PassWriter {
   std::vector<std::string> locals_;  // variable of each term; empty: none
   std::string row_;                  // the variable of the block's row
   std::vector<std::string> participants_;
+  bool of_field_ = false;
+  /// Variables with the values of fields, by participant and property.
+  std::map<std::pair<uint16_t, uint16_t>, std::string> fields_;
   std::string lines_;
   int indent_ = 0;
 };

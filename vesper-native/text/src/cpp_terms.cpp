@@ -254,7 +254,8 @@ bool Terms::FindCross(const Nodes& nodes, Nodes& a, Nodes& b) {
       if (product->operation != Operation::kMultiply) return false;
     }
   }
-  // x = a1 b2 - a2 b1, y = a2 b0 - a0 b2, z = a0 b1 - a1 b0
+  // The components of a cross product are x = a1 b2 - a2 b1, y = a2 b0 - a0 b2 and z = a0 b1 - a1
+  // b0.
   const auto other = [](const Node& product, NodeId factor) {
     return product.a == factor ? product.b : product.b == factor ? product.a : kNoNode;
   };

@@ -7,44 +7,12 @@
 #include <map>
 #include <utility>
 
+#include "cpp_fields.hpp"
 #include "cpp_names.hpp"
 #include "cpp_pass.hpp"
 
 namespace vesper::text {
 namespace {
-
-/// The units of a file that have no name in vesper::units, with their constants.
-class Units {
- public:
-  std::string Of(const Dimension& dimension) {
-    if (const std::string_view known = NamedUnit(dimension); !known.empty()) {
-      return "units::" + std::string(known);
-    }
-    const auto found = std::ranges::find(units_, dimension, &Unit::dimension);
-    if (found != units_.end()) return found->name;
-    units_.push_back({dimension, names_.Take(UnitConstant(dimension))});
-    return units_.back().name;
-  }
-
-  std::string Declarations() const {
-    std::string text;
-    for (const Unit& each : units_) {
-      const vesper_unit unit = ToUnit(each.dimension);
-      text += "constexpr vesper_unit " + each.name + " = VESPER_UNIT_INIT(";
-      for (const int8_t exponent : unit.exponent) text += std::to_string(exponent) + ", ";
-      text += "1.0, " + CppString(unit.symbol) + ");\n";
-    }
-    return text;
-  }
-
- private:
-  struct Unit {
-    Dimension dimension;
-    std::string name;
-  };
-  CppNames names_;
-  std::vector<Unit> units_;
-};
 
 const char* PhaseName(vesper_phase phase) {
   switch (phase) {
@@ -65,6 +33,7 @@ std::string ClaimNames(uint32_t claims) {
        {std::pair<uint32_t, const char*>{VESPER_CLAIM_MOMENTUM, "kMomentum"},
         {VESPER_CLAIM_ANGULAR_MOMENTUM, "kAngularMomentum"},
         {VESPER_CLAIM_TRANSLATION, "kTranslation"},
+        {VESPER_CLAIM_ENERGY, "kEnergy"},
         {VESPER_CLAIM_ROTATION, "kRotation"}}) {
     if ((claims & claim) != 0) text += (text.empty() ? "" : " | ") + std::string(name);
   }
@@ -91,10 +60,14 @@ std::string ColumnType(const PropertyCode& property) {
       access = "Scratch";
       break;
   }
-  const std::string number = property.is_reference ? "uint32_t" : "Real";
+  const std::string number = property.is_reference               ? "uint32_t"
+                             : property.fixed_type == VESPER_F64 ? "double"
+                             : property.fixed_type == VESPER_F32 ? "float"
+                                                                 : "Real";
   std::string row = number;
+  if (property.is_field) access = "Field";
   if (property.components == 3 && !property.is_reference) {
-    row = "Vec3<Real>";
+    row = "Vec3<" + number + ">";
   } else if (property.components > 1) {
     row = "std::array<" + number + ", " + std::to_string(property.components) + ">";
   }
@@ -103,9 +76,14 @@ std::string ColumnType(const PropertyCode& property) {
 
 class LawWriter {
  public:
-  LawWriter(const LawCode& law, std::string_view text, std::string name, Units& units,
-            CppNeeds& needs)
-      : law_(law), text_(text), name_(std::move(name)), units_(units), needs_(needs) {
+  LawWriter(const LawCode& law, std::string_view text, std::string name, CppUnits& units,
+            CppNeeds& needs, FieldsWriter& fields)
+      : law_(law),
+        text_(text),
+        name_(std::move(name)),
+        units_(units),
+        needs_(needs),
+        fields_(fields) {
     NameMembers();
   }
 
@@ -115,6 +93,7 @@ class LawWriter {
     Constants();
     Parameters();
     Columns();
+    lines_ += fields_.Join(law_, members_.parameters);
     lines_ += methods + "};\n";
     return std::move(lines_);
   }
@@ -126,8 +105,8 @@ class LawWriter {
   }
 
   void NameMembers() {
-    for (const char* taken :
-         {"Advance", "Bind", "PotentialEnergy", "Parameters", "Properties", "energy"}) {
+    for (const char* taken : {"Advance", "Bind", "Join", "Suite", "PotentialEnergy", "Parameters",
+                              "Properties", "energy", "fields"}) {
       names_.Take(taken);
     }
     for (const PropertyCode& property : law_.properties) {
@@ -201,8 +180,9 @@ class LawWriter {
     for (const uint32_t i : law_.table_order) {
       const PropertyCode& property = law_.properties[i];
       lines_ += CppLine(2, ColumnType(property) + " " + members_.properties[i] + "{" +
-                               CppString(property.name) + ", " + CppString(property.kind) + ", " +
-                               units_.Of(property.dimension) + "};");
+                               CppString(property.name) + ", " +
+                               CppString(property.is_field ? property.field_kind : property.kind) +
+                               ", " + units_.Of(property.dimension) + "};");
       tied += (tied.empty() ? "" : ", ") + members_.properties[i];
     }
     lines_ += CppLine(2, "auto Properties() { return std::tie(" + tied + "); }");
@@ -261,6 +241,8 @@ class LawWriter {
     to.limits |= from.limits;
     to.step |= from.step;
     to.last_step |= from.last_step;
+    to.finite |= from.finite;
+    to.precisions |= from.precisions;
   }
 
   std::string NoteStep(const CppNeeds& needs) const {
@@ -315,8 +297,9 @@ class LawWriter {
   const LawCode& law_;
   std::string_view text_;
   std::string name_;
-  Units& units_;
+  CppUnits& units_;
   CppNeeds& needs_;
+  FieldsWriter& fields_;
   CppNames names_;
   CppMembers members_;
   std::vector<bool> uses_step_;  // whether each pass uses the step
@@ -339,26 +322,63 @@ constexpr const char* kValueOrZeroFunction =
     "  return column.present() ? column[row] : Row{};\n"
     "}\n\n";
 
+constexpr const char* kPrecisionFunctions =
+    "/** Returns a vector in the precision of a law. */\n"
+    "template <class Real, class Other>\n"
+    "Vec3<Real> To(const Vec3<Other>& from) {\n"
+    "  return {static_cast<Real>(from.x), static_cast<Real>(from.y), static_cast<Real>(from.z)};\n"
+    "}\n\n"
+    "/** Stores a number in another precision. A number that does not change keeps all its bits. "
+    "*/\n"
+    "template <class Other, class Real>\n"
+    "void Store(Other& to, Real value) {\n"
+    "  if (static_cast<Real>(to) != value) to = static_cast<Other>(value);\n"
+    "}\n\n"
+    "template <class Other, class Real>\n"
+    "void Store(Vec3<Other>& to, const Vec3<Real>& value) {\n"
+    "  Store(to.x, value.x);\n"
+    "  Store(to.y, value.y);\n"
+    "  Store(to.z, value.z);\n"
+    "}\n\n";
+
+constexpr const char* kRequireFiniteFunction =
+    "/** Throws an exception if a position is not finite, so that it has no distance to others. "
+    "*/\n"
+    "template <class Column>\n"
+    "void RequireFinite(const Column& position) {\n"
+    "  for (uint64_t i = 0; i < position.size(); ++i) {\n"
+    "    const auto& at = position[i];\n"
+    "    if (std::isfinite(at.x) && std::isfinite(at.y) && std::isfinite(at.z)) continue;\n"
+    "    throw std::domain_error(\"the position of row \" + std::to_string(i) +\n"
+    "                            \" is not finite, so it has no distance to other rows\");\n"
+    "  }\n"
+    "}\n\n";
+
 }  // namespace
 
 std::string WriteCpp(std::string_view source, std::string_view text,
                      const std::vector<LawCode>& laws) {
-  Units units;
+  CppUnits units;
   CppNeeds needs;
   CppNames names;
+  for (const char* function : {"To", "Store", "RequireFinite"}) names.Take(function);
+  FieldsWriter fields(laws, names);
   std::string structs, listed;
   bool near = false;
   for (const LawCode& law : laws) {
     const std::string name = names.Take(PascalCase(law.name));
     listed += ", " + name;
-    structs += LawWriter(law, text, name, units, needs).Write() + "\n";
+    structs += LawWriter(law, text, name, units, needs, fields).Write() + "\n";
     for (const PassCode& pass : law.passes) near = near || pass.within != kNoNode;
   }
+  const std::string suite = fields.Suite();
+  const std::string functions = fields.Functions(units, needs);
   std::string head =
       "// Written by `vesper law to-cpp` from the text " + std::string(source) + ".\n";
   if (needs.algorithms) head += "#include <algorithm>\n";
   head += "#include <cmath>\n";
   if (needs.limits) head += "#include <limits>\n";
+  if (needs.finite) head += "#include <stdexcept>\n#include <string>\n";
   head += "#include <tuple>\n#include <type_traits>\n\n#include \"vesper/law.hpp\"\n";
   if (near) head += "#include \"vesper/law_neighbours.hpp\"\n";
   head += "\nnamespace {\n\nusing namespace vesper;\n\n";
@@ -371,8 +391,12 @@ std::string WriteCpp(std::string_view source, std::string_view text,
   }
   if (needs.constants_of_world) head += kFirstFunction;
   if (needs.optional_columns) head += kValueOrZeroFunction;
-  return head + structs + "}  // namespace\n\nVESPER_LAW_LIBRARY(" + CppString(laws[0].name) +
-         listed + ")\n";
+  if (needs.precisions) head += kPrecisionFunctions;
+  if (needs.finite) head += kRequireFiniteFunction;
+  const std::string macro =
+      suite.empty() ? "VESPER_LAW_LIBRARY(" : "VESPER_LAW_LIBRARY_WITH_FIELDS(";
+  return head + suite + structs + functions + "}  // namespace\n\n" + macro +
+         CppString(laws[0].name) + (suite.empty() ? "" : ", kFields") + listed + ")\n";
 }
 
 }  // namespace vesper::text

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <span>
+#include <type_traits>
 
 #include "problem.hpp"
 
@@ -33,10 +35,13 @@ Evaluator<Real>::Evaluator(const LawCode& law, std::string_view source, std::str
       kernels_(kernels),
       parameters_(parameters, parameters + law.parameters.size()),
       columns_(law.properties.size()),
+      copies_(law.properties.size()),
       places_(kPlaces) {
   size_t constants = 0;
   for (const PassCode& code : law.passes) {
-    Pass& pass = passes_.emplace_back(Pass{&code, Make(code, false, machine_code), std::nullopt});
+    Pass& pass =
+        passes_.emplace_back(Pass{&code, Make(code, false, machine_code), std::nullopt, {}, {}});
+    FindCopied(pass);
     if (code.energy != kNoNode) pass.energy = Make(code, true, machine_code);
     for (const Program* program : {&pass.program, pass.energy ? &*pass.energy : nullptr}) {
       if (program == nullptr) continue;
@@ -105,7 +110,8 @@ void Evaluator<Real>::ExecuteOnParticipants(const Executable& program, size_t co
   std::array<const uint32_t*, kMostParticipants> rows;
   for (size_t k = 0; k < rows.size(); ++k) {
     rows[k] = place.rows[k].data();
-    // Machine code also loads rows behind the end of the block, so these must be valid rows.
+    // The remaining elements get a valid row, because machine code also loads rows after the end of
+    // the block.
     std::fill(place.rows[k].begin() + static_cast<ptrdiff_t>(count), place.rows[k].end(),
               place.rows[k][0]);
   }
@@ -125,7 +131,7 @@ const std::string& Evaluator<Real>::WhyEvaluated() const {
 
 template <class Real>
 void Evaluator<Real>::Bind(const vesper_property* properties) {
-  for (size_t use = 0; use < columns_.size(); ++use) {
+  for (size_t use = 0; use < law_.table_order.size(); ++use) {
     const uint32_t i = law_.table_order[use];
     const vesper_property& property = properties[use];
     Column& column = columns_[i];
@@ -134,9 +140,26 @@ void Evaluator<Real>::Bind(const vesper_property* properties) {
     column.components = law_.properties[i].components;
     if (law_.properties[i].is_reference) {
       column.rows = static_cast<const uint32_t*>(property.data);
+    } else if (law_.properties[i].is_field) {
+      copies_[i].field = static_cast<const vesper_field*>(property.data);
+    } else if (IsCopied(static_cast<uint16_t>(i))) {
+      copies_[i].source = property.data;
     } else {
       column.data = static_cast<Real*>(property.data);
     }
+  }
+  for (uint16_t i = 0; i < columns_.size(); ++i) {
+    const PropertyCode& property = law_.properties[i];
+    if (!IsCopied(i)) continue;
+    Column& column = columns_[i];
+    if (property.is_field) {
+      copies_[i].field = copies_[property.first_of_field].field;
+      column.count = columns_[property.positions].count;
+      column.components = property.components;
+    }
+    copies_[i].values.assign(column.count * column.components + kPadding, Real(0));
+    const bool absent = !property.is_field && copies_[i].source == nullptr;
+    column.data = absent ? nullptr : copies_[i].values.data();
   }
   for (Pass& pass : passes_) {
     BindColumns(pass.program);
@@ -229,6 +252,103 @@ void Evaluator<Real>::ComputeConstants(const Program& program, const vesper_step
             ComputeIn<double>(node.operation, value_of(node.a), value_of(node.b), value_of(node.c));
         break;
     }
+  }
+}
+
+template <class Real>
+bool Evaluator<Real>::IsCopied(uint16_t property) const {
+  const PropertyCode& use = law_.properties[property];
+  const vesper_scalar_type other = std::is_same_v<Other, double> ? VESPER_F64 : VESPER_F32;
+  return use.is_field || use.other_type == other;
+}
+
+template <class Real>
+void Evaluator<Real>::FindCopied(Pass& pass) const {
+  const auto note = [&](std::vector<uint16_t>& list, uint16_t property) {
+    if (IsCopied(property) && std::ranges::find(list, property) == list.end()) {
+      list.push_back(property);
+    }
+  };
+  const auto note_loads = [&](NodeId root) {
+    if (root == kNoNode) return;
+    for (const Load& load : law_.graph.LoadsOf(root)) {
+      if (law_.properties[load.property].is_field) {
+        note(pass.copied, law_.properties[load.property].positions);
+      }
+      note(pass.copied, load.property);
+    }
+  };
+  const PassCode& code = *pass.code;
+  for (const Output& output : code.outputs) {
+    note_loads(output.value);
+    note(pass.copied, output.to.property);
+    note(pass.written, output.to.property);
+  }
+  note_loads(code.energy);
+  note_loads(code.within);
+  if (code.within != kNoNode) note(pass.copied, code.position);
+}
+
+template <class Real>
+void Evaluator<Real>::FillCopies(const Pass& pass) {
+  for (const uint16_t property : pass.copied) {
+    if (law_.properties[property].is_field) {
+      EvaluateField(property);
+      continue;
+    }
+    const auto* from = static_cast<const Other*>(copies_[property].source);
+    if (from == nullptr) continue;
+    const Column& column = columns_[property];
+    auto body = [&](uint64_t begin, uint64_t end) {
+      for (uint64_t i = begin; i < end; ++i) column.data[i] = static_cast<Real>(from[i]);
+    };
+    ParallelFor(host_, column.count * column.components, kGrain, body);
+  }
+}
+
+template <class Real>
+void Evaluator<Real>::EvaluateField(uint16_t property) {
+  const vesper_field& field = *copies_[property].field;
+  const PropertyCode& use = law_.properties[property];
+  const Column& column = columns_[property];
+  const Real* positions = columns_[use.positions].data;
+  // A function with slopes writes four numbers for each component: the value, and its derivatives.
+  const uint32_t per_component = law_.properties[use.first_of_field].sloped ? 4 : 1;
+  const uint32_t per_row = per_component * use.field_components;
+  const uint32_t first = use.slope_of == 0 ? 0 : 4 * (use.slope_of - 1) + 1;
+  const uint32_t stride = use.slope_of == 0 ? per_component : 1;
+  auto body = [&](uint64_t begin, uint64_t end) {
+    std::array<double, 3 * kBlock> at;
+    std::array<double, 12 * kBlock> values;
+    for (uint64_t row = begin; row < end;) {
+      const uint64_t count = std::min<uint64_t>(kBlock, end - row);
+      std::copy_n(positions + 3 * row, 3 * count, at.begin());
+      field.evaluate(field.user, count, at.data(), values.data());
+      for (uint64_t i = 0; i < count; ++i) {
+        for (uint32_t c = 0; c < column.components; ++c) {
+          column.data[(row + i) * column.components + c] =
+              static_cast<Real>(values[i * per_row + first + c * stride]);
+        }
+      }
+      row += count;
+    }
+  };
+  ParallelFor(host_, column.count, kGrain, body);
+}
+
+template <class Real>
+void Evaluator<Real>::WriteBack(const Pass& pass) {
+  for (const uint16_t property : pass.written) {
+    auto* to = static_cast<Other*>(copies_[property].source);
+    if (to == nullptr) continue;
+    const Column& column = columns_[property];
+    auto body = [&](uint64_t begin, uint64_t end) {
+      for (uint64_t i = begin; i < end; ++i) {
+        // A number that the pass did not change keeps all its bits.
+        if (static_cast<Real>(to[i]) != column.data[i]) to[i] = static_cast<Other>(column.data[i]);
+      }
+    };
+    ParallelFor(host_, column.count * column.components, kGrain, body);
   }
 }
 
@@ -350,13 +470,7 @@ void Evaluator<Real>::AddToParticipants(const Program& program, size_t count, Pl
     const auto from = [&](size_t k) { return place.registers[group.from[k]]; };
     if (column.components == 3 && group.from[0] != kNothing && group.from[1] != kNothing &&
         group.from[2] != kNothing) {
-      const Real *x = from(0), *y = from(1), *z = from(2);
-      for (size_t i = 0; i < count; ++i) {
-        Real* to = column.data + 3 * uint64_t{rows[i]};
-        to[0] += x[i];
-        to[1] += y[i];
-        to[2] += z[i];
-      }
+      kernels_.add3_at(column.data, rows, count, from(0), from(1), from(2));
       continue;
     }
     for (uint32_t k = 0; k < column.components; ++k) {
@@ -391,9 +505,10 @@ void Evaluator<Real>::NoteFault(std::optional<Fault> fault) {
 /// Computes the values that are the same for all rows. Returns false if there are no rows to
 /// process.
 template <class Real>
-bool Evaluator<Real>::Begin(const PassCode& pass, const Program& program, const vesper_step& step,
+bool Evaluator<Real>::Begin(const Pass& pass, const Program& program, const vesper_step& step,
                             Place& place) {
-  if (RowsOf(pass.rows) == 0) return false;
+  if (RowsOf(pass.code->rows) == 0) return false;
+  FillCopies(pass);
   ComputeConstants(program, step);
   FillUniforms(program, place);
   Prepare(place, program);
@@ -405,7 +520,7 @@ std::optional<Fault> Evaluator<Real>::Advance(const vesper_step& step) {
   last_step_ = step;
   for (Pass& pass : passes_) {
     if (pass.code->stage && *pass.code->stage != step.stage) continue;
-    if (!Begin(*pass.code, pass.program, step, places_[0])) continue;
+    if (!Begin(pass, pass.program, step, places_[0])) continue;
     fault_.reset();
     std::optional<Fault> fault;
     if (pass.code->kind == BlockKind::kRows) {
@@ -416,6 +531,7 @@ std::optional<Fault> Evaluator<Real>::Advance(const vesper_step& step) {
       fault = RunScattered(pass);
     }
     if (fault) return fault;
+    WriteBack(pass);
   }
   return std::nullopt;
 }
@@ -463,6 +579,7 @@ template <class Real>
 std::optional<Fault> Evaluator<Real>::RunScattered(Pass& pass) {
   const Executable& program = pass.program;
   Place& place = places_[0];
+  if (std::optional<Fault> fault = ExplainPositions(*pass.code)) return fault;
   ForEachBlock(*pass.code, program, place, [&](uint64_t begin, size_t count) {
     if (fault_) return;
     if (!ResultsAreFinite(program, count, place)) {
@@ -481,9 +598,10 @@ void Evaluator<Real>::LoadReferences(const PassCode& pass, uint64_t begin, size_
   for (size_t k = 0; k < pass.references.size(); ++k) {
     const Load& reference = pass.references[k];
     const Column& column = columns_[reference.property];
-    for (size_t i = 0; i < count; ++i) {
-      place.rows[k][i] = column.rows[(begin + i) * column.components + reference.component];
-    }
+    const uint32_t components = column.components;
+    const uint32_t* from = column.rows + begin * components + reference.component;
+    uint32_t* to = place.rows[k].data();
+    for (size_t i = 0; i < count; ++i) to[i] = from[i * components];
   }
 }
 
@@ -521,7 +639,7 @@ double Evaluator<Real>::PotentialEnergy() {
   for (Pass& pass : passes_) {
     if (!pass.energy) continue;
     Place& place = places_[0];
-    if (!Begin(*pass.code, *pass.energy, last_step_, place)) continue;
+    if (!Begin(pass, *pass.energy, last_step_, place)) continue;
     ForEachBlock(*pass.code, *pass.energy, place, [&](uint64_t, size_t count) {
       const Real* values = place.registers[pass.energy->energy];
       for (size_t i = 0; i < count; ++i) energy += static_cast<double>(values[i]);

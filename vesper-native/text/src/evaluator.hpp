@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "aligned.hpp"
@@ -75,7 +76,18 @@ class Evaluator {
     const PassCode* code;
     Executable program;
     std::optional<Executable> energy;
+    std::vector<uint16_t> copied;   // properties that the pass uses in a copy; see Copy
+    std::vector<uint16_t> written;  // those of them that the pass changes
   };
+  /// A column of the law's own: the values of a field at the positions of all rows, or a copy of a
+  /// property with another precision.
+  struct Copy {
+    const vesper_field* field = nullptr;
+    void* source = nullptr;  // numbers of the other precision
+    LineVector<Real> values;
+  };
+  /// The precision that `Real` is not.
+  using Other = std::conditional_t<std::is_same_v<Real, double>, float, double>;
 
   Executable Make(const PassCode& code, bool energy, bool machine_code) const;
   void BindColumns(Executable& program) const;
@@ -84,6 +96,14 @@ class Evaluator {
 
   void Prepare(Place& place, const Program& program) const;
   void FillUniforms(const Program& program, Place& place) const;
+  /// Returns whether the law uses a property in a copy.
+  bool IsCopied(uint16_t property) const;
+  void FindCopied(Pass& pass) const;
+  /// Evaluates the fields that a pass reads, and copies the properties with another precision.
+  void FillCopies(const Pass& pass);
+  void EvaluateField(uint16_t property);
+  /// Writes changed values back to properties with another precision.
+  void WriteBack(const Pass& pass);
   void ComputeConstants(const Program& program, const vesper_step& step);
   uint64_t RowsOf(const std::string& kind) const;
   void LoadRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
@@ -94,6 +114,7 @@ class Evaluator {
   bool ResultsAreFinite(const Program& program, size_t count, const Place& place) const;
   std::optional<Fault> Explain(const PassCode& pass, const Program& program, size_t count,
                                uint64_t begin, const Place& place) const;
+  Fault MakeLimitFault(const Output& output, Real value, uint64_t row) const;
   Fault MakeFault(const PassCode& pass, NodeId node, const std::vector<Real>& values,
                   const Load& to, const std::vector<uint64_t>& rows) const;
 
@@ -103,6 +124,9 @@ class Evaluator {
   void RunShare(Pass& pass, uint64_t share, uint64_t shares);
   std::optional<Fault> ExplainPairs(const Pass& pass, uint64_t first, uint64_t begin, size_t count,
                                     Place& place) const;
+  /// Returns a fault if a pass over pairs within a distance has a position that is not finite. The
+  /// grid would otherwise find no pairs for this row.
+  std::optional<Fault> ExplainPositions(const PassCode& pass) const;
   void AddShares(const Pass& pass, uint64_t shares);
   /// Evaluates a program on all rows or pairs of a pass in a fixed order, on the calling thread.
   /// Calls `use(begin, count)` after each block.
@@ -115,7 +139,7 @@ class Evaluator {
   void LoadColumnsOfFirst(const Program& program, uint64_t row, Place& place) const;
   void LoadFirst(const Program& program, uint64_t row, Place& place) const;
   void SplitSecond(const Program& program, uint64_t rows);
-  bool Begin(const PassCode& pass, const Program& program, const vesper_step& step, Place& place);
+  bool Begin(const Pass& pass, const Program& program, const vesper_step& step, Place& place);
   void NoteFault(std::optional<Fault> fault);
 
   const LawCode& law_;
@@ -125,6 +149,7 @@ class Evaluator {
   const Kernels<Real>& kernels_;
   std::vector<double> parameters_;
   std::vector<Column> columns_;
+  std::vector<Copy> copies_;  // by property; empty for properties that are used in place
   std::vector<Pass> passes_;
   std::vector<double> constants_;
   vesper_step last_step_{};

@@ -153,6 +153,21 @@ std::optional<Fault> Evaluator<Real>::ExplainPairs(const Pass& pass, uint64_t fi
 }
 
 template <class Real>
+std::optional<Fault> Evaluator<Real>::ExplainPositions(const PassCode& pass) const {
+  if (pass.kind != BlockKind::kPairs || pass.within == kNoNode) return std::nullopt;
+  const Column& column = columns_[pass.position];
+  const std::span values(column.data, 3 * RowsOf(pass.rows));
+  const auto lost = std::ranges::find_if(values, [](Real value) { return !std::isfinite(value); });
+  if (lost == values.end()) return std::nullopt;
+  const auto row = static_cast<uint64_t>(lost - values.begin()) / 3;
+  const text::Place where = PlaceOf(text_, pass.span.begin);
+  return Fault{std::string(source_) + ":" + std::to_string(where.line) + ":" +
+                   std::to_string(where.column) + ": the position of row " + std::to_string(row) +
+                   " of " + pass.rows + " is not finite, so it has no distance to other rows",
+               law_.properties[pass.position].name, row};
+}
+
+template <class Real>
 void Evaluator<Real>::AddShares(const Pass& pass, uint64_t shares) {
   const Program& program = pass.program;
   auto body = [&](uint64_t begin, uint64_t end) {
@@ -250,6 +265,9 @@ std::optional<Fault> Evaluator<Real>::Explain(const PassCode& pass, const Progra
     if (cause == kNoNode) break;
     made = cause;
   }
+  if (pass.checks_limits && graph[made].operation == Operation::kConstant) {
+    return MakeLimitFault(*output, values[graph[output->value].b], begin + at);
+  }
   if (graph[made].a == kNoNode) return std::nullopt;  // the value came from a column or a parameter
   std::vector<uint64_t> rows;
   if (pass.kind != BlockKind::kPairs) rows.push_back(begin + at);
@@ -258,14 +276,25 @@ std::optional<Fault> Evaluator<Real>::Explain(const PassCode& pass, const Progra
 }
 
 template <class Real>
+Fault Evaluator<Real>::MakeLimitFault(const Output& output, Real value, uint64_t row) const {
+  const text::Place where = PlaceOf(text_, output.span.begin);
+  const PropertyCode& use = law_.properties[output.to.property];
+  char number[32];
+  std::snprintf(number, sizeof number, "%.6g", static_cast<double>(value));
+  const std::string unit = use.dimension.IsOne() ? "" : " " + UnitName(use.dimension);
+  const std::string limits(text_.substr(output.span.begin, output.span.end - output.span.begin));
+  return {std::string(source_) + ":" + std::to_string(where.line) + ":" +
+              std::to_string(where.column) + ": '" + use.name + "' is " + number + unit +
+              " for row " + std::to_string(row) + " of " + use.kind + ", expected a value " +
+              limits,
+          use.name, row};
+}
+
+template <class Real>
 Fault Evaluator<Real>::MakeFault(const PassCode& pass, NodeId made, const std::vector<Real>& values,
                                  const Load& to, const std::vector<uint64_t>& rows) const {
   const Node& node = law_.graph[made];
-  const text::Place where = PlaceOf(text_, node.span.begin);
-  std::string part(text_.substr(node.span.begin, node.span.end - node.span.begin));
-  if (part.size() > 40) part = part.substr(0, 37) + "...";
-  std::string message = std::string(source_) + ":" + std::to_string(where.line) + ":" +
-                        std::to_string(where.column) + ": '" + part + "' ";
+  std::string message = Located(source_, text_, node.span) + QuotedPart(text_, node.span) + " ";
   if (node.operation == Operation::kDivide && values[node.b] == 0) {
     message += "divides by zero";
   } else {

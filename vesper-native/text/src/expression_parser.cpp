@@ -37,7 +37,7 @@ class UnitScanner {
   UnitScanner(std::string_view text, size_t at, int depth = 0)
       : text_(text), at_(at), depth_(depth) {}
 
-  /// Returns the position behind the unit; the start position if there is no unit.
+  /// Returns the position after the unit. Returns the start position if there is no unit.
   size_t Run() {
     if (!Term()) return at_;
     while (true) {
@@ -199,8 +199,8 @@ class ExpressionParser {
     return left;
   }
 
-  /// Consumes an operator. If it has the spelling `foreign` of other languages, reports a problem
-  /// with a hint at `ours`.
+  /// Consumes an operator. Reports a problem with a hint at `ours` if the operator has the spelling
+  /// `foreign` of other languages.
   void Spelled(std::string_view foreign, std::string_view ours) {
     const Token token = reader_.Take();
     if (token.word != foreign) return;
@@ -335,7 +335,7 @@ class ExpressionParser {
     return next.Is("(") || next.Is("√") || (next.Is("|") && !in_length_);
   }
 
-  /// Parses factors that stand side by side and are multiplied: 4 epsilon (a - b).
+  /// Parses adjacent factors, which are multiplied, such as 4 epsilon (a - b).
   std::vector<ExpressionTree> Factors() {
     std::vector<ExpressionTree> factors;
     factors.push_back(Signed());

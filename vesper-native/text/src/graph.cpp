@@ -114,8 +114,8 @@ NodeId Graph::Binary(Operation operation, NodeId a, NodeId b) {
       if (negated(a)) return Negate(Add(nodes_[a].a, b));
       break;
     case Operation::kMultiply:
-      // 0 times a factor that is not finite is not 0. This case needs no result, because such a
-      // factor is a fault, which is reported elsewhere.
+      // A product with 0 is 0, unless the other factor is not finite. This case needs no result,
+      // because such a factor is a fault, which is reported elsewhere.
       if (IsConstant(a, 0) || IsConstant(b, 0)) return Constant(0);
       if (a == b && nodes_[a].operation == Operation::kSqrt) return nodes_[a].a;
       if (IsConstant(a, 1)) return b;
@@ -200,12 +200,30 @@ std::vector<NodeId> Graph::Ordered(NodeId root) const {
   return order;
 }
 
-std::vector<Load> Graph::LoadsOf(NodeId root, NodeId behind) const {
+bool Graph::IsContinuous(NodeId root) const {
+  for (const NodeId id : Ordered(root)) {
+    switch (nodes_[id].operation) {
+      case Operation::kTime:
+      case Operation::kStep:
+      case Operation::kStage:
+      case Operation::kFloor:
+      case Operation::kTan:
+      case Operation::kAtan2:
+      case Operation::kSelect:
+        return false;
+      default:
+        break;
+    }
+  }
+  return true;
+}
+
+std::vector<Load> Graph::LoadsOf(NodeId root, std::initializer_list<NodeId> behind) const {
   std::vector<bool> needed(root + 1);
   needed[root] = true;
   std::vector<Load> loads;
   for (NodeId id = root + 1; id-- > 0;) {
-    if (!needed[id] || id == behind) continue;
+    if (!needed[id] || std::ranges::find(behind, id) != behind.end()) continue;
     if (nodes_[id].operation == Operation::kLoad) loads.push_back(nodes_[id].load);
     for (const NodeId operand : {nodes_[id].a, nodes_[id].b, nodes_[id].c}) {
       if (operand != kNoNode) needed[operand] = true;

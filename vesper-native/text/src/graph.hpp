@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <unordered_map>
 #include <vector>
@@ -133,8 +134,15 @@ class Graph {
   /// them.
   std::map<Load, NodeId> Gradient(NodeId root, const std::vector<Load>& wanted);
 
-  /// Returns the loads on which `root` depends; ignores operands of the node `behind`.
-  std::vector<Load> LoadsOf(NodeId root, NodeId behind = kNoNode) const;
+  /// Returns true if `root` does not depend on the time and has no steps, so that it is a
+  /// continuous function of its loads wherever it is finite.
+  bool IsContinuous(NodeId root) const;
+
+  /// Returns the nodes on which `root` depends, and `root`, operands first.
+  std::vector<NodeId> Ordered(NodeId root) const;
+
+  /// Returns the loads on which `root` depends; ignores operands of the nodes `behind`.
+  std::vector<Load> LoadsOf(NodeId root, std::initializer_list<NodeId> behind = {}) const;
 
  private:
   struct Hash {
@@ -147,7 +155,6 @@ class Graph {
   NodeId Folded(Operation operation, double a, double b);
   void Differentiate(NodeId root, NodeId adjoint, const std::vector<Load>& wanted,
                      std::map<Load, NodeId>& gradient, int depth);
-  std::vector<NodeId> Ordered(NodeId root) const;
 
   std::vector<Node> nodes_;
   std::unordered_map<Node, NodeId, Hash, Same> known_;

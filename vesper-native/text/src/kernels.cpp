@@ -53,7 +53,7 @@ struct Operands {
   Same<Real> One(uint16_t operand) const {
     return {hn::Set(Lanes<Real>(), uniforms[operand - kUniform])};
   }
-  /// Calls `body` with the operands as blocks or single values. At least one is a block.
+  /// Calls `body` with the operands as blocks or single values. At least one operand is a block.
   template <class Body>
   HWY_INLINE void Two(uint16_t a, uint16_t b, Body&& body) const {
     if (IsUniform(a)) {
@@ -205,7 +205,7 @@ void Run(std::span<const Instruction> program, Real* const* registers, const Rea
         Unary(all, step, count, [](auto, auto a) { return hn::Abs(a); });
         break;
       case Operation::kFloor:
-        // Adding 0 turns -0 into +0. Floor does so on some instruction sets only, and all sets must
+        // Adding 0 turns -0 into +0. Floor does so on some instruction sets only, but all sets must
         // give the same bits.
         Unary(all, step, count, [](auto d, auto a) { return hn::Add(hn::Floor(a), hn::Zero(d)); });
         break;
@@ -353,6 +353,23 @@ bool Add1(Real* rows, size_t count, const Real* x) {
 }
 
 template <class Real>
+void Add3At(Real* column, const uint32_t* rows, size_t count, const Real* x, const Real* y,
+            const Real* z) {
+  HWY_ALIGN Real joined[3 * kBlock];
+  Join3(joined, count, x, y, z);
+  // Two values at once and the third alone: a load of four could overlap a store of the row before.
+  const hn::CappedTag<Real, 2> two;
+  for (size_t i = 0; i < count; ++i) {
+    Real* to = column + 3 * uint64_t{rows[i]};
+    const Real* from = joined + 3 * i;
+    for (size_t k = 0; k < 2; k += hn::Lanes(two)) {
+      hn::StoreU(hn::Add(hn::LoadU(two, to + k), hn::LoadU(two, from + k)), two, to + k);
+    }
+    to[2] += from[2];
+  }
+}
+
+template <class Real>
 Real Sum(Real* values, size_t count) {
   constexpr size_t kLanes = 16;  // number of partial sums; the same for all instruction sets, so
                                  // that sums have the same bits
@@ -385,8 +402,8 @@ bool Finite(const Real* values, size_t count) {
 
 template <class Real>
 Kernels<Real> All(const char* name, InstructionSet set) {
-  return {name,        set,        Run<Real>,  Function<Real>, Split3<Real>,
-          Join3<Real>, Add3<Real>, Add1<Real>, Sum<Real>,      Finite<Real>};
+  return {name,       set,        Run<Real>,    Function<Real>, Split3<Real>, Join3<Real>,
+          Add3<Real>, Add1<Real>, Add3At<Real>, Sum<Real>,      Finite<Real>};
 }
 
 Kernels<float> AllF32(const char* name, InstructionSet set) { return All<float>(name, set); }
@@ -414,7 +431,8 @@ namespace {
   }                                                                                          \
   return sets
 
-// Features of Highway's two targets; the compiler's test also checks the operating system.
+// These are the features of Highway's two targets. The compiler's test also checks whether the
+// operating system supports them.
 bool HasAvx2() {
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
          __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("f16c") &&

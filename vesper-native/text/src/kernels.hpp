@@ -49,6 +49,10 @@ struct Kernels {
   /// Adds three arrays to rows of three components. Returns true if all results are finite.
   bool (*add3)(Real* rows, size_t count, const Real* x, const Real* y, const Real* z);
   bool (*add1)(Real* rows, size_t count, const Real* x);
+  /// Adds three arrays of at most kBlock values to the rows of a column that `rows` names, in
+  /// order.
+  void (*add3_at)(Real* column, const uint32_t* rows, size_t count, const Real* x, const Real* y,
+                  const Real* z);
   /// Returns the sum of values, in an order that is the same for all sets.
   Real (*sum)(Real* values, size_t count);
   /// Returns true if no value is NaN or infinite.

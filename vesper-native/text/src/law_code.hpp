@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dimension.hpp"
+#include "field_program.hpp"
 #include "graph.hpp"
 #include "prototype.hpp"
 #include "syntax.hpp"
@@ -25,6 +26,21 @@ struct PropertyCode {
   Dimension dimension{};
   bool is_reference = false;  // its values are u32 rows of another kind
   bool own = false;           // memory of the law: SCRATCH
+  bool is_field = false;      // a function of position, at the positions of the rows of `kind`
+  uint16_t positions = 0;     // of a field: property of these positions
+  std::string field_kind;     // of a field: kind that declares it
+  /// Of a field: 1 + the component whose derivatives by x, y and z these are; 0: the value itself.
+  uint16_t slope_of = 0;
+  uint32_t field_components = 1;  // of a field: components of its value
+  /// Of a field: the first property of the list with the same field. The law's table has one entry
+  /// for all of them.
+  uint16_t first_of_field = 0;
+  bool sloped = false;  // at `first_of_field`: the law reads slopes, too
+  /// Type of a real property with another precision than the reals of the world; 0 for all others.
+  vesper_scalar_type other_type = 0;
+  /// Type of a real property that has the same precision in worlds of both precisions, for
+  /// generated code; 0 for all others.
+  vesper_scalar_type fixed_type = 0;
   bool optional = false;
   bool accumulator = false;
   bool read = false;      // a formula depends on it
@@ -34,6 +50,17 @@ struct PropertyCode {
   Span set_at{};          // first statement that changes it
 
   vesper_access Access() const;
+};
+
+/// A function of position that a law provides.
+struct FieldCode {
+  std::string name;
+  std::string doc;
+  uint32_t components = 1;
+  Dimension dimension{};
+  std::array<NodeId, 3> values{kNoNode, kNoNode, kNoNode};
+  FieldProgram program;
+  FieldProgram slopes;  // with the slopes of each component; empty: the formulas are too large
 };
 
 struct ParameterCode {
@@ -74,6 +101,8 @@ struct PassCode {
   std::optional<uint32_t> stage;
   std::vector<Output> outputs;
   NodeId energy = kNoNode;
+  bool checks_limits = false;     // its results are NaN for values beyond their limits
+  bool conserves_energy = false;  // all its effects are forces that follow from a continuous energy
   std::vector<NamedValue> names;  // names for readers of generated code
 };
 
@@ -93,6 +122,7 @@ struct LawCode {
   /// that a message about a value that is not finite names a property of the world if possible.
   std::vector<uint32_t> table_order;
   std::vector<PassCode> passes;
+  std::vector<FieldCode> fields;
   Graph graph;
 };
 

@@ -50,7 +50,7 @@ class Parser {
   }
 
  private:
-  /// Runs `body`; after a problem, continues with the text behind the line and its indented block.
+  /// Runs `body`. Continues after a problem with the text after the line and its indented block.
   template <class Body>
   void Guarded(Body&& body) {
     const uint32_t begin = reader_.Peek().span.begin;
@@ -109,6 +109,9 @@ class Parser {
   void Member(LawTree& law) {
     if (reader_.Takes("parameter")) {
       Parameters(law);
+    } else if (reader_.Peek().Is("field") && reader_.Peek(1).kind == TokenKind::kName) {
+      reader_.Take();
+      Field(law);
     } else if (reader_.Takes("version")) {
       Version(law);
     } else if (reader_.Takes("phase")) {
@@ -132,11 +135,24 @@ class Parser {
         reader_.FailHere("a block that says which rows this is for",
                          "write it, indented, below a line such as: each body:");
       }
-      static const std::vector<std::string> kMembers{"parameter", "let", "each", "phase",
-                                                     "version"};
+      static const std::vector<std::string> kMembers{"parameter", "let",   "each",
+                                                     "phase",     "field", "version"};
       const std::string* nearest = NearestName(next.word, kMembers);
-      reader_.FailHere("'parameter', 'let', 'each', 'phase' or 'version'",
+      reader_.FailHere("'parameter', 'let', 'each', 'phase', 'field' or 'version'",
                        nearest == nullptr ? "" : "did you mean '" + *nearest + "'?");
+    }
+  }
+
+  /// Gives a plain number the unit of the number behind `to`, as in `from 1 to 5 kg`.
+  static void ShareUnit(Expression& minimum, const Expression& maximum) {
+    const auto literal = [](auto& tree) {
+      return tree.kind == ExpressionKind::kNegative ? tree.parts[0].get() : &tree;
+    };
+    Expression* low = literal(minimum);
+    const Expression* high = literal(maximum);
+    if (low->kind == ExpressionKind::kNumber && high->kind == ExpressionKind::kNumber &&
+        !low->unit) {
+      low->unit = high->unit;
     }
   }
 
@@ -152,10 +168,23 @@ class Parser {
         parameter.minimum = ParseExpression(reader_);
         reader_.Expect("to", "and the greatest value");
         parameter.maximum = ParseExpression(reader_);
+        ShareUnit(*parameter.minimum, *parameter.maximum);
       }
       if (reader_.Peek().kind == TokenKind::kText) parameter.doc = reader_.Take().word;
       law.parameters.push_back(std::move(parameter));
     } while (reader_.Takes(","));
+    EndLine();
+  }
+
+  void Field(LawTree& law) {
+    FieldTree field;
+    field.name = reader_.ExpectName("the name of a field");
+    reader_.Expect("at", "and a name for the place, such as: field wind at place = …");
+    field.place = reader_.ExpectName("a name for the place");
+    reader_.Expect("=", "and the value of the field " + field.name.word);
+    field.value = ParseExpression(reader_);
+    if (reader_.Peek().kind == TokenKind::kText) field.doc = reader_.Take().word;
+    law.fields.push_back(std::move(field));
     EndLine();
   }
 
@@ -281,6 +310,18 @@ class Parser {
         reader_.problems().Fail(owned.name.span, "the name has more than 47 letters");
       }
       if (reader_.Takes("in")) owned.unit = ParseUnitHere(reader_, owned.unit_span);
+      if (reader_.Peek().Is(",") && reader_.Peek(1).Is("from")) {
+        reader_.Take();
+        owned.limits_span = reader_.Take().span;
+        owned.minimum = ParseExpression(reader_);
+        Span last = owned.minimum->span;
+        if (reader_.Takes("to")) {
+          owned.maximum = ParseExpression(reader_);
+          ShareUnit(*owned.minimum, *owned.maximum);
+          last = owned.maximum->span;
+        }
+        owned.limits_span = Join(owned.limits_span, last);
+      }
       law.owned.push_back(std::move(owned));
     } while (reader_.Takes(","));
     EndLine();

@@ -45,6 +45,16 @@ Place PlaceOf(std::string_view text, uint32_t offset) {
           static_cast<uint32_t>(Characters(before.substr(begin)) + 1)};
 }
 
+std::string Located(std::string_view source, std::string_view text, Span span) {
+  return Located(source, PlaceOf(text, span.begin));
+}
+
+std::string QuotedPart(std::string_view text, Span span) {
+  std::string part(text.substr(span.begin, span.end - span.begin));
+  if (part.size() > 40) part = part.substr(0, 37) + "...";
+  return "'" + part + "'";
+}
+
 void Problems::Add(Span span, const std::string& message, const std::string& hint) {
   if (full()) return;
   const bool known = std::any_of(problems_.begin(), problems_.end(), [&](const Problem& problem) {

@@ -28,6 +28,12 @@ struct Place {
 
 Place PlaceOf(std::string_view text, uint32_t offset);
 
+/// Returns "wind.law:5:15: " for the begin of a part of a text.
+std::string Located(std::string_view source, std::string_view text, Span span);
+
+/// Returns a part of a text in quotation marks, cut to 40 bytes.
+std::string QuotedPart(std::string_view text, Span span);
+
 /// A problem of a text, and how to correct it.
 struct Problem {
   Span span;

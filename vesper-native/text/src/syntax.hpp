@@ -91,7 +91,18 @@ struct Ownership {
   uint32_t components = 1;
   std::optional<vesper_unit> unit = {};
   Span unit_span = {};
+  ExpressionTree minimum = nullptr;  // null: no limits
+  ExpressionTree maximum = nullptr;  // null: no greatest value
+  Span limits_span = {};             // from `from` on
   bool optional = false;
+};
+
+/// A declaration `field NAME at PLACE = VALUE`.
+struct FieldTree {
+  Name name;
+  Name place;
+  ExpressionTree value;
+  std::string doc = {};
 };
 
 struct LawTree {
@@ -104,6 +115,7 @@ struct LawTree {
   std::vector<ParameterTree> parameters = {};
   std::vector<Ownership> owned = {};
   std::vector<Statement> lets = {};
+  std::vector<FieldTree> fields = {};
   std::vector<Block> blocks = {};
 };
 

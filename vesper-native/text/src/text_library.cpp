@@ -85,6 +85,7 @@ class CompiledText {
     table_.law_count = static_cast<uint32_t>(descs_.size());
     table_.laws = descs_.data();
     table_.user = this;
+    FillFields();
   }
 
   const vesper_law_library& table() const { return table_; }
@@ -112,10 +113,14 @@ class CompiledText {
   static constexpr vesper_scalar_type kPrecisions[] = {VESPER_F64, VESPER_F32};
 
   template <size_t entry>
-  static vesper_status CreateLaw(const vesper_host* host, vesper_suite*, const double* parameters,
-                                 vesper_law** out, vesper_error* error) {
+  static vesper_status CreateLaw(const vesper_host* host, vesper_suite* suite,
+                                 const double* parameters, vesper_law** out, vesper_error* error) {
     return Guarded(error, [&] {
       const auto* text = static_cast<const CompiledText*>(host->user);
+      if (suite != nullptr) {
+        SuiteOf(suite).parameters[entry / 2].assign(
+            parameters, parameters + text->laws_[entry / 2].parameters.size());
+      }
       *out = reinterpret_cast<vesper_law*>(text->Create(entry, *host, parameters).release());
     });
   }
@@ -125,18 +130,122 @@ class CompiledText {
     return {CreateLaw<entries>...};
   }
 
+  /// The parameters of the laws in one engine, with which fields are evaluated.
+  struct Suite {
+    const CompiledText* text;
+    std::vector<std::vector<double>> parameters;  // by law
+    double time = 0;                              // at the start of the step [s]
+  };
+  /// A field of a law.
+  struct ProvidedField {
+    size_t law;
+    const FieldCode* code;
+  };
+  static Suite& SuiteOf(vesper_suite* suite) { return *reinterpret_cast<Suite*>(suite); }
+
+  static vesper_status OpenSuite(const vesper_host* host, vesper_suite** out, vesper_error* error) {
+    return Guarded(error, [&] {
+      const auto* text = static_cast<const CompiledText*>(host->user);
+      auto suite = std::make_unique<Suite>(Suite{text, {}, 0});
+      suite->parameters.resize(text->laws_.size());
+      *out = reinterpret_cast<vesper_suite*>(suite.release());
+    });
+  }
+  static void CloseSuite(vesper_suite* suite) { delete &SuiteOf(suite); }
+
+  template <size_t field>
+  static void EvaluateField(void* user, uint64_t count, const double* at, double* out) {
+    const auto& suite = *static_cast<const Suite*>(user);
+    const ProvidedField& provided = suite.text->provided_[field];
+    provided.code->program.Evaluate({suite.parameters[provided.law], suite.time}, count, at, out);
+  }
+  template <size_t field>
+  static void EvaluateSlopes(void* user, uint64_t count, const double* at, double* out) {
+    const auto& suite = *static_cast<const Suite*>(user);
+    const ProvidedField& provided = suite.text->provided_[field];
+    provided.code->slopes.Evaluate({suite.parameters[provided.law], suite.time}, count, at, out);
+  }
+  template <size_t field>
+  static void ExplainField(void* user, const double* at, vesper_error* error) {
+    const auto& suite = *static_cast<const Suite*>(user);
+    suite.text->Explain(suite, suite.text->provided_[field], at, *error);
+  }
+  static void BeginStep(void* user, const vesper_step* step) {
+    static_cast<Suite*>(user)->time = step->time;
+  }
+  /// The functions of a field of a text, of which each has a number.
+  struct FieldFunctions {
+    decltype(vesper_field_desc::evaluate) evaluate;
+    decltype(vesper_field_desc::explain) explain;
+    decltype(vesper_field_desc::slopes) slopes;
+  };
+  template <size_t... fields>
+  static constexpr std::array<FieldFunctions, sizeof...(fields)> FunctionsOfFields(
+      std::index_sequence<fields...>) {
+    return {FieldFunctions{EvaluateField<fields>, ExplainField<fields>, EvaluateSlopes<fields>}...};
+  }
+
+  /// Describes which part of a formula gives no finite number at a place.
+  void Explain(const Suite& suite, const ProvidedField& provided, const double* at,
+               vesper_error& error) const {
+    const FieldCode& code = *provided.code;
+    const FieldProgram::Uniforms uniforms{suite.parameters[provided.law], suite.time};
+    const bool of_slope = code.program.IsFinite(uniforms, at) && code.slopes.size() > 0 &&
+                          !code.slopes.IsFinite(uniforms, at);
+    const FieldProgram::Cause cause = (of_slope ? code.slopes : code.program).Explain(uniforms, at);
+    std::snprintf(error.message, sizeof error.message, "%s%s %s: %s %s at (%g, %g, %g) m",
+                  Located(source_, text_, cause.span).c_str(),
+                  of_slope ? "slope of field" : "field", code.name.c_str(),
+                  QuotedPart(text_, cause.span).c_str(), cause.what, at[0], at[1], at[2]);
+    error.law_index = static_cast<uint32_t>(provided.law);
+  }
+
+  /// Describes the fields that the laws provide.
+  void FillFields() {
+    static constexpr auto kFunctions = FunctionsOfFields(std::make_index_sequence<kMaxFields>());
+    for (size_t law = 0; law < laws_.size(); ++law) {
+      for (const FieldCode& code : laws_[law].fields) {
+        if (provided_.size() == kMaxFields) {
+          throw Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: a text provides at most %zu fields",
+                        std::string(source_).c_str(), kMaxFields);
+        }
+        vesper_field_desc desc{};
+        desc.struct_size = sizeof desc;
+        desc.components = code.components;
+        desc.name = code.name.c_str();
+        desc.doc = code.doc.c_str();
+        desc.unit = ToUnit(code.dimension);
+        desc.evaluate = kFunctions[provided_.size()].evaluate;
+        desc.explain = kFunctions[provided_.size()].explain;
+        if (code.slopes.size() > 0) desc.slopes = kFunctions[provided_.size()].slopes;
+        if (code.program.DependsOnTime()) desc.begin_step = BeginStep;
+        provided_.push_back({law, &code});
+        fields_.push_back(desc);
+      }
+    }
+    if (fields_.empty()) return;
+    table_.open = OpenSuite;
+    table_.close = CloseSuite;
+    table_.field_count = static_cast<uint32_t>(fields_.size());
+    table_.fields = fields_.data();
+  }
+
   void FillUses(size_t law, size_t precision) {
     for (const uint32_t place : laws_[law].table_order) {
       const PropertyCode& property = laws_[law].properties[place];
       vesper_property_use use{};
       use.struct_size = sizeof use;
-      use.scalar_type = property.is_reference ? VESPER_U32 : kPrecisions[precision];
+      use.scalar_type = property.is_reference      ? VESPER_U32
+                        : property.is_field        ? VESPER_FIELD
+                        : property.other_type != 0 ? property.other_type
+                                                   : kPrecisions[precision];
       use.name = property.name.c_str();
-      use.kind = property.kind.c_str();
-      use.components = property.components;
+      use.kind = property.is_field ? property.field_kind.c_str() : property.kind.c_str();
+      use.components = property.is_field ? property.field_components : property.components;
       use.access = property.Access();
       use.unit = ToUnit(property.dimension);
-      use.flags = property.optional ? VESPER_USE_OPTIONAL : 0;
+      use.flags =
+          (property.optional ? VESPER_USE_OPTIONAL : 0) | (property.sloped ? VESPER_USE_SLOPE : 0);
       uses_[2 * law + precision].push_back(use);
     }
   }
@@ -188,6 +297,8 @@ class CompiledText {
   std::vector<std::vector<vesper_property_use>> uses_;  // uses by law and precision
   std::vector<std::vector<vesper_parameter_desc>> parameters_;
   std::vector<vesper_law_desc> descs_;
+  std::vector<ProvidedField> provided_;
+  std::vector<vesper_field_desc> fields_;
   vesper_law_library table_{};
 };
 
@@ -212,15 +323,16 @@ std::vector<LawTree> ParseChecked(std::string_view text, Problems& problems) {
     return {};
   }
   std::vector<LawTree> laws = Parse(text, problems);
+  if (laws.size() > kMaxLaws) {
+    problems.Add(laws[kMaxLaws].name.span, "a text has at most 16 laws");
+    laws.resize(kMaxLaws);  // limits the work for the others
+  }
   for (size_t i = 0; i < laws.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {
       if (laws[i].name.word == laws[j].name.word) {
         problems.Add(laws[i].name.span, "a law '" + laws[i].name.word + "' is in the text already");
       }
     }
-  }
-  if (laws.size() > kMaxLaws) {
-    problems.Add(laws[kMaxLaws].name.span, "a text has at most 16 laws");
   }
   return laws;
 }
@@ -271,6 +383,20 @@ std::string ToCpp(std::string_view source, std::string_view text, const Prototyp
   std::vector<LawCode> codes;
   if (problems.empty()) codes = CheckAll(text, laws, prototype, problems);
   if (!problems.empty()) Refuse(problems, source, text);
+  for (const LawCode& code : codes) {
+    for (const PassCode& pass : code.passes) {
+      if (pass.within == kNoNode || code.properties[pass.position].fixed_type == 0) continue;
+      throw Failure(VESPER_LIBRARY_LOAD_FAILED,
+                    "%s: law %s searches for pairs by positions with another precision than the "
+                    "world; such laws are not translated to C++",
+                    std::string(source).c_str(), code.name.c_str());
+    }
+    if (std::ranges::none_of(code.properties, &PropertyCode::sloped)) continue;
+    throw Failure(VESPER_LIBRARY_LOAD_FAILED,
+                  "%s: law %s has an energy that depends on a field; such laws are not translated "
+                  "to C++; write the force itself: force += …",
+                  std::string(source).c_str(), code.name.c_str());
+  }
   return WriteCpp(source, text, codes);
 }
 

@@ -15,6 +15,7 @@ namespace vesper::text {
 
 inline constexpr size_t kMaxText = 65536;  // maximum size of a text [byte]
 inline constexpr size_t kMaxLaws = 16;     // maximum number of laws in one text
+inline constexpr size_t kMaxFields = 16;   // maximum number of fields that one text provides
 
 class CompiledText;
 

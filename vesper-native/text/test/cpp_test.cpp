@@ -11,6 +11,7 @@
 #include <map>
 #include <random>
 #include <set>
+#include <span>
 #include <sstream>
 
 #include "text_engine.hpp"
@@ -36,14 +37,14 @@ struct TwoForms {
   const vesper_law_library* text = nullptr;
   const vesper_law_library* compiled = nullptr;
 
-  explicit TwoForms(const std::string& name) {
+  explicit TwoForms(const std::string& name, const char* prototype = "si-f64") {
     const std::string folder = VESPER_GENERATED_LAWS "/";
     const std::string source = FileText(folder + name + ".law");
     EXPECT_OK(Try([&](vesper_error* e) {
       return vesper_library_prepare_text(name.c_str(), source.data(), source.size(), &prepared_, e);
     }));
     EXPECT_OK(Try([&](vesper_error* e) {
-      return vesper_library_table(prepared_, vesper_prototype_standard("si-f64"), &text, e);
+      return vesper_library_table(prepared_, vesper_prototype_standard(prototype), &text, e);
     }));
     library_ = dlopen((folder + "libvesper_law_written_" + name + ".so").c_str(), RTLD_NOW);
     const void* entry = library_ == nullptr ? nullptr : dlsym(library_, "vesper_law_library_entry");
@@ -102,17 +103,45 @@ std::string Declaration(const vesper_law_desc& law) {
   return text.str();
 }
 
+std::string DeclarationsOfFields(const vesper_law_library& table) {
+  std::ostringstream text;
+  for (uint32_t i = 0; i < table.field_count; ++i) {
+    const vesper_field_desc& field = table.fields[i];
+    text << field.name << " " << field.doc << " x " << field.components << " of time "
+         << (field.begin_step != nullptr) << " unit";
+    for (const int8_t exponent : field.unit.exponent) text << " " << int{exponent};
+    text << "\n";
+  }
+  return text.str();
+}
+
+/// Computes (y, x z, x - 1).
+void Blow(void*, uint64_t count, const double* at, double* out) {
+  for (uint64_t i = 0; i < count; ++i) {
+    out[3 * i] = at[3 * i + 1];
+    out[3 * i + 1] = at[3 * i] * at[3 * i + 2];
+    out[3 * i + 2] = at[3 * i] - 1;
+  }
+}
+
 /// The results of a law for columns with random numbers, in four calls.
 template <class Real>
 struct Run {
   std::vector<std::string> names;
   std::vector<std::vector<Real>> columns;
+  std::vector<std::vector<double>> wide;  // columns of 64 bits in runs of single precision
   std::vector<double> energies;
+  std::vector<double> fields;  // values of the fields, which the first law of the table provides
+  std::string failure;         // message of the first call that failed
+  vesper_field blown{sizeof(vesper_field), 0, nullptr, Blow};
 
-  Run(const vesper_law_library& table, const vesper_law_desc& law, uint64_t rows) {
+  /// `lost`: the position of row 1 is NaN, so that calls may fail.
+  Run(const vesper_law_library& table, const vesper_law_desc& law, uint64_t rows,
+      bool lost = false) {
     std::mt19937 random(7);
     std::vector<std::vector<uint32_t>> references(law.use_count);
     columns.resize(law.use_count);
+    wide.resize(law.use_count);
     std::vector<vesper_property> bound(law.use_count);
     for (uint32_t u = 0; u < law.use_count; ++u) {
       const vesper_property_use& use = law.uses[u];
@@ -121,8 +150,13 @@ struct Run {
       vesper_property& property = bound[u];
       property.struct_size = sizeof property;
       property.row_count = count;
+      if (use.scalar_type == VESPER_FIELD) {
+        property.row_count = 0;
+        property.data = &blown;
+        continue;
+      }
       if (use.scalar_type == VESPER_U32) {
-        // A chain: at most two springs end at each body.
+        // The springs form a chain, so at most two springs end at each body.
         for (uint32_t i = 0; i < count; ++i) {
           references[u].push_back(i);
           references[u].push_back(static_cast<uint32_t>((i + 1) % rows));
@@ -135,14 +169,19 @@ struct Run {
         const bool immovable = names[u] == "mass" && random() % 4 == 0;
         const bool zero = use.access == VESPER_ACCUMULATE;
         columns[u].push_back(static_cast<Real>(zero || immovable ? 0 : value));
+        wide[u].push_back(value);
       }
+      if (lost && names[u] == "position") columns[u][3] = std::numeric_limits<Real>::quiet_NaN();
       property.data = columns[u].data();
+      if (use.scalar_type == VESPER_F64) {
+        property.data = sizeof(Real) == 4 ? wide[u].data() : property.data;
+      }
     }
-    Call(table, law, bound);
+    Call(table, law, bound, lost);
   }
 
   void Call(const vesper_law_library& table, const vesper_law_desc& law,
-            const std::vector<vesper_property>& bound) {
+            const std::vector<vesper_property>& bound, bool may_fail) {
     vesper_host host{};
     host.struct_size = sizeof host;
     host.user = table.user;
@@ -153,10 +192,12 @@ struct Run {
       parameters.push_back(law.parameters[i].default_value * 1.25);
     }
     vesper_law* instance = nullptr;
+    vesper_suite* suite = nullptr;
     const auto ok = [&](auto&& call) { EXPECT_OK(Try(call)); };
-    ok([&](vesper_error* e) {
-      return law.create(&host, nullptr, parameters.data(), &instance, e);
-    });
+    if (table.open != nullptr) {
+      ok([&](vesper_error* e) { return table.open(&host, &suite, e); });
+    }
+    ok([&](vesper_error* e) { return law.create(&host, suite, parameters.data(), &instance, e); });
     if (instance == nullptr) return;
     if (law.bind != nullptr) {
       ok([&](vesper_error* e) { return law.bind(instance, bound.data(), e); });
@@ -171,12 +212,34 @@ struct Run {
       for (uint32_t u = 0; u < law.use_count; ++u) {
         if (law.uses[u].access == VESPER_ACCUMULATE) std::ranges::fill(columns[u], Real(0));
       }
-      ok([&](vesper_error* e) { return law.advance(instance, &step, e); });
+      const vesper_error error =
+          Try([&](vesper_error* e) { return law.advance(instance, &step, e); });
+      if (may_fail && error.status != VESPER_OK) {
+        failure = error.message;
+        break;
+      }
+      EXPECT_OK(error);
+      if (std::string(law.name) == table.laws[0].name) EvaluateFields(table, suite, step);
       if (law.potential_energy == nullptr) continue;
       energies.push_back(0);
       ok([&](vesper_error* e) { return law.potential_energy(instance, &energies.back(), e); });
     }
     law.destroy(instance);
+    if (table.close != nullptr) table.close(suite);
+  }
+
+  void EvaluateFields(const vesper_law_library& table, vesper_suite* suite,
+                      const vesper_step& step) {
+    constexpr uint64_t kPlaces = 50;
+    std::vector<double> at(3 * kPlaces);
+    for (size_t i = 0; i < at.size(); ++i) at[i] = 2 * std::sin(static_cast<double>(i * i));
+    for (uint32_t i = 0; i < table.field_count; ++i) {
+      const vesper_field_desc& field = table.fields[i];
+      if (field.begin_step != nullptr) field.begin_step(suite, &step);
+      std::vector<double> values(kPlaces * field.components);
+      field.evaluate(suite, kPlaces, at.data(), values.data());
+      fields.insert(fields.end(), values.begin(), values.end());
+    }
   }
 };
 
@@ -194,7 +257,7 @@ double Difference(const std::vector<Real>& a, const std::vector<Real>& b) {
   return most == 0 ? 0 : most / size;
 }
 
-/// Compares both forms of a law; `tolerance` in units of the precision's last digit.
+/// Compares both forms of a law. The `tolerance` is in units of the precision's last digit.
 template <class Real>
 void Compare(const TwoForms& forms, const std::string& name, uint64_t rows, double tolerance) {
   const vesper_scalar_type real = sizeof(Real) == 4 ? VESPER_F32 : VESPER_F64;
@@ -212,7 +275,11 @@ void Compare(const TwoForms& forms, const std::string& name, uint64_t rows, doub
     changes = changes || (written && std::ranges::any_of(expected.columns[u],
                                                          [](Real value) { return value != 0; }));
   }
-  EXPECT_TRUE(changes || rows < 300) << name;
+  for (size_t u = 0; u < expected.wide.size(); ++u) {
+    EXPECT_EQ(found.wide[u], expected.wide[u]) << name << "." << expected.names[u];
+  }
+  EXPECT_TRUE(changes || rows < 300 || text.use_count == 0) << name;
+  EXPECT_EQ(found.fields, expected.fields) << name;
   EXPECT_LE(Difference(found.energies, expected.energies), allowed) << name << ", energy";
 }
 
@@ -228,8 +295,8 @@ void CompareAll(const TwoForms& forms, double tolerance_of_functions) {
   for (uint32_t i = 0; i < forms.text->law_count; i += 2) {
     const std::string name = forms.text->laws[i].name;
     const bool functions = kWithFunctions.contains(name);
-    // With three rows, each row has at most two pairs and two springs, so their order does not
-    // change the sums.
+    // Each of three rows has at most two pairs and two springs, so their order does not change the
+    // sums.
     for (const uint64_t rows : {1, 3, 300}) {
       const double tolerance = functions ? tolerance_of_functions : rows == 300 ? 300 : 0;
       Compare<double>(forms, name, rows, tolerance);
@@ -247,6 +314,50 @@ TEST(CppTest, ShippedTextsGiveTheirNumbersAsCpp) {
 TEST(CppTest, TextsOfTheGalleryGiveTheirNumbersAsCpp) { CompareAll(TwoForms("gallery"), 64); }
 
 TEST(CppTest, FormulasGiveTheirNumbersAsCpp) { CompareAll(TwoForms("formulas"), 16); }
+
+TEST(CppTest, FieldsGiveTheirNumbersAsCpp) {
+  const TwoForms forms("fields");
+  CompareAll(forms, 0);
+  ASSERT_EQ(forms.text->field_count, 1u);
+  EXPECT_EQ(DeclarationsOfFields(*forms.compiled), DeclarationsOfFields(*forms.text));
+  const test::Run<double> gusts(*forms.text, LawOf(*forms.text, "gusts", VESPER_F64), 1);
+  ASSERT_EQ(gusts.fields.size(), 4 * 50 * 3u);
+  EXPECT_NE(gusts.fields[3], gusts.fields[3 + 150]) << "the field depends on the time";
+}
+
+TEST(CppTest, PropertiesOf64BitsKeepTheirBitsInBothPrecisions) {
+  for (const char* prototype : {"si-f64", "si-f32"}) {
+    const TwoForms forms("precisions", prototype);
+    for (const char* law : {"swell", "flat", "press", "well"}) {
+      for (const uint64_t rows : {1, 3}) {
+        if (prototype == std::string("si-f64")) {
+          Compare<double>(forms, law, rows, 0);
+        } else {
+          Compare<float>(forms, law, rows, 0);
+        }
+      }
+    }
+    const vesper_law_desc& swell = LawOf(*forms.compiled, "swell", VESPER_F32);
+    const auto uses = std::span(swell.uses, swell.use_count);
+    EXPECT_TRUE(std::ranges::any_of(uses, [](const vesper_property_use& use) {
+      return use.name == std::string("size") && use.scalar_type == VESPER_F64;
+    }));
+  }
+}
+
+TEST(CppTest, PositionThatIsNotFiniteFailsBothForms) {
+  const TwoForms forms("formulas");
+  for (const std::string law : {"flock", "waves"}) {
+    for (const vesper_law_library* table : {forms.text, forms.compiled}) {
+      const test::Run<double> run(*table, LawOf(*table, law, VESPER_F64), 3, true);
+      EXPECT_NE(run.failure.find("the position of row 1"), std::string::npos)
+          << law << ": " << run.failure;
+      EXPECT_NE(run.failure.find("is not finite, so it has no distance to other rows"),
+                std::string::npos)
+          << run.failure;
+    }
+  }
+}
 
 }  // namespace
 }  // namespace vesper::test

@@ -27,7 +27,7 @@ class KernelsTest : public testing::Test {};
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(KernelsTest, Precisions);
 
-/// Values of all sizes, and special ones.
+/// Values of all sizes, and special values such as infinity.
 template <class Real>
 std::vector<Real> Values(uint32_t seed) {
   std::mt19937 random(seed);
@@ -130,7 +130,7 @@ TEST(ElementaryTest, FunctionsAreAccurate) {
       const double found = Elementary(function.operation, x, 0);
       const double place = std::nextafter(std::abs(static_cast<double>(expected)), INFINITY) -
                            std::abs(static_cast<double>(expected));
-      // Near a zero of sine and cosine, the error comes from the reduction of the argument.
+      // The error near a zero of sine and cosine comes from the reduction of the argument.
       const double floor =
           function.operation == Operation::kSin || function.operation == Operation::kCos ? 0x1p-56
                                                                                          : 0;

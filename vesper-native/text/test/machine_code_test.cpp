@@ -88,7 +88,7 @@ struct Way {
   decltype(vesper_host::parallel_for) parallel_for;
 };
 
-/// Calls a law in some steps; `columns` become its results.
+/// Calls a law in some steps. Its results are then in `columns`.
 template <class Real>
 Outcome Apply(const LawCode& law, std::string_view text, const Way<Real>& way,
               Columns<Real>& columns) {
@@ -314,7 +314,7 @@ class RandomLaw {
   }
 
   NodeId Any() {
-    // The newest values are most likely.
+    // The newest values are chosen most often.
     const size_t back =
         random_() % (random_() % 3 == 0 ? values_.size() : std::min<size_t>(values_.size(), 8));
     return values_[values_.size() - 1 - back];

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Laws as text in an engine: forces, potentials, claims, own properties, faults.
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include "text_engine.hpp"
 
@@ -41,8 +43,8 @@ TEST_P(TextLawTest, TerminalSpeedIsWhereWeightAndDragBalance) {
   EXPECT_NEAR(bodies.velocity[1], -2.5, 1e-12);
 }
 
-// An oscillator x'' = -x, integrated with the velocity half a step behind: with the step h, this
-// scheme has the period pi h / asin(h / 2), and not 2 pi.
+// The text integrates an oscillator x'' = -x with the velocity half a step behind. This scheme has
+// the period pi h / asin(h / 2) for a step h, and not 2 pi.
 TEST_P(TextLawTest, OscillatorHasThePeriodOfTheScheme) {
   TestEngine engine(Options());
   Bodies bodies(1);
@@ -167,6 +169,139 @@ TEST_P(TextLawTest, HeatFlowsAlongSpringsAndIsConserved) {
   for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(bodies.position[3 * i + 1], 3, 1e-9);
 }
 
+/// Returns the force of a surface with the tension `sigma` on the corner `a` of a triangle. It acts
+/// along the altitude from this corner, and is half the tension times the opposite side.
+std::array<double, 3> ForceOfTension(double sigma, const double* a, const double* b,
+                                     const double* c) {
+  double along = 0, square = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    along += (a[i] - b[i]) * (c[i] - b[i]);
+    square += (c[i] - b[i]) * (c[i] - b[i]);
+  }
+  std::array<double, 3> altitude;
+  double height = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    altitude[i] = b[i] + along / square * (c[i] - b[i]) - a[i];
+    height += altitude[i] * altitude[i];
+  }
+  const double size = sigma * std::sqrt(square) / 2 / std::sqrt(height);
+  return {size * altitude[0], size * altitude[1], size * altitude[2]};
+}
+
+/// Returns the area of a triangle from the lengths of its sides (Heron).
+double AreaOf(const double* a, const double* b, const double* c) {
+  const auto length = [](const double* p, const double* q) {
+    return std::sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) +
+                     (p[2] - q[2]) * (p[2] - q[2]));
+  };
+  const double u = length(a, b), v = length(b, c), w = length(c, a), half = (u + v + w) / 2;
+  return std::sqrt(half * (half - u) * (half - v) * (half - w));
+}
+
+TEST_P(TextLawTest, SurfaceTensionPullsTheCornersOfTrianglesTogether) {
+  TestEngine engine(Options());
+  Bodies bodies(5);
+  bodies.position = {0.3, 1, -0.5, 2, 0.25, 0.125, -1, -2, 0.75, 1.5, 3, -2.5, 4, -1, 2};
+  engine.AddBodies(bodies);
+  // The first two triangles share a side. The corners of the third are in another order.
+  std::vector<uint32_t> corners{0, 1, 2, 2, 1, 3, 4, 3, 0};
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_provider_add_physical_property(engine.provider(), "vertices", corners.data(), 3,
+                                                 nullptr, 3, error);
+  }));
+  const vesper_library_id id =
+      LoadText(engine,
+               "law surface_tension\n"
+               "  parameter sigma = 3 N/m\n"
+               "  each surface of a, b, c:\n"
+               "    energy = 1/2 sigma |(b.position - a.position) × (c.position - a.position)|\n",
+               {{"sigma", 2.5}});
+  EXPECT_OK(engine.Advance(1e-3, 1));
+  std::vector<double> expected(15);
+  double area = 0;
+  for (size_t triangle = 0; triangle < 9; triangle += 3) {
+    const auto at = [&](size_t corner) {
+      return bodies.position.data() + 3 * corners[triangle + corner % 3];
+    };
+    area += AreaOf(at(0), at(1), at(2));
+    for (size_t corner = 0; corner < 3; ++corner) {
+      const auto force = ForceOfTension(2.5, at(corner), at(corner + 1), at(corner + 2));
+      for (size_t i = 0; i < 3; ++i) expected[3 * corners[triangle + corner] + i] += force[i];
+    }
+  }
+  std::array<double, 3> sum{}, torque{};
+  for (size_t row = 0; row < 5; ++row) {
+    const double* r = bodies.position.data() + 3 * row;
+    const double* f = bodies.force.data() + 3 * row;
+    for (size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(f[i], expected[3 * row + i], 1e-13) << row;
+      const size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      sum[i] += f[i];
+      torque[i] += r[j] * f[k] - r[k] * f[j];
+    }
+  }
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(sum[i], 0, 1e-13);
+    EXPECT_NEAR(torque[i], 0, 1e-13);
+  }
+  EXPECT_GT(std::abs(bodies.force[0]), 1);
+  EXPECT_NEAR(PotentialEnergy(engine, id), 2.5 * area, 1e-12);
+}
+
+/// Returns the saved state of an engine, which contains the columns of the laws' own.
+std::string SavedState(TestEngine& engine) {
+  uint64_t size = 0;
+  EXPECT_OK(Try([&](vesper_error* e) { return vesper_engine_state_size(engine.get(), &size, e); }));
+  std::string state(size, '\0');
+  EXPECT_OK(Try([&](vesper_error* e) {
+    return vesper_engine_save_state(engine.get(), state.data(), size, e);
+  }));
+  return state;
+}
+
+TEST_P(TextLawTest, ALawOfPhaseObserveRecordsTheResultOfEachStepAndChangesNothingElse) {
+  constexpr double kStep = 1.0 / 64;
+  constexpr const char* kWell = "law well\n  each body:\n    energy = 1/2 * 40 N/m position^2\n";
+  const std::string watch =
+      "law watch\n"
+      "  phase observe\n"
+      "  each body has fastest in m/s, path in m\n"
+      "  each body:\n"
+      "    fastest = max(fastest, |velocity|)\n"
+      "    path += |velocity| dt\n";
+  std::vector<double> fastest(3), path(3);
+  TestEngine plain(Options()), watched(Options());
+  Bodies without(3), with(3);
+  plain.AddBodies(without);
+  watched.AddBodies(with);
+  LoadText(watched,
+           watch);  // before the laws of earlier phases, whose results it nevertheless sees
+  for (TestEngine* engine : {&plain, &watched}) {
+    LoadText(*engine, kWell);
+    LoadText(*engine, kMotion);
+  }
+  for (int step = 0; step < 100; ++step) {
+    EXPECT_OK(plain.Advance(kStep, 1));
+    for (size_t row = 0; row < 3; ++row) {
+      const double* v = without.velocity.data() + 3 * row;
+      const double speed = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+      fastest[row] = std::max(fastest[row], speed);
+      path[row] += speed * kStep;
+    }
+  }
+  EXPECT_OK(watched.Advance(kStep, 100));
+  EXPECT_EQ(with.position, without.position);
+  EXPECT_EQ(with.velocity, without.velocity);
+  EXPECT_EQ(with.force, without.force);
+  EXPECT_EQ(watched.StateHash(), plain.StateHash());
+  const std::string state = SavedState(watched);
+  for (const std::vector<double>& column : {fastest, path}) {
+    EXPECT_GT(column[2], column[1]);
+    const std::string_view bytes(reinterpret_cast<const char*>(column.data()), 3 * sizeof(double));
+    EXPECT_NE(state.find(bytes), std::string::npos) << column[0];
+  }
+}
+
 TEST_P(TextLawTest, ConditionsChooseWithoutTouchingTheOtherBranch) {
   TestEngine engine(Options());
   Bodies bodies(3);
@@ -203,10 +338,68 @@ TEST_P(TextLawTest, AFormulaWithoutAValueIsBlamedByItsPlace) {
   EXPECT_EQ(error.library_id, id);
 }
 
+TEST_P(TextLawTest, APropertyOfItsOwnStaysWithinItsLimits) {
+  TestEngine engine(Options());
+  Bodies bodies(3);
+  bodies.mass = {1, 2, 4};
+  engine.AddBodies(bodies);
+  const vesper_library_id id = LoadText(engine,
+                                        "law x\n"
+                                        "  each body has store in J, from -2 to 10 J, loss in W\n"
+                                        "  each body: loss = 1 W * mass / (1 kg)\n"
+                                        "  each body: store -= loss dt\n");
+  EXPECT_OK(engine.Advance(0.25, 2));  // to -2 J for the last body
+  const vesper_error error = engine.Advance(0.25, 1);
+  EXPECT_EQ(error.status, VESPER_LAW_FAILED);
+  EXPECT_NE(std::string(error.message)
+                .find("x.law:2:29: 'store' is -3 J for row 2 of body, expected a value from -2 to "
+                      "10 J"),
+            std::string::npos)
+      << error.message;
+  EXPECT_EQ(error.row, 2u);
+  EXPECT_STREQ(error.property, "store");
+  EXPECT_EQ(error.library_id, id);
+}
+
+TEST_P(TextLawTest, LimitsHoldForWhatSpringsAddAndForEachComponent) {
+  for (const std::string law : {"  each body has heat in J, from 0 J\n"
+                                "  each pair a and b of bodies: a.heat -= 1 J; b.heat += 1 J\n",
+                                "  each body has a vector heat in J, from 0 J\n"
+                                "  each body: heat.z = -1 J\n"}) {
+    TestEngine engine(Options());
+    Bodies bodies(2);
+    engine.AddBodies(bodies);
+    LoadText(engine, "law x\n" + law);
+    const vesper_error error = engine.Advance(0.25, 1);
+    EXPECT_EQ(error.status, VESPER_LAW_FAILED);
+    EXPECT_NE(std::string(error.message).find("'heat' is -1 J for row 0 of body"),
+              std::string::npos)
+        << error.message;
+  }
+}
+
+TEST_P(TextLawTest, APositionThatIsNotFiniteIsAFaultOfPairsWithinADistance) {
+  TestEngine engine(Options());
+  Bodies bodies(4);
+  bodies.position[3 * 2 + 1] = std::nan("");
+  engine.AddBodies(bodies);
+  const vesper_library_id id = LoadText(engine, kLennardJones);
+  const vesper_error error = engine.Advance(0.1, 1);
+  EXPECT_EQ(error.status, VESPER_LAW_FAILED);
+  EXPECT_NE(std::string(error.message)
+                .find("x.law:3:3: the position of row 2 of body is not finite, so it has no "
+                      "distance to other rows"),
+            std::string::npos)
+      << error.message;
+  EXPECT_EQ(error.row, 2u);
+  EXPECT_STREQ(error.property, "position");
+  EXPECT_EQ(error.library_id, id);
+}
+
 TEST(TextTest, ClaimsFollowFromTheFormulas) {
   const uint32_t all = VESPER_CLAIM_MOMENTUM | VESPER_CLAIM_ANGULAR_MOMENTUM |
                        VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION;
-  EXPECT_EQ(ClaimsOf(kLennardJones), all);
+  EXPECT_EQ(ClaimsOf(kLennardJones), all | VESPER_CLAIM_ENERGY);
   EXPECT_EQ(ClaimsOf("law x\n  each pair of bodies, r apart:\n    attraction = 1 N/m r\n"), all);
   EXPECT_EQ(ClaimsOf("law x\n  each pair of bodies:\n"
                      "    let f = 1 kg/s (b.velocity - a.velocity)\n"
@@ -221,6 +414,30 @@ TEST(TextTest, ClaimsFollowFromTheFormulas) {
             uint32_t{VESPER_CLAIM_TRANSLATION});
   EXPECT_EQ(ClaimsOf("law x\n  each body:\n    force += mass gravity\n"),
             uint32_t{VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION});
+}
+
+TEST(TextTest, EnergyIsClaimedIfAllForcesFollowFromAContinuousEnergy) {
+  const auto claims = [](const std::string& heading, const std::string& energy,
+                         const std::string& more = "") {
+    return (ClaimsOf("law x\n  each body has k in N/m\n  each pair of bodies" + heading + ":\n" +
+                     "    energy = " + energy + "\n" + more) &
+            VESPER_CLAIM_ENERGY) != 0;
+  };
+  const std::string spring = "1/2 * 1 N/m r^2";
+  EXPECT_TRUE(claims(", r apart", spring));
+  EXPECT_TRUE(claims(" within 2 m, r apart", spring)) << "shifted unless said otherwise";
+  EXPECT_TRUE(claims(" within 2 m, r apart, energy shifted", spring));
+  EXPECT_TRUE(claims(" within 2 m, r apart, energy smooth", spring));
+  EXPECT_FALSE(claims(" within 2 m, r apart, energy cut", spring));
+  EXPECT_FALSE(claims(", r apart", spring + " (2 if r < 1 m else 1)")) << "has a step";
+  EXPECT_FALSE(claims(", r apart", spring + " floor(r / 1 m)")) << "has steps";
+  EXPECT_FALSE(claims(", r apart", spring + " sin(time / 1 s)")) << "depends on the time";
+  EXPECT_FALSE(claims(", r apart", spring, "    a.force -= 1 kg/s a.velocity\n"));
+  EXPECT_FALSE(claims(", r apart", spring, "  each body: force -= 1 kg/s velocity\n"));
+  EXPECT_TRUE(claims(", r apart", spring, "  each body: k = 1 N / |position|\n"));
+  EXPECT_FALSE(claims(", r apart", "1/2 a.k r^2", "  each body: k = 1 N / |position|\n"))
+      << "the law changes its energy";
+  EXPECT_TRUE(claims(", r apart", "1/2 a.k r^2"));
 }
 
 TEST(TextTest, NotationsOfOneFormulaGiveTheSameNumbers) {

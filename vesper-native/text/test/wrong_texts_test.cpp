@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wrong texts, each with the message that its author reads: wrong_texts.txt.
 #include <fstream>
+#include <regex>
 #include <set>
 #include <sstream>
 
 #include "text_engine.hpp"
+#include "unit_parser.hpp"
 
 namespace vesper::test {
 namespace {
@@ -14,7 +16,8 @@ struct WrongText {
   std::string report;
 };
 
-/// Reads "====", a text, "----", its report, and so on.
+/// Reads a file of texts and reports. Each text follows a line "====", and its report follows a
+/// line "----".
 std::vector<WrongText> WrongTexts() {
   std::ifstream file(VESPER_TEXT_TESTS "/wrong_texts.txt");
   std::vector<WrongText> texts;
@@ -62,6 +65,45 @@ TEST(WrongTextsTest, EveryReportHasLineColumnAndMark) {
     ASSERT_EQ(std::sscanf(first.c_str(), "x.law:%u:%u: ", &row, &column), 2) << first;
     EXPECT_EQ(mark.find('^'), column + 1) << wrong.report;
   }
+}
+
+/// Returns the number of units that a message names, such as 2 for "'mass' is kg (a mass), but
+/// 'force' is N (a force)". A plain number counts as a unit.
+size_t UnitsIn(const std::string& message) {
+  static const std::regex kUnit("(?:is|in|found) (?:a vector in |a vector of )?([^ ,:]+)");
+  size_t units = 0;
+  for (std::sregex_iterator at(message.begin(), message.end(), kUnit), end; at != end; ++at) {
+    const std::string word = (*at)[1];
+    if (word == "a" || word == "an" || word == "in") continue;
+    try {
+      ParseUnitOrThrowWhere(word);
+      ++units;
+    } catch (const UnitError&) {
+    }
+  }
+  static const std::regex kPlain("plain number");
+  return units +
+         static_cast<size_t>(std::distance(
+             std::sregex_iterator(message.begin(), message.end(), kPlain), std::sregex_iterator()));
+}
+
+TEST(WrongTextsTest, AProblemThatNamesTwoUnitsSaysWhatWouldMakeItRight) {
+  EXPECT_EQ(UnitsIn("x.law:3:14: 'velocity' is a vector in m/s (a velocity), but 'f' is N"), 2u);
+  EXPECT_EQ(UnitsIn("x.law:3:14: the exponent 't' is s (a time), expected a plain number"), 2u);
+  EXPECT_EQ(UnitsIn("x.law:3:14: 'k' is in use already"), 0u);
+  size_t checked = 0;
+  for (const WrongText& wrong : WrongTexts()) {
+    std::vector<std::string> lines;
+    std::istringstream report(wrong.report);
+    for (std::string line; std::getline(report, line);) lines.push_back(line);
+    for (size_t i = 0; i < lines.size(); ++i) {
+      if (!lines[i].starts_with("x.law:") || UnitsIn(lines[i]) < 2) continue;
+      ++checked;
+      // Message, line and mark are followed by the hint.
+      EXPECT_TRUE(i + 3 < lines.size() && !lines[i + 3].starts_with("x.law:")) << wrong.report;
+    }
+  }
+  EXPECT_GE(checked, 60u);
 }
 
 }  // namespace

@@ -17,9 +17,9 @@ class Environment(gymnasium.Env[Any, Any]):
     client may act in this world.
 
     `address` is host and port of a server, such as that of `reve.serve(...)`. `world` names one of
-    its worlds, if it has several. A step has `frames` frames, and an episode at most `steps` steps.
-    Every episode starts from the initial state of the world, with the changes of the task's
-    `begin`. Therefore the same seed and actions give the same observations, to the bit. `info`
+    the server's worlds, if it has several. A step has `frames` frames, and an episode at most
+    `steps` steps. Every episode starts from the initial state of the world, with the changes of the
+    task's `begin`. Therefore the same seed and actions give observations with the same bits. `info`
     contains the world's `time` [s] and the `items` that the agent perceives. With `render_mode`
     "rgb_array", `render` returns the picture of `camera`, which is a pair: the item that carries
     the camera, and the sensor's name. The item is the agent's body, or an item that the world

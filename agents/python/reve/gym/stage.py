@@ -28,8 +28,7 @@ _DEADLINE = 3600.0  # s; the server may allow less
 
 
 def info(perception: Perception) -> Dict[str, Any]:
-    """Returns everything that is perceived, except the frame's number, which differs between
-    episodes."""
+    """Returns all perceived data except the number of the frame, which differs between episodes."""
     return {"time": perception.time, "items": perception.items}
 
 
@@ -89,8 +88,8 @@ class Stage:
             ) from error
 
     def _view(self, address: Address, item: str) -> Agent:
-        """Returns the agent whose body carries the camera; if no task has this body, joins with
-        another agent."""
+        """Returns the agent whose body carries the camera. If no task has this body, another agent
+        joins."""
         for agent in self._agents.values():
             if agent.body == item:
                 return agent

@@ -35,6 +35,9 @@ class World {
   AnyColumn& operator[](const std::string& name);
   const AnyColumn& operator[](const std::string& name) const;
   std::vector<AnyColumn>& columns() { return columns_; }
+  /// Returns the column of a property that a law uses. A SCRATCH property may have the name of
+  /// another property.
+  AnyColumn& ColumnOf(const vesper_property& used);
 
   /// Sets every value of a property to zero.
   void Clear(const std::string& name);

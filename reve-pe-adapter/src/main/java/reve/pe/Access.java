@@ -3,17 +3,22 @@ package reve.pe;
 
 /**
  * The kind of access of a law to a property. A set of these values is the access of one law, or the
- * maximum access that a property permits to any law. Read and write together mean in-place update.
+ * maximum access that a property permits to any law. The values READ and WRITE together mean that
+ * the law updates the property in place.
  */
 public enum Access {
-    /** Reads the rows. */
+    /** Access of a law that reads the rows. */
     READ,
-    /** Writes every row before it returns. */
+    /** Access of a law that writes every row before it returns. */
     WRITE,
-    /** Adds to the rows; the engine zeroes them before each evaluation, and sums over the laws. */
+    /**
+     * Access of a law that adds to the rows. The engine zeroes the rows before each evaluation, so
+     * they contain the sum over all laws.
+     */
     ACCUMULATE,
     /**
-     * Uses memory that the engine keeps for the law, for each row. The client has no such array.
+     * Access of a law to its own memory for each row. The engine keeps this memory, and the client
+     * has no such array.
      */
     SCRATCH
 }

@@ -6,8 +6,8 @@ package reve.pe;
  *
  * @param unit unit that the law expects; the following numbers are in this unit
  * @param standard default value
- * @param minimum inclusive
- * @param maximum inclusive
+ * @param minimum smallest permitted value
+ * @param maximum largest permitted value
  */
 public record LawParameter(
         String name, String doc, SiUnit unit, double standard, double minimum, double maximum) {}

@@ -3,12 +3,12 @@ package reve.pe;
 
 /** The part of a step in which a law runs. Laws run in order of phase, then in order of loading. */
 public enum Phase {
-    /** Accumulates forces and torques. */
+    /** Phase of laws that accumulate forces and torques. */
     FORCE,
-    /** Moves the state by dt. */
+    /** Phase of laws that move the state by the length of a step. */
     INTEGRATE,
-    /** Corrects the moved state. */
+    /** Phase of laws that correct the moved state. */
     CONSTRAIN,
-    /** Reads the result of the step. */
+    /** Phase of laws that read the result of the step. */
     OBSERVE
 }

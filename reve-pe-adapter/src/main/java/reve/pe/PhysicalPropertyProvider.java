@@ -49,7 +49,10 @@ public interface PhysicalPropertyProvider {
         rebindPhysicalProperty(name, data, objectCount, null, objectCount);
     }
 
-    /** Removes an array. The engine refuses with ACCESS_CONFLICT while a loaded law needs it. */
+    /**
+     * Removes an array. The engine refuses the call with ACCESS_CONFLICT while a loaded law needs
+     * the array.
+     */
     void removePhysicalProperty(String name);
 
     /** Returns the bound property. */
@@ -58,7 +61,7 @@ public interface PhysicalPropertyProvider {
     /**
      * Notifies the engine that values were edited in place. The engine checks references and
      * minimum values again, and laws update data derived from the values, such as a copy on a
-     * device. Without this call, the engine and the laws may keep using old values.
+     * device. The engine and the laws may otherwise continue to use old values.
      */
     void touch(String name);
 }

@@ -7,9 +7,9 @@ import java.util.Map;
 
 /**
  * An engine that applies laws to named property arrays of a client. Each law is an independently
- * compiled library. Any thread may call an engine, but only one at a time, except {@code prepare},
- * which may run concurrently. Every method throws {@link PhysicsException} if the engine refuses
- * the call, and {@link IllegalStateException} after close.
+ * compiled library. Any thread may call an engine, but only one call at a time is permitted. The
+ * exception is {@code prepare}, which may run concurrently. Every method throws {@link
+ * PhysicsException} if the engine refuses the call, and {@link IllegalStateException} after close.
  */
 public interface PhysicsEngine extends AutoCloseable {
     /** Returns the engine's property provider, which lives as long as the engine. */
@@ -47,13 +47,13 @@ public interface PhysicsEngine extends AutoCloseable {
 
     /**
      * Opens and checks a law library from its bytes, like {@link #prepare(String)}. The caller must
-     * not change them.
+     * not change the bytes.
      */
     PreparedLibrary prepare(byte[] library);
 
     /**
      * Activates a prepared library; call it between frames. The engine owns the library afterwards.
-     * If the engine refuses the library, the caller still owns it.
+     * The caller still owns a library that the engine refuses.
      *
      * @param parameters values, keyed by {@code parameter} or {@code law.parameter}; omitted
      *     parameters have their default
@@ -71,9 +71,9 @@ public interface PhysicsEngine extends AutoCloseable {
     /**
      * Replaces a loaded library by a prepared library between two frames. The new library takes the
      * id and the place of the old library in the order of loading. It also takes the state of laws
-     * for each row, where the layout of this state is the same. Its interval is 1. If the engine
-     * refuses the new library, or the new library fails, the old library stays as it was, and the
-     * caller still owns the new library.
+     * for each row, where the layout of this state is the same. Its interval is 1. The engine may
+     * refuse the new library, or the new library may fail. The old library then stays as it was,
+     * and the caller still owns the new library.
      *
      * @param parameters as for {@link #loadPhysicsLaw(PreparedLibrary, Map)}
      */
@@ -94,9 +94,9 @@ public interface PhysicsEngine extends AutoCloseable {
     }
 
     /**
-     * Sets the interval at which the laws of a library are called: they are called in every step
-     * whose number is a multiple of the interval. In these steps, the engine multiplies the forces
-     * that the laws add by the interval. In all other steps, the laws add no forces, so their total
+     * Sets the interval at which the laws of a library are called. They are called in every step
+     * whose number is a multiple of the interval. The engine multiplies the forces that the laws
+     * add in these steps by the interval. The laws add no forces in all other steps, so their total
      * impulse stays the same. Each load of a library resets the interval to 1.
      *
      * @param interval 1 for every step, 0 for never; more than 1 only if all laws of the library
@@ -115,8 +115,8 @@ public interface PhysicsEngine extends AutoCloseable {
     /**
      * Ends a series of changes, and keeps or undoes them. To undo changes, the engine restores its
      * libraries at {@link #beginChanges}, with their ids, order, parameters and intervals, and its
-     * own state. The client restores the arrays. This opens no library and needs no process, so it
-     * cannot fail.
+     * own state. The client restores the arrays. Undoing opens no library and needs no process, so
+     * it cannot fail.
      *
      * @param keep true to keep the changes, false to undo them
      * @throws IllegalStateException if no series has begun
@@ -130,7 +130,8 @@ public interface PhysicsEngine extends AutoCloseable {
 
     /**
      * Writes for each law the total wall-clock time of its calls since it was loaded [ns], in the
-     * order of {@link #laws}. Allocates nothing; times are for reports and budgets only.
+     * order of {@link #laws}. The method allocates nothing. The times are for reports and budgets
+     * only.
      *
      * @param into long enough for all laws
      */
@@ -145,10 +146,16 @@ public interface PhysicsEngine extends AutoCloseable {
     }
 
     /**
+     * Returns the values of one row of columns that laws have of their own, in the order of the
+     * columns. A row without values yet is zero. Call it between frames.
+     */
+    List<double[]> ownValues(List<OwnColumn> columns, long row);
+
+    /**
      * Applies all laws for {@code steps} steps of {@code dt}. Either all steps succeed, or none of
-     * them counts. After a failure the engine is faulted, its time has not advanced, and properties
-     * that laws may write are undefined. The client restores them and calls {@link #clearFault}, or
-     * unloads the library that the exception names.
+     * them counts. The engine is faulted after a failure, its time has not advanced, and properties
+     * that laws may write are undefined. The client restores these properties and calls {@link
+     * #clearFault}, or unloads the library that the exception names.
      *
      * @param dt length of a step [time unit of the prototype], above 0
      */
@@ -171,13 +178,13 @@ public interface PhysicsEngine extends AutoCloseable {
      * Sets the step count, as if the arrays were the result of this many steps from time 0.
      *
      * @param steps 0 or more
-     * @param dtSeconds length of each [s]
+     * @param dtSeconds length of each step [s]
      */
     void setStepCount(long steps, double dtSeconds);
 
     /**
-     * Returns the number of steps since the engine was created, including those from {@link
-     * #setStepCount} or {@link #loadState}.
+     * Returns the number of steps since the engine was created, including the steps counted by
+     * {@link #setStepCount} or {@link #loadState}.
      */
     long stepCount();
 
@@ -202,7 +209,7 @@ public interface PhysicsEngine extends AutoCloseable {
 
     /**
      * Opens or closes the ledger, an account of the momentum and energy that each law adds. Opening
-     * an open ledger restarts it. From the next advance on, the engine records these contributions,
+     * an open ledger restarts it. The engine records these contributions from the next advance on,
      * which costs a few passes over the bodies in each step. The ledger needs the properties mass,
      * position and velocity.
      */

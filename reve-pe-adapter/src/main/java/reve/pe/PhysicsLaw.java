@@ -32,14 +32,16 @@ public record PhysicsLaw(
         long nanoseconds) {
     /** The invariants that a law may guarantee, in the order of the bits `VESPER_CLAIM_…`. */
     public enum Claim {
-        /** The sum of the law's forces is zero. */
+        /** Claim that the sum of the law's forces is zero. */
         MOMENTUM,
-        /** The sum of the law's moments is zero. */
+        /** Claim that the sum of the law's moments is zero. */
         ANGULAR_MOMENTUM,
-        /** The law does not depend on the place of the origin. */
+        /** Claim that the law does not depend on the place of the origin. */
         TRANSLATION,
-        /** If the world is rotated, the forces of the law rotate with it. */
-        ROTATION
+        /** Claim that the forces of the law rotate with the world if the world is rotated. */
+        ROTATION,
+        /** Claim that the work of the law's forces is the decrease of its potential energy. */
+        ENERGY
     }
 
     /** Copies the collections. */

@@ -5,8 +5,8 @@ import java.nio.charset.StandardCharsets;
 
 /**
  * A law library that is opened and checked, and can be activated quickly. The caller owns it until
- * {@link PhysicsEngine#loadPhysicsLaw} takes it. If no engine takes it, the caller closes it, on
- * any thread, before closing the engine that prepared it.
+ * {@link PhysicsEngine#loadPhysicsLaw} takes it. A library that no engine takes is closed by the
+ * caller, on any thread, before the engine that prepared it is closed.
  */
 public interface PreparedLibrary extends AutoCloseable {
     /** Maximum size of a law library [bytes]. */

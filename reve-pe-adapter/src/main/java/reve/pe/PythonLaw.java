@@ -13,7 +13,10 @@ public final class PythonLaw {
 
     private PythonLaw() {}
 
-    /** Returns the name of the first law of a file, as a name for a file whose path is unknown. */
+    /**
+     * Returns the name of the first law of a file. It serves as the name of a file whose path is
+     * unknown.
+     */
     public static String nameOf(byte[] file) {
         Matcher first = FIRST.matcher(new String(file, StandardCharsets.UTF_8));
         return (first.find() ? first.group(1) : "law") + PreparedLibrary.PYTHON_ENDING;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
-/** Element type of a property's column, or {@link #FIELD}. */
+/** The element type of a property's column, or {@link #FIELD} for a property without a column. */
 public enum ScalarType {
     /** A real of 4 bytes. */
     F32(Float.BYTES),

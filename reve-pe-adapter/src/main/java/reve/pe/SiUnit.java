@@ -21,7 +21,7 @@ public record SiUnit(
         byte candela,
         double scale,
         String symbol) {
-    /** The second: the usual time unit of a prototype. */
+    /** The second, which is the usual time unit of a prototype. */
     public static final SiUnit SECOND = of(new byte[] {0, 0, 1, 0, 0, 0, 0}, 1.0, "s");
 
     /** Refuses a scale that is not a positive number. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
  * The interface of a physics engine for any Java program: bound properties, loaded laws, steps.
- * Depends neither on REVE nor on a particular engine; the packages below it do.
+ * This package depends neither on REVE nor on a particular engine. Its subpackages do.
  */
 @NullMarked
 package reve.pe;

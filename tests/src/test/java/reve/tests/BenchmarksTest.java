@@ -13,6 +13,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Locale;
 import java.util.stream.Stream;
 
 /**
@@ -59,6 +60,34 @@ class BenchmarksTest {
                     .isEqualTo(
                             "bench: mvn is missing; install it with: sudo apt-get install maven\n");
         }
+    }
+
+    /** Returns a number of the page about laws in Python: the column of the row with this name. */
+    private static double inPython(String page, String name, int column) {
+        String row =
+                page.lines()
+                        .filter(line -> line.startsWith("| " + name + " |"))
+                        .findFirst()
+                        .orElseThrow();
+        return Double.parseDouble(row.split("\\|")[column].strip().replace(",", ""));
+    }
+
+    @Test
+    void thePageOfLawsInPythonSaysTheMeasuredRatios() throws Exception {
+        String page = Files.readString(BENCH.resolve("results/laws_in_python.md"));
+        double text =
+                inPython(page, "Coriolis force in Python", 2)
+                        / inPython(page, "Coriolis force as text", 2);
+        double numpy = inPython(page, "drag in Python", 3);
+        double numba = inPython(page, "drag in Python, compiled by Numba", 3);
+        String said =
+                Files.readString(Project.ROOT.resolve("docs/laws-in-python.md"))
+                        .replaceAll("\\s+", " ");
+        assertThat(said)
+                .contains(
+                        String.format(Locale.ROOT, "takes %.0f times as long as the same", text),
+                        String.format(Locale.ROOT, "in NumPy takes %.1f times as long", numpy),
+                        String.format(Locale.ROOT, "takes %.1f times as long as the comp", numba));
     }
 
     private static Outcome run(List<String> environment, String program)

@@ -33,6 +33,7 @@ import java.util.concurrent.TimeoutException;
 final class Browser implements AutoCloseable, WebSocket.Listener {
     private static final JsonMapper JSON = new JsonMapper();
     private static final long PATIENCE_SECONDS = 120;
+    private static final int CLICKS = 5;
     private static final String LISTENING = "DevTools listening on ";
 
     private final Process process;
@@ -209,26 +210,41 @@ final class Browser implements AutoCloseable, WebSocket.Listener {
                 "never true in the page: " + expression + "; " + last + "; errors: " + errors);
     }
 
-    /** Clicks the middle of an element with the mouse. */
+    /**
+     * Clicks the middle of an element with the mouse. Repeats a click that does not reach the
+     * element: the page may move the element after it has told where the element is.
+     */
     void click(String selector) throws Exception {
         await("document.querySelector('" + selector + "')");
-        JsonNode at =
-                ask(
-                        "(() => { const e = document.querySelector('"
-                                + selector
-                                + "'); e.scrollIntoView({block: 'center'}); const b ="
-                                + " e.getBoundingClientRect(); return [b.left + b.width / 2, b.top"
-                                + " + b.height / 2]; })()");
-        for (String type : List.of("mousePressed", "mouseReleased")) {
-            send(
-                    "Input.dispatchMouseEvent",
-                    JSON.createObjectNode()
-                            .put("type", type)
-                            .put("x", at.get(0).asDouble())
-                            .put("y", at.get(1).asDouble())
-                            .put("button", "left")
-                            .put("clickCount", 1));
+        for (int attempt = 0; attempt < CLICKS; attempt++) {
+            JsonNode at =
+                    ask(
+                            "(() => { const e = document.querySelector('"
+                                    + selector
+                                    + "'); window.clickArrived = false;"
+                                    + " addEventListener('click', c => { clickArrived ="
+                                    + " Boolean(c.target.closest('"
+                                    + selector
+                                    + "')); }, {capture: true, once: true});"
+                                    + " e.scrollIntoView({block: 'center'}); const b ="
+                                    + " e.getBoundingClientRect(); return [b.left + b.width / 2,"
+                                    + " b.top + b.height / 2]; })()");
+            for (String type : List.of("mousePressed", "mouseReleased")) {
+                send(
+                        "Input.dispatchMouseEvent",
+                        JSON.createObjectNode()
+                                .put("type", type)
+                                .put("x", at.get(0).asDouble())
+                                .put("y", at.get(1).asDouble())
+                                .put("button", "left")
+                                .put("clickCount", 1));
+            }
+            if (ask("window.clickArrived ?? true").booleanValue()) {
+                return;
+            }
         }
+        throw new AssertionError(
+                CLICKS + " clicks did not reach " + selector + "; errors: " + errors);
     }
 
     /** Types a text into the focused element. */

@@ -152,4 +152,64 @@ class CameraIT {
             assertThat(after.colour()).isEqualTo(before.colour());
         }
     }
+
+    /** Number of crashes of the renderer. The fault model requires 200. */
+    private static final int CRASHES = Integer.getInteger("reve.test.renderer.crashes", 3);
+
+    /** Maximum time of a picture after a crash; 2,000 on an idle machine [ms]. */
+    private static final int PICTURE_MILLISECONDS =
+            Integer.getInteger("reve.test.renderer.milliseconds", 30_000);
+
+    /** Least speed of the world as a percentage of real time; 95 on an idle machine. */
+    private static final int LEAST_PERCENT = Integer.getInteger("reve.test.renderer.percent", 50);
+
+    /** The world makes its frames in real time while the renderer crashes. */
+    @Test
+    void aRendererThatCrashesAgainAndAgainDelaysNoFrame() throws Exception {
+        Path still = Path.of(world());
+        Files.writeString(still, Files.readString(still).replace("0.6]", "0]"));
+        try (Server server =
+                        Server.start(folder, "serve", still.toString(), "--port", "0", "--json");
+                AgentClient ada =
+                        AgentClient.connect(
+                                "127.0.0.1",
+                                Integer.parseInt(server.port()),
+                                Join.as("ada").withEncoding(Encoding.MESSAGEPACK))) {
+            Image image = ada.look("eye");
+            for (int crash = 0; crash < CRASHES; crash++) {
+                ProcessHandle renderer =
+                        server.process()
+                                .descendants()
+                                .filter(
+                                        process ->
+                                                process.info()
+                                                        .command()
+                                                        .orElse("")
+                                                        .endsWith("vesper-render"))
+                                .findFirst()
+                                .orElseThrow();
+                assertThat(
+                                new ProcessBuilder("kill", "-SEGV", "" + renderer.pid())
+                                        .start()
+                                        .waitFor())
+                        .isZero();
+                renderer.onExit().join();
+                long start = System.nanoTime();
+                Image next = ada.look("eye");
+                assertThat((System.nanoTime() - start) / 1_000_000)
+                        .as("time of a picture [ms]")
+                        .isLessThan(PICTURE_MILLISECONDS);
+                assertThat(next.frame()).isGreaterThan(image.frame());
+                assertThat(next.names()).contains("post");
+                image = next;
+            }
+            server.process().toHandle().destroy();
+            var end = server.events().await("end", event -> true);
+            assertThat(end.path("frames").asLong()).isGreaterThanOrEqualTo(image.frame());
+            assertThat(end.path("faults")).isEmpty();
+            assertThat(100 * end.path("realTimeFactor").asDouble())
+                    .as("% of real time")
+                    .isGreaterThan(LEAST_PERCENT);
+        }
+    }
 }

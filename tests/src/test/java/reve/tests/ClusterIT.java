@@ -2,7 +2,9 @@
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
+import org.jspecify.annotations.Nullable;
 import org.junit.jupiter.api.AfterAll;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeAll;
@@ -11,6 +13,7 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
 import reve.agent.AgentClient;
+import reve.agent.DisconnectedException;
 import reve.agent.Join;
 import reve.tests.Reve.Outcome;
 import reve.worlds.journal.PostgresStore;
@@ -22,6 +25,7 @@ import tools.jackson.databind.json.JsonMapper;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.List;
@@ -52,7 +56,7 @@ class ClusterIT {
     private final List<Node> nodes = new ArrayList<>();
     private String url;
     private int started;
-    private boolean certified;
+    private @Nullable NodeCertificates certificates;
 
     /**
      * @param address where other nodes reach it
@@ -102,65 +106,13 @@ class ClusterIT {
                 new ArrayList<>(
                         List.of("serve", "--cluster", "lab", "--port", "0", "--json", "--store"));
         arguments.add(url);
-        arguments.addAll(certified ? certificate() : List.of());
+        if (certificates != null) {
+            arguments.addAll(certificates.options("node" + (started + 1), "127.0.0.1"));
+        }
         arguments.addAll(List.of(more));
         return Server.start(
                 Files.createDirectory(folder.resolve("node" + ++started)),
                 arguments.toArray(String[]::new));
-    }
-
-    /** Makes a certificate by the commands of docs/cluster.md, and returns the options for it. */
-    private List<String> certificate() throws IOException {
-        String node = "node" + started;
-        if (!Files.exists(folder.resolve("ca.crt"))) {
-            openssl("-days", "2", "-subj", "/CN=lab", "-keyout", "ca.key", "-out", "ca.crt");
-        }
-        openssl(
-                "-days",
-                "2",
-                "-subj",
-                "/CN=" + node,
-                "-addext",
-                "subjectAltName=IP:127.0.0.1",
-                "-addext",
-                "basicConstraints=critical,CA:FALSE",
-                "-CA",
-                "ca.crt",
-                "-CAkey",
-                "ca.key",
-                "-keyout",
-                node + ".key",
-                "-out",
-                node + ".crt");
-        return List.of(
-                "--cluster-certificate",
-                folder.resolve(node + ".crt").toString(),
-                "--cluster-key",
-                folder.resolve(node + ".key").toString(),
-                "--cluster-ca",
-                folder.resolve("ca.crt").toString());
-    }
-
-    private void openssl(String... arguments) throws IOException {
-        List<String> command =
-                new ArrayList<>(
-                        List.of(
-                                "openssl",
-                                "req",
-                                "-x509",
-                                "-nodes",
-                                "-newkey",
-                                "ec",
-                                "-pkeyopt",
-                                "ec_paramgen_curve:P-256"));
-        command.addAll(List.of(arguments));
-        Process process =
-                new ProcessBuilder(command)
-                        .directory(folder.toFile())
-                        .redirectErrorStream(true)
-                        .start();
-        String output = new String(process.getInputStream().readAllBytes());
-        assertThat(process.onExit().join().exitValue()).as(output).isZero();
     }
 
     /** Waits until a node listens. Its events are read from now on. */
@@ -263,13 +215,14 @@ class ClusterIT {
     /**
      * A node is killed, first the oldest, which places the worlds; then others at random. All its
      * worlds run on the other nodes, from the last frame that the database had, with the state of a
-     * world that was never disturbed. Then a node ends regularly, and hands its worlds over.
+     * world that was never disturbed. Then worlds move as operators order, and a node ends
+     * regularly, and hands its worlds over.
      */
     @Test
     void theWorldsOfALostNodeRunOnTheOthers() throws Exception {
         database();
         Random random = new Random(SEED);
-        certified = true;
+        certificates = new NodeCertificates(folder);
         startCluster(NODES, WORLDS);
         awaitBalance();
         eachNodeSendsAgentsToAllWorlds();
@@ -314,7 +267,188 @@ class ClusterIT {
                 awaitBalance();
             }
         }
-        handsItsWorldsOver();
+        try (AgentClient resident = movesWorldsAsOrdered()) {
+            handsItsWorldsOver(resident);
+        }
+    }
+
+    /**
+     * One of two nodes gets a world of the other one, is then drained of all worlds, and may run
+     * worlds again. Each time, worlds continue with the state of a world that never moved. Returns
+     * an agent whose world has moved, and whose session continues.
+     */
+    private AgentClient movesWorldsAsOrdered() throws Exception {
+        Node first = nodes.getFirst();
+        Node last = nodes.getLast();
+        Map<String, PostgresStore.World> before = worlds();
+        String moved =
+                WORLDS.stream()
+                        .filter(world -> ownerOf(before.get(world)) == first)
+                        .findFirst()
+                        .orElseThrow();
+        try (AgentClient watcher = watch(first, moved)) {
+            JsonNode order = cluster("move", moved, last.address());
+            assertThat(order.path("world").asString()).isEqualTo(moved);
+            assertThat(order.path("from").asString()).isEqualTo(first.address());
+            assertThat(order.path("to").asString()).isEqualTo(last.address());
+            assertThat(order.path("agents").asString()).isEqualTo(last.agents());
+            requireUndisturbed(before, Map.of(moved, last));
+            assertThatExceptionOfType(DisconnectedException.class)
+                    .isThrownBy(watcher::perceive)
+                    .satisfies(
+                            bye -> {
+                                assertThat(bye.code()).isEqualTo("moved");
+                                assertThat(bye.address().orElseThrow().getPort())
+                                        .isEqualTo(Integer.parseInt(last.agents().split(":")[1]));
+                            });
+        }
+        watch(first, moved).close();
+        Map<String, PostgresStore.World> between = awaitAll(WORLDS, PostgresStore.World::isOwned);
+        List<String> own =
+                WORLDS.stream().filter(world -> ownerOf(between.get(world)) == last).toList();
+        String home = own.stream().filter(world -> !world.equals(moved)).findFirst().orElseThrow();
+        AgentClient resident = resident(first, home);
+        JsonNode drain = cluster("drain", last.address());
+        // The cluster may have moved another world meanwhile, so that each node has its share.
+        assertThat(drain.path("worlds").valueStream().map(JsonNode::asString))
+                .contains(moved)
+                .isSubsetOf(own);
+        Map<String, Node> places = new TreeMap<>();
+        own.forEach(world -> places.put(world, first));
+        places.remove(home);
+        requireUndisturbed(between, places);
+        requireAtHome(resident);
+        assertThat(drain.path("to").propertyStream().map(to -> to.getValue().asString()))
+                .containsOnly(first.address());
+        JsonNode state = cluster("status");
+        long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(PATIENCE_SECONDS);
+        while (worldsOf(state, first) < WORLDS.size() && System.nanoTime() - end < 0) {
+            LockSupport.parkNanos(100_000_000);
+            state = cluster("status");
+        }
+        for (JsonNode node : state.path("nodes")) {
+            boolean isDrained = node.path("node").asString().equals(last.address());
+            assertThat(node.path("drained").asBoolean()).isEqualTo(isDrained);
+            assertThat(node.path("worlds").asInt()).isEqualTo(isDrained ? 0 : WORLDS.size());
+        }
+        for (JsonNode world : state.path("worlds")) {
+            assertThat(world.path("ordered").asString(""))
+                    .isEqualTo(world.path("world").asString().equals(moved) ? last.address() : "");
+        }
+        ordersThatCannotBeFollowedAreRefused(moved, first, last);
+        Map<String, PostgresStore.World> drained = worlds();
+        cluster("drain", last.address(), "--end");
+        awaitAll(List.of(moved), world -> world.agents().equals(last.agents()));
+        requireUndisturbed(drained, Map.of(moved, last));
+        assertThat(cluster("move", moved, "any").path("to").asString()).isEqualTo("any");
+        assertThat(postgres.query("cluster" + databases, "SELECT * FROM reve.place")).isEmpty();
+        addsAWorld();
+        return resident;
+    }
+
+    /** A world that is added while the cluster runs is run by a node, and is added once only. */
+    private void addsAWorld() throws Exception {
+        String[] command = {"cluster", "add-world", world("w7").toString(), "--store", url};
+        Outcome added = Reve.run(command);
+        assertThat(added.code()).as(added.err()).isZero();
+        PostgresStore.World runs = awaitAll(List.of("w7"), world -> world.frame() > 0).get("w7");
+        assertThat(added.out()).startsWith("world w7: runs, agents at 127.0.0.1:");
+        assertThat(ownerOf(runs).ready("w7", 1).path("frame").asLong()).isZero();
+        Outcome again = Reve.run(command);
+        assertThat(again.code()).isEqualTo(1);
+        assertThat(again.err())
+                .contains(
+                        url + " has a world 'w7' already, which was not changed",
+                        "Its worlds are w1, w2, w3, w4, w5, w6, w7; give the world in ");
+        assertThat(worlds().get("w7").frame()).isGreaterThanOrEqualTo(runs.frame());
+    }
+
+    private static int worldsOf(JsonNode state, Node node) {
+        return state.path("nodes")
+                .valueStream()
+                .filter(each -> each.path("node").asString().equals(node.address()))
+                .mapToInt(each -> each.path("worlds").asInt())
+                .sum();
+    }
+
+    /** Joins a world with a grace, through a node that sends the agent on. */
+    private AgentClient resident(Node node, String world) throws IOException {
+        String[] at = node.agents().split(":");
+        AgentClient resident =
+                AgentClient.connect(
+                        at[0],
+                        Integer.parseInt(at[1]),
+                        Join.as("resident")
+                                .withWorld(world)
+                                .withGrace(Duration.ofSeconds(60))
+                                .withPatience(Duration.ofSeconds(60)));
+        requireAtHome(resident);
+        return resident;
+    }
+
+    /** Requires that an agent still has the body with which it joined. */
+    private static void requireAtHome(AgentClient resident) {
+        assertThat(resident.perceive().find("resident")).isPresent();
+        assertThat(resident.act("red", "paint", Map.of("colour", "#00ff00")).accepted()).isTrue();
+        assertThat(resident.events()).noneMatch(event -> event.type().equals("left"));
+    }
+
+    /** Requires that worlds began one later epoch on these nodes, as if they had never moved. */
+    private void requireUndisturbed(
+            Map<String, PostgresStore.World> before, Map<String, Node> places) throws Exception {
+        for (Map.Entry<String, Node> place : places.entrySet()) {
+            String world = place.getKey();
+            JsonNode ready = place.getValue().ready(world, before.get(world).epoch() + 1);
+            long frame = ready.path("frame").asLong();
+            assertThat(frame).as(world).isGreaterThanOrEqualTo(before.get(world).frame());
+            assertThat(ready.path("stateHash").asString())
+                    .as("%s at frame %s", world, frame)
+                    .isEqualTo(undisturbedHash(world, frame));
+        }
+    }
+
+    private void ordersThatCannotBeFollowedAreRefused(String world, Node up, Node drained)
+            throws Exception {
+        assertThat(refusal("move", world, drained.address()))
+                .contains(
+                        "node-drained: the node " + drained.address() + " is drained",
+                        "cluster drain " + drained.address() + " --end");
+        assertThat(refusal("drain", up.address()))
+                .contains("last-node: no other node than " + up.address() + " can run worlds");
+        assertThat(refusal("move", world, "127.0.0.1:1"))
+                .contains("no-such-node: the cluster has no node '127.0.0.1:1', expected one of ")
+                .contains(up.address(), drained.address());
+        assertThat(refusal("move", "w0", up.address(), "--world", world))
+                .contains("no-such-world: the cluster has no world 'w0', expected one of w1, w2");
+    }
+
+    /** Returns the message of an order that a node refuses. */
+    private String refusal(String... arguments) throws Exception {
+        Outcome refused = Reve.run(toFirst(arguments));
+        assertThat(refused.code()).as(refused.out()).isEqualTo(1);
+        return refused.err();
+    }
+
+    /** Runs a command {@code cluster} with the first node, and returns its result. */
+    private JsonNode cluster(String... arguments) throws Exception {
+        Outcome outcome = Reve.run(toFirst(arguments));
+        assertThat(outcome.code()).as(outcome.err()).isZero();
+        return new JsonMapper().readTree(outcome.out());
+    }
+
+    private String[] toFirst(String... arguments) {
+        List<String> command = new ArrayList<>(List.of("cluster"));
+        command.addAll(List.of(arguments));
+        command.addAll(List.of("--json", "--port", nodes.getFirst().agents().split(":")[1]));
+        return command.toArray(String[]::new);
+    }
+
+    private static AgentClient watch(Node node, String world) throws IOException {
+        String[] at = node.agents().split(":");
+        return AgentClient.connect(
+                at[0],
+                Integer.parseInt(at[1]),
+                Join.as("watcher").withRole("observer").withWorld(world));
     }
 
     /** Waits until each node has its share of the worlds; a new node begins with none. */
@@ -339,21 +473,28 @@ class ClusterIT {
         }
     }
 
+    /** Asks until the node knows that all have their shares; it reads them once a second. */
+    private static JsonNode awaitShares(String port) throws Exception {
+        long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(PATIENCE_SECONDS);
+        while (true) {
+            Outcome told = Reve.run("cluster", "status", "--port", port, "--json");
+            assertThat(told.code()).as(told.err()).isZero();
+            JsonNode state = new JsonMapper().readTree(told.out());
+            boolean isShared = true;
+            for (JsonNode node : state.path("nodes")) {
+                isShared &= node.path("worlds").asInt() == WORLDS.size() / NODES;
+            }
+            if (isShared || System.nanoTime() > end) {
+                return state;
+            }
+        }
+    }
+
     /** The state as one node tells it equals the one that this test knows. */
     private void eachNodeKnowsAllNodesAndWorlds() throws Exception {
         Node asked = nodes.getLast();
         String port = asked.agents().split(":")[1];
-        Outcome told =
-                Reve.run(
-                        "cluster",
-                        "status",
-                        "--port",
-                        port,
-                        "--world",
-                        WORLDS.getFirst(),
-                        "--json");
-        assertThat(told.code()).as(told.err()).isZero();
-        JsonNode state = new JsonMapper().readTree(told.out());
+        JsonNode state = awaitShares(port);
         assertThat(state.path("cluster").asString()).isEqualTo("lab");
         Map<String, String> agents = new TreeMap<>();
         for (JsonNode node : state.path("nodes")) {
@@ -370,29 +511,23 @@ class ClusterIT {
             assertThat(world.path("node").asString()).isEqualTo(ownerOf(stored).address());
             assertThat(world.path("epoch").asLong()).isEqualTo(stored.epoch());
         }
-        Outcome text = Reve.run("cluster", "status", "--port", port, "--world", WORLDS.getFirst());
+        Outcome text = Reve.run("cluster", "status", "--port", port);
         assertThat(text.out())
                 .contains("node " + asked.address() + ": up, worlds: 2", "world w1: frame ");
-        Outcome unnamed = Reve.run("cluster", "status", "--port", port);
-        assertThat(unnamed.code()).isEqualTo(1);
-        assertThat(unnamed.err()).contains("no-such-world");
     }
 
     /** Observers change nothing, so the worlds stay undisturbed. */
     private void eachNodeSendsAgentsToAllWorlds() throws IOException {
         for (Node node : nodes) {
-            String[] at = node.agents().split(":");
             for (String world : WORLDS) {
-                Join watcher = Join.as("watcher").withRole("observer").withWorld(world);
-                try (AgentClient client =
-                        AgentClient.connect(at[0], Integer.parseInt(at[1]), watcher)) {
+                try (AgentClient client = watch(node, world)) {
                     assertThat(client.welcome().world()).isEqualTo(world);
                 }
             }
         }
     }
 
-    private void handsItsWorldsOver() throws Exception {
+    private void handsItsWorldsOver(AgentClient resident) throws Exception {
         Node leaves = nodes.getFirst();
         Node stays = nodes.getLast();
         Map<String, PostgresStore.World> before = worlds();
@@ -403,6 +538,7 @@ class ClusterIT {
                 .last()
                 .satisfies(end -> assertThat(end.path("event").asString()).isEqualTo("end"));
         awaitAll(WORLDS, world -> world.agents().equals(stays.agents()));
+        requireAtHome(resident);
         String acted = WORLDS.getFirst();
         String[] at = stays.agents().split(":");
         try (AgentClient agent =
@@ -430,6 +566,16 @@ class ClusterIT {
     @Test
     void optionsThatDoNotFitAreRefused() throws Exception {
         String world = Project.WORLDS.resolve("spring-orbit").toString();
+        Outcome soon = Reve.run("cluster", "move", "w1", "127.0.0.1:1", "--timeout", "-1");
+        assertThat(soon.code()).isEqualTo(2);
+        assertThat(soon.err()).contains("--timeout is -1.0, expected 0 to 86400 seconds");
+        Outcome noDatabase = Reve.run("cluster", "add-world", world, "--store", "my.db");
+        assertThat(noDatabase.code()).isEqualTo(2);
+        assertThat(noDatabase.err())
+                .contains("--store is my.db, expected the URL of the cluster's");
+        Outcome half = Reve.run("cluster", "move", "w1");
+        assertThat(half.code()).isEqualTo(2);
+        assertThat(half.err()).contains("Missing required parameter: 'NODE'");
         String nowhere = "postgresql://reve@127.0.0.1:1/worlds";
         Outcome file = Reve.run("serve", world, "--cluster", "lab", "--store", "my.db");
         assertThat(file.code()).isEqualTo(2);
@@ -446,6 +592,11 @@ class ClusterIT {
         Outcome standby = Reve.run("serve", "--cluster", "lab", "--store", nowhere, "--standby");
         assertThat(standby.code()).isEqualTo(2);
         assertThat(standby.err()).contains("--standby is for a server whose worlds are known");
+        Outcome record =
+                Reve.run("serve", "--cluster", "lab", "--store", nowhere, "--record", "a.log");
+        assertThat(record.code()).isEqualTo(2);
+        assertThat(record.err())
+                .contains("--record is for a server whose worlds", "replay WORLD --store URL");
         Outcome open =
                 Reve.run(
                         "serve",

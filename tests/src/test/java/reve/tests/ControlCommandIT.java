@@ -18,6 +18,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.concurrent.FutureTask;
 
 /** {@code ./reve control} and a server with two worlds, as processes. */
 @Tag("slow")
@@ -121,6 +122,49 @@ class ControlCommandIT {
                     .isEqualTo("m");
             assertThat(Reve.run("control", "inspect", "item=nobody", "--port", port).err())
                     .contains("no-such-item", "nobody");
+        }
+    }
+
+    /** A vector is set as a whole, and a paused world says why a command waits. */
+    @Test
+    void aTextIsLoadedWithAVectorIntoAPausedWorld(@TempDir Path folder) throws Exception {
+        Path wind = folder.resolve("wind.law");
+        Files.writeString(
+                wind,
+                """
+                law wind
+                  parameter w = (5, 0, 0) m/s
+                  each body: force += 2 kg/s * (w - velocity)
+                """);
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        Project.WORLDS.resolve("sandbox").toString(),
+                        "--port",
+                        "0",
+                        "--json")) {
+            String port = server.port();
+            String[] load = {"control", "load-law", "file=" + wind, "w=1,2,3", "--port", port};
+            Reve.Outcome loaded = Reve.run(load);
+            assertThat(loaded.code()).as(loaded.err()).isZero();
+            assertThat(loaded.err()).isEmpty();
+            JsonNode laws = report(port, "laws").get("loaded");
+            assertThat(List.of(value(laws, "w_x"), value(laws, "w_y"), value(laws, "w_z")))
+                    .containsExactly(1.0, 2.0, 3.0);
+            load[3] = "w=1,2";
+            assertThat(Reve.run(load).err())
+                    .contains("holds [1.0,2.0] for \"w\"", "the three numbers of a vector");
+            assertThat(Reve.run("control", "pause", "--port", port).code()).isZero();
+            load[3] = "w=0,0,7";
+            var waits = new FutureTask<>(() -> Reve.runAsProcess(load));
+            Thread.ofVirtual().start(waits);
+            while (value(report(port, "laws").get("loaded"), "w_z") != 7) {
+                assertThat(Reve.run("control", "step", "--port", port).code()).isZero();
+            }
+            assertThat(waits.get().code()).isZero();
+            assertThat(waits.get().err())
+                    .contains("the world is paused, so load-law waits for its next frame");
         }
     }
 
@@ -244,6 +288,10 @@ class ControlCommandIT {
             assertThat(control(port, "batch", batch.toString()).code()).isZero();
             assertThat(control(port, "rule", "name=heavy", "rule=physics.mass > 1.5").code())
                     .isZero();
+            assertThat(control(port, "change", "item=rock", "semantic.mark=no. 5").code()).isZero();
+            assertThat(report(port, "search", "text=5").toString()).contains("rock");
+            assertThat(control(port, "rule", "name=any", "rule=true").code()).isZero();
+            assertThat(control(port, "rule", "name=any", "rule=null").code()).isZero();
             assertThat(control(port, "remove", "item=blue").code()).isZero();
             assertThat(
                             control(
@@ -262,6 +310,12 @@ class ControlCommandIT {
         }
         assertRefused(2, "'ad' is no command", "did you mean `add`?", "control", "ad");
         assertRefused(1, "there is no file", "none.yaml", "control", "add", "none.yaml");
+        Path zero = Files.createSymbolicLink(folder.resolve("zero.yaml"), Path.of("/dev/zero"));
+        for (String endless : List.of(zero.toString(), pipe(folder).toString())) {
+            assertRefused(1, endless, "a device or a pipe", "control", "add", endless);
+            assertRefused(
+                    2, endless, "a device or a pipe", "control", "load-law", "file=" + endless);
+        }
     }
 
     @Test
@@ -295,6 +349,12 @@ class ControlCommandIT {
         try (var socket = new ServerSocket(0, 1, InetAddress.getLoopbackAddress())) {
             return Integer.toString(socket.getLocalPort());
         }
+    }
+
+    private static Path pipe(Path folder) throws Exception {
+        Path pipe = folder.resolve("pipe.yaml");
+        assertThat(new ProcessBuilder("mkfifo", pipe.toString()).start().waitFor()).isZero();
+        return pipe;
     }
 
     private static void assertRefused(int code, String reason, String detail, String... command)

@@ -6,7 +6,9 @@ import static com.tngtech.archunit.library.dependencies.SlicesRuleDefinition.sli
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import com.tngtech.archunit.base.DescribedPredicate;
 import com.tngtech.archunit.core.domain.JavaClasses;
+import com.tngtech.archunit.core.domain.JavaMethodCall;
 import com.tngtech.archunit.core.importer.ClassFileImporter;
 import com.tngtech.archunit.core.importer.ImportOption;
 
@@ -16,6 +18,7 @@ import java.io.IOException;
 import java.nio.file.Files;
 import java.util.HashMap;
 import java.util.Map;
+import java.util.Set;
 import java.util.regex.Pattern;
 
 /** Checks the dependencies of ARCHITECTURE.md in class files and jars. */
@@ -63,6 +66,29 @@ class DependencyRulesTest {
                 .dependOnClassesThat()
                 .haveFullyQualifiedName("java.lang.foreign.SymbolLookup")
                 .check(CLASSES);
+    }
+
+    /** Memory at a raw address could belong to another object, or to none. */
+    @Test
+    void onlyTheNativePackagesOfTheAdapterUseRawAddresses() {
+        var raw =
+                DescribedPredicate.<JavaMethodCall>describe(
+                        "make memory of a raw address",
+                        call ->
+                                call.getTargetOwner()
+                                                .getName()
+                                                .equals("java.lang.foreign.MemorySegment")
+                                        && Set.of("ofAddress", "reinterpret")
+                                                .contains(call.getName()));
+        noClasses()
+                .that()
+                .resideOutsideOfPackages("reve.pe.vesper..", "reve.pe.posix..")
+                .should()
+                .callMethodWhere(raw)
+                .check(CLASSES);
+        assertThat(CLASSES.get("reve.pe.posix.SharedMemory").getMethodCallsFromSelf())
+                .as("calls that the rule finds")
+                .anyMatch(raw);
     }
 
     @Test

@@ -108,7 +108,7 @@ class DescriptorsIT {
         command.addAll(List.of(options));
         Path errors = folder.resolve("server.err");
         Process process = new ProcessBuilder(command).redirectError(errors.toFile()).start();
-        return new Server(process, new Server.Events(process.inputReader(), errors));
+        return new Server(process, new Server.Events(process, errors));
     }
 
     private static AgentClient join(Server server) throws Exception {

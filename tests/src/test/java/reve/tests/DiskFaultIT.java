@@ -340,6 +340,21 @@ class DiskFaultIT {
                 assertThat(outcome.err()).contains(option + " " + file + " is a file of --store");
             }
         }
+        Path other = folder.resolve("other.yaml");
+        Files.writeString(other, "reve: 1\nname: other\n");
+        Path stores = folder.resolve("stores");
+        Path audit = stores.resolve("other.db-manifest");
+        Outcome ofFolder =
+                Reve.run(
+                        "serve",
+                        WORLD,
+                        other.toString(),
+                        "--store",
+                        stores.toString(),
+                        "--audit",
+                        audit.toString());
+        assertThat(ofFolder.code()).as(ofFolder.err()).isEqualTo(2);
+        assertThat(ofFolder.err()).contains("--audit " + audit + " is a file of --store");
         Outcome alone = Reve.run("run", WORLD, "--seconds", "0.1", "--record", store.toString());
         assertThat(alone.code()).isEqualTo(1);
         assertThat(alone.err()).contains(store + " is there already and holds no recording");
@@ -452,7 +467,7 @@ class DiskFaultIT {
         command.addAll(List.of(options));
         Path errors = folder.resolve("server.err");
         Process process = new ProcessBuilder(command).redirectError(errors.toFile()).start();
-        return new Server(process, new Server.Events(process.inputReader(), errors));
+        return new Server(process, new Server.Events(process, errors));
     }
 
     /** Returns the report of a server that resumes from the store. */

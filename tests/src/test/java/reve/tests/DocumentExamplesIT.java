@@ -13,6 +13,7 @@ import reve.core.world.ItemDefinition;
 import reve.tests.Reve.Outcome;
 import reve.worlds.server.Simulation;
 
+import java.awt.image.BufferedImage;
 import java.io.ByteArrayOutputStream;
 import java.net.URL;
 import java.net.URLClassLoader;
@@ -23,6 +24,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.stream.Collectors;
 
+import javax.imageio.ImageIO;
 import javax.tools.ToolProvider;
 
 /** Short examples of the README and of pages about keeping, replaying and meshes, unchanged. */
@@ -131,11 +133,14 @@ class DocumentExamplesIT {
                 bin
                         + "javac -proc:none -cp \"$REVE/build/stage/lib/reve-core-files.jar\" -d . "
                         + "example/Levitate.java\n"
+                        + "mkdir jars\n"
                         + bin
-                        + "jar --create --file levitate.jar example META-INF\n"
+                        + "jar --create --file jars/levitate.jar example META-INF\n"
                         + "! \"$REVE/reve\" check lift.yaml\n");
 
-        assertThat(shell.run("REVE_CLASSPATH=levitate.jar \"$REVE/reve\" check lift.yaml"))
+        assertThat(shell.run("\"$REVE/reve\" check lift.yaml --plugins jars"))
+                .contains("valid, 1 items");
+        assertThat(shell.run("REVE_CLASSPATH=jars/levitate.jar \"$REVE/reve\" check lift.yaml"))
                 .contains("valid, 1 items");
     }
 
@@ -145,13 +150,22 @@ class DocumentExamplesIT {
         Files.createDirectory(folder.resolve("models"));
         Files.copy(handle.resolve("handle.glb"), folder.resolve("models/duck.glb"));
         Files.copy(handle.resolve("crate.png"), folder.resolve("crate.png"));
+        Files.createDirectory(folder.resolve("maps"));
+        var hills = new BufferedImage(3, 3, BufferedImage.TYPE_USHORT_GRAY);
+        hills.getRaster().setSample(1, 1, 0, 65_535);
+        ImageIO.write(hills, "png", folder.resolve("maps/hills.png").toFile());
+        Files.writeString(folder.resolve("maps/quay.txt"), "# a quay\n2 2 2\n0 0 0\n");
         Path world = folder.resolve("world.yaml");
         Files.writeString(world, "reve: 1\nname: meshes\n" + blocks("meshes.md", "yaml"));
 
         List<ItemDefinition> items = WorldFile.load(world).items();
 
-        assertThat(items).extracting(ItemDefinition::name).containsExactly("duck", "crate");
-        assertThat(items.get(1).physics("mass").orElseThrow()).containsExactly(700);
+        assertThat(items)
+                .extracting(ItemDefinition::name)
+                .containsExactly("duck", "hills", "quay", "crate");
+        assertThat(items.get(1).shape().size(1)).as("-5 m to 40 m").isEqualTo(45);
+        assertThat(items.get(2).shape().size(1)).isEqualTo(2);
+        assertThat(items.get(3).physics("mass").orElseThrow()).containsExactly(700);
     }
 
     @Test

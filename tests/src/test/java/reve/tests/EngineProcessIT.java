@@ -173,7 +173,9 @@ class EngineProcessIT {
     /** Number of servers that are killed: 1 in a short run, 200 in a complete one. */
     private static final int KILLS = Integer.getInteger("reve.test.server.kills", 1);
 
+    /** The time limit is that of 200 kills. */
     @Test
+    @Timeout(value = 900, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
     void theProcessesOfLawsEndWithTheirServer() throws Exception {
         for (int kill = 0; kill < KILLS; kill++) {
             List<ProcessHandle> hosts;

@@ -82,6 +82,11 @@ class ExperimentIT {
         assertThat(first.out()).startsWith(page.titled("printed").text());
         assertThat(folder.resolve("results/speed-over-mass.png")).isNotEmptyFile();
         assertThat(folder.resolve("results/depth-over-time.png")).isNotEmptyFile();
+        assertThat(
+                        new JsonMapper()
+                                .readTree(Files.readString(folder.resolve("results/result.json")))
+                                .path("units"))
+                .hasToString("{\"c\":\"kg/s\",\"mass\":\"kg\",\"speed\":\"m/s\",\"depth\":\"m\"}");
         for (List<String> row : rows("results/runs.csv")) {
             double drag = Double.parseDouble(row.get(1));
             double mass = Double.parseDouble(row.get(2));

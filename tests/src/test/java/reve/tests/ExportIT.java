@@ -185,13 +185,19 @@ class ExportIT {
         // a server that ends in order leaves an image of its last frame, and a store begins there
         assertThat(kept).hasSizeGreaterThan(1);
         assertThat(all).endsWith(kept.subList(1, kept.size()).toArray(String[]::new));
+        Outcome ofTheLog = Reve.run("replay", log.toString());
+        Outcome ofTheStore = Reve.run("replay", store.toString());
+        assertThat(ofTheStore.code()).as(ofTheStore.err()).isZero();
+        assertThat(ofTheStore.out().lines().toList().getLast())
+                .startsWith("state hash: ")
+                .isEqualTo(ofTheLog.out().lines().toList().getLast());
     }
 
     @Test
     void whatCannotBeExportedIsRefusedAndLeavesNoFile() throws Exception {
         Path log = recorded(WORLD, "0.2");
         Path out = folder.resolve("out.mcap");
-        assertThat(export(log).err()).contains("expected --csv DIR, --mcap FILE, or both");
+        assertThat(export(log).err()).contains("expected --csv DIR, --mcap FILE or --json-ld FILE");
         Outcome kinds = export(log, "--mcap", out.toString(), "--kinds", "body,planet");
         assertThat(kinds.code()).isEqualTo(2);
         assertThat(kinds.err())

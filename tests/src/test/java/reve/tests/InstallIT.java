@@ -78,6 +78,7 @@ class InstallIT {
                         "--store",
                         home.resolve("backup/world.db").toString());
         assertThat(restored.out()).as(restored.err()).contains("\"stateHash\":\"" + hash + "\"");
+        demonstratesInTheWorkingFolder();
         refusesWhatNeedsACheckout();
         namesItselfAsItIsCalled();
         linksOfItsPagesLeadSomewhere();
@@ -108,8 +109,7 @@ class InstallIT {
                                         home.resolve("world.db").toString()))
                         .redirectError(errors.toFile())
                         .start();
-        try (Server server =
-                new Server(process, new Server.Events(process.inputReader(), errors))) {
+        try (Server server = new Server(process, new Server.Events(process, errors))) {
             String pid = server.events().await("ready", event -> true).path("pid").asString();
             assertThat(Files.readString(Path.of("/proc", pid, "cmdline")))
                     .contains("-Dreve.root=" + installed)
@@ -122,6 +122,16 @@ class InstallIT {
             assertThat(server.exitCode()).isZero();
             return hash;
         }
+    }
+
+    private void demonstratesInTheWorkingFolder() throws Exception {
+        Outcome withoutPython = run("demo");
+        assertThat(withoutPython.code()).isEqualTo(1);
+        assertThat(withoutPython.err()).contains("the Python agent needs the program python3");
+        shell.run("ln -s /usr/bin/python3 bin/python3");
+        Outcome demo = run("demo");
+        assertThat(demo.code()).as(demo.err()).isZero();
+        assertThat(home.resolve("reve-demo")).isDirectoryContaining("glob:**.png");
     }
 
     private void refusesWhatNeedsACheckout() throws Exception {

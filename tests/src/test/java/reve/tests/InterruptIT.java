@@ -106,6 +106,44 @@ class InterruptIT {
         assertThat(out).isEmptyDirectory();
     }
 
+    @Test
+    @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+    void aSignalKeepsTheFinishedRunsOfAnExperiment() throws Exception {
+        Files.copy(Path.of(WORLD, "world.yaml"), folder.resolve("world.yaml"));
+        Path file =
+                Files.writeString(
+                        folder.resolve("long.yaml"),
+                        """
+                        experiment: 1
+                        name: long
+                        world: world.yaml
+                        seconds: "{t}"
+                        sweep: {t: [0.1, 1e7]}
+                        measures: {energy: {energy: kinetic}}
+                        """);
+        Path out = folder.resolve("out");
+        Process run =
+                new ProcessBuilder(
+                                Reve.command(
+                                        "experiment", file.toString(), "--out", out.toString()))
+                        .start();
+        BufferedReader errors = run.errorReader();
+        String line = errors.readLine();
+        while (!line.startsWith("1 of 2 runs")) {
+            line = errors.readLine();
+        }
+        assertThat(new ProcessBuilder("kill", "-INT", Long.toString(run.pid())).start().waitFor())
+                .isZero();
+        assertThat(run.waitFor()).isEqualTo(130);
+        Path journal = out.resolve("unfinished.jsonl");
+        assertThat(errors.lines())
+                .contains(
+                        "reve: cut short after 1 of 2 runs; "
+                                + journal
+                                + " contains 1 of them, and the same command continues");
+        assertThat(out).isDirectoryContaining(journal::equals);
+    }
+
     private static void signal(Server server, String name)
             throws IOException, InterruptedException {
         assertThat(

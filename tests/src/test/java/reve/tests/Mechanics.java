@@ -6,17 +6,17 @@ import reve.core.world.Item;
 import reve.core.world.WorldPrototype;
 import reve.worlds.server.Simulation;
 
-import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Conserved quantities of a running world's point masses and springs [SI units]. */
+/**
+ * Conserved quantities of a running world's point masses and springs [SI units]. Each state counts
+ * the items that exist at its time, because a level of an item may add or remove items.
+ */
 final class Mechanics {
     private final Simulation simulation;
-    private final List<Item> bodies = new ArrayList<>();
-    private final List<Item> springs = new ArrayList<>();
     private final double[] gravity;
     private final double gravitationalConstant;
     private final double softening;
@@ -41,16 +41,6 @@ final class Mechanics {
 
     Mechanics(Simulation simulation) {
         this.simulation = simulation;
-        for (Item item : simulation.world().items()) {
-            if (item.physics().isEmpty()) {
-                continue;
-            }
-            if (item.kind().equals(WorldPrototype.BODY)) {
-                bodies.add(item);
-            } else if (item.kind().equals(WorldPrototype.SPRING)) {
-                springs.add(item);
-            }
-        }
         Item world = simulation.world().find(WorldPrototype.WORLD).orElseThrow();
         gravity = has("gravity_field") ? world.physics().vector("gravity") : new double[3];
         boolean attracts =
@@ -65,13 +55,21 @@ final class Mechanics {
                 .anyMatch(law::equals);
     }
 
+    /** Returns the items of a kind that laws act on now. */
+    private List<Item> all(String kind) {
+        return simulation.world().items().stream()
+                .filter(item -> item.kind().equals(kind) && !item.physics().isEmpty())
+                .toList();
+    }
+
     State state() {
+        List<Item> bodies = all(WorldPrototype.BODY);
         Map<String, double[]> positions = new HashMap<>();
         Map<String, List<Double>> immovable = new HashMap<>();
         double[] momentum = new double[3];
         double mass = 0;
         double kineticEnergy = 0;
-        double energy = gravitationalConstant == 0 ? 0 : gravitation();
+        double energy = gravitationalConstant == 0 ? 0 : gravitation(bodies);
         for (Item body : bodies) {
             double m = body.physics().scalar("mass");
             double[] x = body.physical().location();
@@ -95,7 +93,7 @@ final class Mechanics {
                 positions.putIfAbsent(item.name(), item.physical().location());
             }
         }
-        for (Item spring : springs) {
+        for (Item spring : all(WorldPrototype.SPRING)) {
             double stretch =
                     norm(subtract(end(spring, "end2"), end(spring, "end1")))
                             - spring.physics().scalar("length");
@@ -109,7 +107,7 @@ final class Mechanics {
     }
 
     /** Returns the potential energy of all pairs of bodies [J], with the softening of Plummer. */
-    private double gravitation() {
+    private double gravitation(List<Item> bodies) {
         double[] mass =
                 bodies.stream().mapToDouble(body -> body.physics().scalar("mass")).toArray();
         double[][] at =
@@ -130,7 +128,7 @@ final class Mechanics {
 
     /** Returns the mean X of the bodies whose symbol {@code class} is the given one [m]. */
     double meanX(String classSymbol) {
-        return bodies.stream()
+        return all(WorldPrototype.BODY).stream()
                 .filter(body -> body.semantic().get("class").equals(Optional.of(classSymbol)))
                 .mapToDouble(body -> body.physical().location()[0])
                 .average()

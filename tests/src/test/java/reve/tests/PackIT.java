@@ -64,6 +64,58 @@ class PackIT {
     }
 
     @Test
+    void anExperimentRunsAPackAsItRunsItsWorld() throws Exception {
+        Path world = windy("world");
+        assertThat(reve("pack", world.toString(), "--out", file("windy.reve")).code()).isZero();
+        String experiment =
+                """
+                experiment: 1
+                name: gusts
+                world: %s
+                seconds: 1
+                sweep: {mass: [1 kg, 2 kg]}
+                set: {items.two.physics.mass: "{mass} kg"}
+                every: 10
+                measures: {speed: {of: two, is: norm(physics.velocity)}}
+                """;
+        Files.writeString(folder.resolve("a.yaml"), experiment.formatted("world/world.yaml"));
+        Files.writeString(folder.resolve("b.yaml"), experiment.formatted("windy.reve"));
+
+        Outcome plain = reve("experiment", file("a.yaml"), "--out", file("a"));
+        remove(world);
+        Outcome packed = reve("experiment", file("b.yaml"), "--out", file("b"));
+
+        assertThat(plain.code()).as(plain.err()).isZero();
+        assertThat(packed.code()).as(packed.err()).isZero();
+        assertThat(folder.resolve("b/runs.csv"))
+                .hasSameTextualContentAs(folder.resolve("a/runs.csv"));
+        assertThat(folder.resolve("b/series.csv"))
+                .hasSameTextualContentAs(folder.resolve("a/series.csv"));
+        assertThat(
+                        new JsonMapper()
+                                .readTree(Files.readString(folder.resolve("b/result.json")))
+                                .path("files")
+                                .propertyNames())
+                .containsExactly("b.yaml", "windy.reve");
+        Outcome again = reve("experiment", file("b.yaml"), "--out", file("b"));
+        assertThat(again.out()).contains("identical to the results in ");
+
+        Files.writeString(
+                folder.resolve("b.yaml"),
+                experiment.replace("two.", "three.").formatted("windy.reve"));
+        Outcome mistaken = reve("experiment", file("b.yaml"), "--out", file("c"));
+        assertThat(mistaken.code()).isEqualTo(3);
+        assertThat(mistaken.err()).contains("items of the world file contain no `three`");
+        byte[] cut = Files.readAllBytes(folder.resolve("windy.reve"));
+        Files.write(folder.resolve("windy.reve"), Arrays.copyOf(cut, cut.length / 2));
+        Outcome damaged = reve("experiment", file("b.yaml"), "--out", file("c"));
+        assertThat(damaged.code()).isEqualTo(3);
+        assertThat(damaged.err())
+                .contains(file("b.yaml") + ":3:8: world: ")
+                .contains("windy.reve: is no whole pack");
+    }
+
+    @Test
     void theBytesOfAPackDependOnTheFilesOnly() throws Exception {
         Path one = windy("one");
         Path two = windy("two");

@@ -2,6 +2,8 @@
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.within;
+import static org.assertj.core.api.Assertions.withinPercentage;
 
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
@@ -9,11 +11,18 @@ import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import reve.agent.AgentClient;
+import reve.agent.Join;
+
 import tools.jackson.databind.JsonNode;
 
+import java.awt.image.BufferedImage;
 import java.net.URI;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.Map;
+
+import javax.imageio.ImageIO;
 
 /**
  * The page of {@code serve --web} in a headless Chromium, used through its panels. Pictures of each
@@ -24,6 +33,23 @@ class PageIT {
     private static final Path PICTURES = Project.ROOT.resolve("build/reports/page");
     private static final String OPEN =
             "document.body.dataset.state === 'open' && reve.view.frame > 0";
+
+    /** The pairs of parts of the bar that touch each other, and the parts outside the window. */
+    private static final String COVERED =
+            """
+            (() => {
+              const parts = [...document.querySelectorAll('#bar img, #bar h1, #transport, #clock,'
+                  + ' #status, #sound, #theme')].map(e => [e.id || e.tagName, e.getBoundingClientRect()])
+                  .filter(([, r]) => r.width > 0);
+              const found = parts.filter(([, r]) => r.left < 0 || r.right > innerWidth)
+                  .map(([name]) => name + ' is outside');
+              parts.forEach(([a, r], i) => parts.slice(i + 1).forEach(([b, s]) => {
+                if (r.left < s.right + 2 && s.left < r.right + 2 && r.top < s.bottom && s.top < r.bottom)
+                  found.push(a + ' touches ' + b);
+              }));
+              return found.join(', ');
+            })()
+            """;
 
     @TempDir private Path folder;
 
@@ -68,6 +94,9 @@ class PageIT {
             browser.await("document.querySelectorAll('#found li').length === 1");
             browser.press("Enter", "Enter", 13);
             browser.await("document.querySelector('#item-name')?.textContent === 'blue'");
+            browser.ask("document.querySelector('#search').select()");
+            browser.type("LIVELY");
+            browser.await("document.querySelector('#found').textContent === 'bluetemper: lively'");
             String location =
                     "[...document.querySelectorAll('#aspects tr')].find(r => r.firstChild.textContent === 'location').children[1].textContent";
             browser.await(location + " !== ''");
@@ -142,6 +171,9 @@ class PageIT {
             browser.click("#agent-join");
             browser.await("reve.agent?.body === 'visitor' && reve.view.byName.has('visitor')");
             browser.await("document.querySelector('#clients').textContent.includes('visitor')");
+            browser.await(
+                    "/^[0-9.]+(e-[0-9]+)? ms$/.test(document.querySelector('[data-client=visitor]"
+                            + " td.number').textContent)");
             browser.ask("reve.select(reve.view.byName.get('blue').slot)");
             browser.click("#aspects form input");
             browser.type("0, 40, 0");
@@ -152,30 +184,27 @@ class PageIT {
             browser.click("#tab-agents");
             browser.picture(PICTURES.resolve("agents.png"));
 
+            // This world does not measure contact forces, so they cannot sound.
+            browser.click("#sound");
+            browser.await(
+                    "document.querySelector('#toasts').textContent.includes('does not measure contact"
+                            + " forces')");
+            browser.click("#sound");
+
             // Tests plots.
             browser.ask("reve.plots.add('blue', 'physics.velocity', 'm/s')");
             browser.await("document.querySelectorAll('.plot canvas').length >= 3");
             browser.await("[...reve.plots.watched.values()][0].plot.data[0].length > 3");
             browser.picture(PICTURES.resolve("plots.png"));
-            browser.size(390, 800);
+            for (int width : new int[] {1280, 1121, 1120, 1000, 800, 761, 760, 390}) {
+                browser.size(width, 800);
+                browser.await("innerWidth === " + width);
+                assertThat(browser.ask(COVERED).asString()).as("at %d px", width).isEmpty();
+            }
             browser.await("document.querySelector('#side').getBoundingClientRect().top > 200");
             browser.picture(PICTURES.resolve("phone.png"));
 
-            String origin = page.substring(0, page.length() - 1);
-            assertThat(browser.requests)
-                    .filteredOn(
-                            address ->
-                                    !address.startsWith("data:") && !address.startsWith("about:"))
-                    .allSatisfy(
-                            address ->
-                                    assertThat(address)
-                                            .matches(
-                                                    any ->
-                                                            any.startsWith(origin)
-                                                                    || any.startsWith(
-                                                                            origin.replace(
-                                                                                    "http",
-                                                                                    "ws"))));
+            requestsStayAt(page);
             assertThat(browser.errors).isEmpty();
         }
     }
@@ -335,6 +364,11 @@ class PageIT {
             assertThat(browser.text(header.formatted("pull"))).isEqualTo("enginetextno budget");
             assertThat(browser.text(header.formatted("newton_motion")))
                     .isEqualTo("engineshippedno budget");
+            String uses =
+                    "document.querySelector('#law-list > section[data-library=%s] summary').textContent";
+            assertThat(browser.ask(uses.formatted("pull")).asString()).isEqualTo("uses 1 property");
+            assertThat(browser.ask(uses.formatted("newton_motion")).asString())
+                    .matches("uses [2-9] properties");
             browser.ask(
                     "reve.connection.ask('set-budget', {library: 'wind', milliseconds: 2.5, then:"
                             + " 'unload'}).then(() => true)");
@@ -408,6 +442,240 @@ class PageIT {
             long frame = browser.ask("reve.view.frame").asLong();
             browser.await("reve.view.frame > " + (frame + 30));
         }
+    }
+
+    /** The camera of each agent looks at a red wall whose front is 4 m away. */
+    private static final String STUDIO =
+            """
+            reve: 1
+            name: studio
+            agents:
+              body:
+                physical: {location: [0, 1, 0]}
+                sensors:
+                  eye: {camera: {size: [64, 48], layers: [colour, depth, items]}, fieldOfView: 60 deg}
+                  skin: {range: 2 m}
+            items:
+              - {name: near, physical: {shape: sphere, radius: 0.2, location: [1, 1, -1]}}
+              - {name: far, physical: {shape: sphere, radius: 0.2, location: [1, 1, -9]}}
+              - {name: wall, physical: {shape: box, size: [30, 30, 1], location: [0, 1, 4.5], colour: "#cc2200"}}
+            """;
+
+    @Test
+    void theRoleControlSeesTheAuditRecordAndAsTheAgentItselfPicturesOfItsCamera() throws Exception {
+        Path world = Files.writeString(folder.resolve("studio.yaml"), STUDIO);
+        browser.size(800, 500); // drawn by the processor
+        String button = "[data-client=%1$s] [aria-label=\"Camera eye of %1$s\"]";
+        String middle =
+                "[...document.querySelector('.picture canvas').getContext('2d').getImageData(32, 24,"
+                        + " 1, 1).data]";
+        String distance =
+                "new Float32Array(Uint8Array.from(atob(reve.agents.pictures.cards.get('%s:"
+                        + " eye').image.depth), c => c.charCodeAt(0)).buffer)[24 * 64 + 32]";
+        try (Server server =
+                        Server.start(
+                                folder,
+                                "serve",
+                                world.toString(),
+                                "--port",
+                                "0",
+                                "--web",
+                                "0",
+                                "--json",
+                                "--audit",
+                                folder.resolve("audit.jsonl").toString());
+                AgentClient dan =
+                        AgentClient.connect(
+                                "127.0.0.1", Integer.parseInt(server.port()), Join.as("dan"))) {
+            assertThat(dan.welcome().cameras()).containsExactly("eye");
+            open(server);
+            browser.await(OPEN);
+            browser.click("#tab-agents");
+            browser.click("#agent-join");
+            browser.click(button.formatted("visitor"));
+            browser.await(
+                    "document.querySelector('.picture canvas').width === 64 && "
+                            + middle
+                            + "[0] > 100 && "
+                            + middle
+                            + "[0] > 2 * "
+                            + middle
+                            + "[1]");
+            assertThat(browser.ask(distance.formatted("visitor")).asDouble())
+                    .isCloseTo(4, within(1e-3));
+            assertThat(browser.text(".picture [role=status]")).contains("64 × 48 px");
+            browser.picture(PICTURES.resolve("camera.png"));
+            browser.choose(".picture select", "items");
+            assertThat(browser.text(".picture [role=status]")).endsWith(": wall");
+
+            // The scene dims what an agent does not perceive.
+            dan.perceive();
+            browser.click("[aria-label=\"Highlight what dan perceives\"]");
+            browser.await(
+                    "document.querySelector('#agent-perceives').textContent === 'dan perceives 3"
+                            + " items.'");
+            assertThat(
+                            browser.ask(
+                                            "[...reve.scene.highlighted].map(s =>"
+                                                    + " reve.view.items[s].name).sort().join()")
+                                    .asString())
+                    .isEqualTo("dan,near,visitor");
+            // The pyramid of each camera has an opening of 60 degrees upwards and 4:3 of its
+            // tangent
+            // sideways. The reach of the other sensor is a sphere of 2 m.
+            browser.ask("document.querySelector('#show-sensors').click()");
+            String corners =
+                    "(t => reve.scene.sensorLines.geometry.getAttribute('position').array.reduce((all, _,"
+                            + " i, p) => all + (i % 3 === 2 && p[i] > 0 && Math.abs(Math.abs(p[i - 2]) /"
+                            + " p[i] - t * 4 / 3) < 1e-4 && Math.abs(Math.abs(p[i - 1] - 1) / p[i] - t) <"
+                            + " 1e-4), 0))(Math.tan(Math.PI / 6))";
+            browser.await(corners + " === 2 * 12");
+            assertThat(
+                            browser.ask(
+                                            "(p => [...Array(p.count).keys()].filter(i =>"
+                                                    + " Math.abs(Math.hypot(p.getX(i), p.getY(i) - 1,"
+                                                    + " p.getZ(i)) - 2) <"
+                                                    + " 1e-4).length)(reve.scene.sensorLines.geometry.getAttribute('position'))")
+                                    .asInt())
+                    .isEqualTo(2 * 3 * 2 * 32);
+            browser.picture(PICTURES.resolve("perceived.png"));
+            browser.ask("document.querySelector('#show-sensors').click()");
+            browser.click("[aria-label=\"Highlight what dan perceives\"]");
+            browser.await("reve.scene.highlighted.size === 0");
+
+            // The audit record contains what the server sent, and texts of clients are no markup.
+            dan.act("dan", "no <img src=x onerror=alert(1)>", Map.of());
+            browser.click("#audit-panel summary");
+            browser.await(
+                    "[...document.querySelectorAll('#audit li')].some(r => r.textContent.includes('<img"
+                            + " src=x'))");
+            assertThat(browser.ask("document.querySelectorAll('#audit img').length").asInt())
+                    .isZero();
+            assertThat(browser.text("#audit"))
+                    .contains("\"colour\":\"sha256:")
+                    .doesNotContain("\"t\":\"perception\"");
+            browser.picture(PICTURES.resolve("audit.png"));
+            browser.choose("#audit-client", "visitor");
+            browser.click("#audit-frequent");
+            browser.await(
+                    "document.querySelector('#audit').textContent.includes('\"t\":\"perception\"') &&"
+                            + " [...document.querySelectorAll('#audit b')].every(b => b.textContent ==="
+                            + " 'visitor')");
+
+            // Clients of other roles use the cameras of their own bodies only.
+            browser.ask("reve.enter({name: 'ben', role: 'agent'})");
+            browser.await("reve.role === 'agent'");
+            browser.click(button.formatted("ben"));
+            browser.await(middle + "[0] > 100");
+            assertThat(browser.ask(distance.formatted("ben")).asDouble())
+                    .isCloseTo(4, within(1e-3));
+            browser.ask("reve.enter({name: 'eve', role: 'observer'})");
+            browser.await(
+                    "reve.role === 'observer' && document.querySelector('[data-client=visitor]"
+                            + " [aria-label^=Camera]')");
+            assertThat(
+                            browser.ask(
+                                            "document.querySelectorAll('.picture, [data-client=dan]"
+                                                    + " [aria-label^=Camera]').length")
+                                    .asInt())
+                    .isZero();
+            assertThat(dan.look("eye").width()).isEqualTo(64);
+            assertThat(browser.ask("document.querySelector('#audit-panel').hidden").booleanValue())
+                    .isTrue();
+            assertThat(browser.errors).isEmpty();
+        }
+    }
+
+    /** Two balls fall 1 m onto the floor, and bounce. */
+    private static final String CHIMES =
+            """
+            reve: 1
+            name: chimes
+            frame: {rate: 60, steps: 1}
+            laws: [gravity_field, {name: rigid_contact, parameters: {restitution: 0.9}}]
+            constants: {gravity: [0, -9.81, 0]}
+            items:
+              - {name: floor, physical: {shape: box, size: [10, 0.2, 10], location: [0, -0.1, 0]}}
+              - {name: light, physical: {shape: sphere, radius: 0.2, location: [-1, 1.2, 0]}, physics: {mass: 1 kg, reactionForce: [0, 0, 0]}}
+              - {name: heavy, physical: {shape: sphere, radius: 0.2, location: [1, 1.2, 0]}, physics: {mass: 16 kg}}
+            """;
+
+    @Test
+    void contactsSoundByTheirForceAfterTheSoundIsSwitchedOn() throws Exception {
+        Path world = Files.writeString(folder.resolve("chimes.yaml"), CHIMES);
+        browser.size(800, 500); // drawn by the processor
+        try (Server server =
+                Server.start(
+                        folder, "serve", world.toString(), "--port", "0", "--web", "0", "--json")) {
+            String page = open(server);
+            browser.await(OPEN);
+            assertThat(browser.ask("reve.sound.context === null").booleanValue()).isTrue();
+            browser.ask("document.querySelector('#sound').focus()");
+            browser.press(" ", "Space", 32);
+            browser.await(
+                    "document.querySelector('#sound').getAttribute('aria-pressed') === 'true'");
+            browser.await("reve.sound.context.state === 'running'");
+            browser.ask(
+                    "(() => { window.ear = new AnalyserNode(reve.sound.context, {fftSize: 32768});"
+                            + " reve.sound.output.connect(ear); })()");
+            String loudest =
+                    "(d => { ear.getFloatTimeDomainData(d); return Math.max(...d); })(new"
+                            + " Float32Array(ear.fftSize))";
+
+            // The impulse of the first impact is (1 + e) m v, with v² = 2 g h, and its mean force
+            // in
+            // a step is this impulse divided by the step.
+            browser.ask(
+                    "reve.connection.ask('pause').then(() => reve.connection.ask('rewind')).then(() =>"
+                            + " { reve.sound.played.length = 0; return"
+                            + " reve.connection.ask('run').then(() => true); })");
+            String tones = "reve.sound.played.filter(tone => tone.force)";
+            browser.await(tones + ".length >= 2");
+            JsonNode heavy = browser.ask(tones + "[0]");
+            JsonNode light = browser.ask(tones + "[1]");
+            assertThat(heavy.get("name").asString()).isEqualTo("heavy");
+            assertThat(light.get("name").asString()).isEqualTo("light");
+            double newtons = 1.9 * Math.sqrt(2 * 9.81 * 1) * 60;
+            // The page receives the newest impact since its last frame. On a busy machine, this may
+            // be a later impact. Each impact has 0.9 times the impulse of the impact before it.
+            double force = light.get("force").asDouble();
+            long impact = Math.round(Math.log(force / newtons) / Math.log(0.9));
+            assertThat(impact).isBetween(0L, 4L);
+            assertThat(force).isCloseTo(newtons * Math.pow(0.9, impact), withinPercentage(4));
+            assertThat(heavy.get("force").asDouble() / light.get("force").asDouble())
+                    .isCloseTo(16, withinPercentage(1));
+            assertThat(heavy.get("gain").asDouble() / light.get("gain").asDouble())
+                    .isCloseTo(4, withinPercentage(1));
+            browser.await(loudest + " > 0.05");
+
+            browser.ask(
+                    "reve.connection.ask('load-law', {library: 'calm.law', text: 'law calm\\n  each"
+                            + " body: force += 0 N (1, 0, 0)\\n'}).then(() => true)");
+            browser.await("reve.sound.played.some(tone => tone.name === 'law-loaded')");
+            browser.picture(PICTURES.resolve("sound.png"));
+            browser.ask("document.activeElement.blur()");
+            browser.press("m", "KeyM", 77);
+            browser.await("reve.sound.context.state === 'suspended'");
+            assertThat(
+                            browser.ask(
+                                            "document.querySelector('#sound').getAttribute('aria-pressed')")
+                                    .asString())
+                    .isEqualTo("false");
+            requestsStayAt(page);
+            assertThat(browser.errors).isEmpty();
+        }
+    }
+
+    /** Asserts that the page has requested nothing from another server. */
+    private void requestsStayAt(String page) {
+        String origin = page.substring(0, page.length() - 1);
+        assertThat(browser.requests)
+                .filteredOn(
+                        address -> !address.startsWith("data:") && !address.startsWith("about:"))
+                .allMatch(
+                        address ->
+                                address.startsWith(origin)
+                                        || address.startsWith(origin.replace("http", "ws")));
     }
 
     @Test
@@ -485,6 +753,45 @@ class PageIT {
                         + "'; document.querySelector('#join-token').value = '"
                         + token
                         + "'; document.querySelector('#join-go').click()");
+    }
+
+    /** An ellipsoid is a stretched sphere, and a terrain from an image is a mesh. */
+    @Test
+    void ellipsoidsAndTerrainsAreShownInTheirSize() throws Exception {
+        var hills = new BufferedImage(5, 4, BufferedImage.TYPE_USHORT_GRAY);
+        hills.getRaster().setSample(2, 2, 0, 65_535);
+        ImageIO.write(hills, "png", folder.resolve("hills.png").toFile());
+        Path world =
+                Files.writeString(
+                        folder.resolve("shapes.yaml"),
+                        """
+                        reve: 1
+                        name: shapes
+                        items:
+                          - {name: egg, physical: {shape: ellipsoid, size: [3, 0.5, 1], location: [0, 3, 0]}}
+                          - {name: hills, physical: {shape: terrain, size: [8, 6], file: hills.png, heightRange: [0, 2]}}
+                        """);
+        try (Server server =
+                Server.start(
+                        folder, "serve", world.toString(), "--port", "0", "--web", "0", "--json")) {
+            browser.size(640, 400);
+            open(server);
+            browser.await(OPEN);
+            browser.await("reve.scene.groups.size === 2");
+            browser.await(
+                    "[...reve.scene.groups.values()].some(g => g.shape === 7"
+                            + " && g.mesh.geometry.type === 'SphereGeometry'"
+                            + " && [3, 0.5, 1].every((side, i) =>"
+                            + " Math.abs(g.mesh.instanceMatrix.array[5 * i] - side) < 1e-5))");
+            browser.await(
+                    "[...reve.scene.groups.values()].some(g => {"
+                            + " if (g.shape !== 4) return false;"
+                            + " g.mesh.geometry.computeBoundingBox();"
+                            + " const { min, max } = g.mesh.geometry.boundingBox;"
+                            + " return max.x - min.x === 8 && max.y === 2 && max.z - min.z === 6; })");
+            browser.picture(PICTURES.resolve("shapes.png"));
+            assertThat(browser.errors).isEmpty();
+        }
     }
 
     @Test

@@ -248,6 +248,43 @@ class PicturesIT {
         assertThat(dark).as("ink above the ball").isGreaterThan(10);
     }
 
+    /** The two small boxes are 2 m apart and both at the distance of the camera's target. */
+    @Test
+    void theScaleBarIsAsLongAsTheDistanceOfTwoPointsAtTheTarget() throws Exception {
+        Files.writeString(
+                world,
+                """
+                reve: 1
+                name: rule
+                camera: {eye: [6, 5, 4], target: [0, 1, 0], fov: 40 deg}
+                items:
+                  - {name: left, physical: {shape: box, size: [0.1, 0.1, 0.1], location: [-0.5547, 1, 0.83205]}}
+                  - {name: right, physical: {shape: box, size: [0.1, 0.1, 0.1], location: [0.5547, 1, -0.83205]}}
+                """);
+        JsonNode told =
+                snapshot("--scale-bar", "--segmentation", folder.resolve("items.npy").toString());
+        ByteBuffer items = numpy("items.npy", "<u4");
+        double[] left = centre(items, id(told, "left"));
+        double[] right = centre(items, id(told, "right"));
+        assertThat(left[1]).as("a level line").isCloseTo(right[1], within(0.6));
+        double pixelsOfTwoMetres = right[0] - left[0];
+        assertThat(pixelsOfTwoMetres).isGreaterThan(50);
+
+        BufferedImage picture = picture();
+        int longest = 0;
+        for (int y = HEIGHT / 2; y < HEIGHT; y++) {
+            int length = 0;
+            for (int x = WIDTH / 2; x < WIDTH; x++) {
+                length = (picture.getRGB(x, y) & 0xffffff) == 0x1e1e1e ? length + 1 : 0;
+                longest = Math.max(longest, length);
+            }
+        }
+        double metres = told.get("scaleBar").asDouble();
+        assertThat(metres).isEqualTo(2);
+        assertThat(longest).isLessThanOrEqualTo(WIDTH / 4);
+        assertThat((double) longest).isCloseTo(pixelsOfTwoMetres * metres / 2, within(1.0));
+    }
+
     @Test
     void aContactSheetShowsEqualTimes() throws Exception {
         JsonNode told = snapshot("--at", "1", "--sheet", "3x2");

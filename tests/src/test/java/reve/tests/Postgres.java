@@ -6,6 +6,7 @@ import java.net.InetAddress;
 import java.net.ServerSocket;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardOpenOption;
 import java.sql.Connection;
 import java.sql.DriverManager;
 import java.sql.ResultSet;
@@ -18,9 +19,9 @@ import java.util.concurrent.TimeUnit;
 import java.util.stream.Stream;
 
 /**
- * A PostgreSQL server of the tests. It has a folder of its own and listens on loopback. PostgreSQL
- * does not run as root; for root, it runs as the account that its package creates. Closing it ends
- * the server and removes the folder.
+ * A PostgreSQL server of the tests. It has a folder of its own, and listens on loopback or on the
+ * address of a member of a {@link Network}. PostgreSQL does not run as root; for root, it runs as
+ * the account that its package creates. Closing it ends the server and removes the folder.
  */
 final class Postgres implements AutoCloseable {
     private static final String USER = "reve";
@@ -29,13 +30,29 @@ final class Postgres implements AutoCloseable {
     private static final long PATIENCE_SECONDS = 60;
     private static final int TRIES = 5;
 
+    private static final String LOOPBACK = "127.0.0.1";
+    private static final int PORT = 5432;
+
     private final Path folder;
+    private final List<String> entering;
+    private final String host;
     private final int port;
     private final Thread atExit = new Thread(this::kill);
     private Process process;
 
     /** Creates a server with an empty database cluster, and waits until it answers. */
     Postgres() throws IOException {
+        this(List.of(), LOOPBACK);
+    }
+
+    /** Creates a server in a network namespace, which trusts all members of the network. */
+    Postgres(Network.Member at) throws IOException {
+        this(at.entering(), at.address());
+    }
+
+    private Postgres(List<String> entering, String host) throws IOException {
+        this.entering = entering;
+        this.host = host;
         folder = Files.createTempDirectory("reve-postgres-");
         if (isRoot()) {
             Files.setOwner(
@@ -54,7 +71,16 @@ final class Postgres implements AutoCloseable {
                         "--no-locale",
                         "--no-sync"));
         Runtime.getRuntime().addShutdownHook(atExit);
-        port = startAtFreePort();
+        if (entering.isEmpty()) {
+            port = startAtFreePort();
+        } else {
+            Files.writeString(
+                    data().resolve("pg_hba.conf"),
+                    "host all all samenet trust" + System.lineSeparator(),
+                    StandardOpenOption.APPEND);
+            port = PORT; // the namespace has no other server
+            start(port);
+        }
     }
 
     private static boolean isRoot() {
@@ -76,7 +102,11 @@ final class Postgres implements AutoCloseable {
     }
 
     private static ProcessBuilder command(List<String> words) {
-        List<String> command = new ArrayList<>();
+        return command(List.of(), words);
+    }
+
+    private static ProcessBuilder command(List<String> entering, List<String> words) {
+        List<String> command = new ArrayList<>(entering);
         if (isRoot()) {
             command.addAll(
                     List.of(
@@ -122,6 +152,7 @@ final class Postgres implements AutoCloseable {
         Path log = folder.resolve("log");
         process =
                 command(
+                                entering,
                                 List.of(
                                         program("postgres"),
                                         "-D",
@@ -129,7 +160,7 @@ final class Postgres implements AutoCloseable {
                                         "-p",
                                         Integer.toString(at),
                                         "-c",
-                                        "listen_addresses=127.0.0.1",
+                                        "listen_addresses=" + host,
                                         "-c",
                                         "unix_socket_directories=" + folder))
                         .redirectOutput(log.toFile())
@@ -161,7 +192,15 @@ final class Postgres implements AutoCloseable {
 
     /** Returns the URL of a database, as {@code --store} takes it. */
     String url(String database) {
-        return "postgresql://" + USER + "@127.0.0.1:" + port + "/" + database;
+        return "postgresql://"
+                + USER
+                + "@"
+                + host
+                + ":"
+                + port
+                + "/"
+                + database
+                + (entering.isEmpty() ? "" : "?sslmode=disable");
     }
 
     /** Creates an empty database and returns its URL. */
@@ -173,9 +212,9 @@ final class Postgres implements AutoCloseable {
         return url(database);
     }
 
-    private static Connection connect(int port, String database) throws SQLException {
+    private Connection connect(int at, String database) throws SQLException {
         return DriverManager.getConnection(
-                "jdbc:postgresql://127.0.0.1:" + port + "/" + database + "?user=" + USER);
+                "jdbc:postgresql://" + host + ":" + at + "/" + database + "?user=" + USER);
     }
 
     Connection connect(String database) throws SQLException {

@@ -116,8 +116,7 @@ class ReleasesIT {
                                 "--json")
                         .redirectError(errors.toFile())
                         .start();
-        try (Server server =
-                new Server(process, new Server.Events(process.inputReader(), errors))) {
+        try (Server server = new Server(process, new Server.Events(process, errors))) {
             String port = server.port();
             String first = current();
             assertThat(releases()).containsExactly(first);

@@ -77,7 +77,8 @@ class RunningWorldsIT {
                     "Simulation.addListener");
 
     /** Messages that the server answers with a report. */
-    private static final Set<String> REPORTS = Set.of("state", "inspect", "laws", "ledger");
+    private static final Set<String> REPORTS =
+            Set.of("state", "inspect", "search", "laws", "ledger");
 
     /**
      * A row of a table. It has the task, and the code of the other cells. A cell with a dash has an

@@ -118,7 +118,9 @@ class SavedWorldIT {
             assertThat(world.notDescribed()).isEmpty();
             world.physics().laws().load(0, "surface_contact", Map.of());
             assertThat(world.notDescribed())
-                    .containsExactly("what surface_contact remembers of earlier steps");
+                    .containsExactly(
+                            "what surface_contact remembers of earlier steps (frictionStretch,"
+                                    + " frictionUse)");
         }
     }
 

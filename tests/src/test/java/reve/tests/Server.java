@@ -11,6 +11,8 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Map;
+import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.TimeUnit;
 import java.util.function.Predicate;
 
@@ -18,26 +20,45 @@ import java.util.function.Predicate;
 record Server(Process process, Events events) implements AutoCloseable {
     private static final long PATIENCE_SECONDS = 60;
 
+    /** Time after which a server that does not write an expected event is ended. */
+    private static final long EVENT_SECONDS = 300;
+
     /** The server's events, which are kept, so that the order of requests does not matter. */
     static final class Events {
         private final JsonMapper mapper = new JsonMapper();
         private final List<JsonNode> seen = new ArrayList<>();
+        private final Process process;
         private final BufferedReader output;
         private final Path errors;
 
-        Events(BufferedReader output, Path errors) {
-            this.output = output;
+        Events(Process process, Path errors) {
+            this.process = process;
+            this.output = process.inputReader();
             this.errors = errors;
         }
 
         /** Returns the first event of this kind that meets the condition, past or future. */
         JsonNode await(String event, Predicate<JsonNode> wanted) throws IOException {
+            CompletableFuture<Void> late =
+                    CompletableFuture.runAsync(
+                            process::destroyForcibly,
+                            CompletableFuture.delayedExecutor(EVENT_SECONDS, TimeUnit.SECONDS));
+            try {
+                return read(event, wanted);
+            } finally {
+                late.cancel(false);
+            }
+        }
+
+        private JsonNode read(String event, Predicate<JsonNode> wanted) throws IOException {
             for (int i = 0; ; i++) {
                 if (i == seen.size()) {
                     String line = output.readLine();
                     if (line == null) {
                         throw new AssertionError(
-                                "the server ended without '"
+                                "the server ended, or wrote nothing for "
+                                        + EVENT_SECONDS
+                                        + " s, without '"
                                         + event
                                         + "': "
                                         + seen
@@ -83,10 +104,24 @@ record Server(Process process, Events events) implements AutoCloseable {
      * @param folder contains the server's standard error
      */
     static Server start(Path folder, String... arguments) throws IOException {
+        return start(folder, List.of(), Map.of(), arguments);
+    }
+
+    /**
+     * @param folder contains the server's standard error
+     * @param before words before the command, such as those that enter a namespace
+     * @param environment variables that the server gets besides those of the tests
+     */
+    static Server start(
+            Path folder, List<String> before, Map<String, String> environment, String... arguments)
+            throws IOException {
         Path errors = folder.resolve("server.err");
-        Process process =
-                new ProcessBuilder(Reve.command(arguments)).redirectError(errors.toFile()).start();
-        return new Server(process, new Events(process.inputReader(), errors));
+        List<String> command = new ArrayList<>(before);
+        command.addAll(Reve.command(arguments));
+        ProcessBuilder builder = new ProcessBuilder(command).redirectError(errors.toFile());
+        builder.environment().putAll(environment);
+        Process process = builder.start();
+        return new Server(process, new Events(process, errors));
     }
 
     /** Returns the port for agents. */

@@ -20,6 +20,7 @@ import reve.worlds.server.Simulation;
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
+import java.awt.image.BufferedImage;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
@@ -33,6 +34,8 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
 import java.util.concurrent.TimeUnit;
+
+import javax.imageio.ImageIO;
 
 /** Real servers that share a database. They are killed or paused, or they lose the database. */
 @Tag("slow")
@@ -105,7 +108,7 @@ class SharedStoreIT {
         long end = System.nanoTime() + TimeUnit.MILLISECONDS.toNanos(300 + random.nextInt(900));
         try (AgentClient agent =
                 AgentClient.connect("127.0.0.1", ready.path("agentPort").asInt(), "ada")) {
-            while (System.nanoTime() < end) {
+            do {
                 String colour = String.format("#%06x", random.nextInt(1 << 24));
                 announced =
                         Math.max(
@@ -113,7 +116,7 @@ class SharedStoreIT {
                                 agent.act("red", "paint", Map.of("colour", colour))
                                         .frame()
                                         .orElse(0L));
-            }
+            } while (System.nanoTime() < end);
         }
         return announced;
     }
@@ -336,6 +339,13 @@ class SharedStoreIT {
     }
 
     @Test
+    void aDatabaseThatIsNotThereIsReportedInOneLine() throws Exception {
+        Outcome away = Reve.run("store", "check", "postgresql://reve@127.0.0.1:1/worlds");
+        assertThat(away.code()).isEqualTo(1);
+        assertThat(away.out() + away.err()).contains("see that the database runs").hasLineCount(1);
+    }
+
+    @Test
     void standbyTakesOneWorldAndADatabase() throws Exception {
         String url = "postgresql://reve@127.0.0.1/worlds";
         Outcome file = Reve.run("serve", WORLD, "--standby", "--store", "my.db");
@@ -400,6 +410,127 @@ class SharedStoreIT {
         assertThat(checked.code()).as(checked.out() + checked.err()).isZero();
         assertThat(new JsonMapper().readTree(checked.out()).path("stateHash").asString())
                 .isEqualTo(end.path("stateHash").asString());
+    }
+
+    /**
+     * The frames of two servers, of which the first one was killed, are repeated, exported and
+     * shown from the database alone, also while a server runs the world.
+     */
+    @Test
+    void whatServersWroteIsRepeatedAndShownFromTheDatabase() throws Exception {
+        String database = database();
+        String url = postgres.url(database);
+        Random random = new Random(SEED);
+        try (Server first = serve(WORLD, database, "--store-every", "1000")) {
+            act(ready(first), random);
+            first.process().destroyForcibly().onExit().join();
+        }
+        long takenOver;
+        JsonNode end;
+        try (Server second = serve(NAME, database, "--store-every", "1000")) {
+            JsonNode ready = ready(second);
+            takenOver = ready.path("frame").asLong();
+            act(ready, random);
+            JsonNode live = json("replay", NAME, "--store", url);
+            assertThat(live.path("identical").asBoolean()).isTrue();
+            assertThat(live.path("frame").asLong()).isGreaterThan(takenOver);
+            second.process().toHandle().destroy();
+            end = second.events().await("end", event -> true);
+            assertThat(second.exitCode()).isZero();
+        }
+        JsonNode replay = json("replay", NAME, "--store", url);
+        assertThat(replay.path("stateHash").asString()).isEqualTo(end.path("stateHash").asString());
+        long last = replay.path("frame").asLong();
+        JsonNode early = json("replay", NAME, "--store", url, "--until", Long.toString(takenOver));
+        assertThat(early.path("frame").asLong()).isEqualTo(takenOver);
+
+        json("export", NAME, "--store", url, "--csv", folder.resolve("csv").toString());
+        List<Long> frames = frames(folder.resolve("csv/body.csv"));
+        assertThat(frames.getFirst()).as("a frame of the first server").isLessThan(takenOver);
+        assertThat(frames.getLast()).isEqualTo(last);
+        assertThat(frames).as("no frame twice").doesNotHaveDuplicates();
+        assertThat(frames).hasSize((int) (last - frames.getFirst() + 1));
+
+        JsonNode newest = picture(url, "newest");
+        assertThat(newest.path("frame").asLong()).isEqualTo(last);
+        JsonNode oldest = picture(url, "oldest", "--at", "0");
+        assertThat(oldest.path("frame").asLong()).isEqualTo(frames.getFirst());
+        assertThat(pixels(folder.resolve("newest.png")))
+                .as("the bodies have moved")
+                .isNotEqualTo(pixels(folder.resolve("oldest.png")));
+        Path pictures = folder.resolve("frames");
+        json(
+                with(
+                        new String[] {"video", NAME, "--store", url, "--seconds", "0.2"},
+                        "--out",
+                        pictures.toString(),
+                        "--size",
+                        "96x64"));
+        assertThat(pixels(pictures.resolve("000000.png")))
+                .as("with the camera of the world in the database")
+                .isEqualTo(pixels(folder.resolve("oldest.png")));
+        requireRefusals(url);
+    }
+
+    private static JsonNode json(String... command) throws Exception {
+        List<String> arguments = new ArrayList<>(List.of(command));
+        arguments.add("--json");
+        Outcome outcome = Reve.run(arguments.toArray(String[]::new));
+        assertThat(outcome.code()).as(outcome.out() + outcome.err()).isZero();
+        return new JsonMapper().readTree(outcome.out());
+    }
+
+    private JsonNode picture(String url, String name, String... more) throws Exception {
+        List<String> command =
+                new ArrayList<>(List.of("snapshot", NAME, "--store", url, "--size", "96x64"));
+        command.addAll(List.of("--out", folder.resolve(name + ".png").toString()));
+        command.addAll(List.of(more));
+        return json(command.toArray(String[]::new));
+    }
+
+    private static int[] pixels(Path picture) throws IOException {
+        BufferedImage image = ImageIO.read(picture.toFile());
+        int width = image.getWidth();
+        return image.getRGB(0, 0, width, image.getHeight(), null, 0, width);
+    }
+
+    /** Returns the frames in which a table has its first item. */
+    private static List<Long> frames(Path table) throws IOException {
+        List<String> lines = Files.readAllLines(table);
+        String first = lines.get(1).split(",")[2];
+        return lines.stream()
+                .skip(1)
+                .map(line -> line.split(","))
+                .filter(cells -> cells[2].equals(first))
+                .map(cells -> Long.valueOf(cells[0]))
+                .toList();
+    }
+
+    private void requireRefusals(String url) throws Exception {
+        Outcome unknown = Reve.run("replay", "w0", "--store", url);
+        assertThat(unknown.code()).isEqualTo(1);
+        assertThat(unknown.err())
+                .contains(url + " has no world 'w0', expected one of spring-orbit");
+        Outcome file = Reve.run("replay", NAME, "--store", "my.db");
+        assertThat(file.code()).isEqualTo(2);
+        assertThat(file.err()).contains("--store is my.db, expected postgresql://USER@HOST:PORT/");
+        String out = folder.resolve("refused.png").toString();
+        String[] snapshot = {"snapshot", NAME, "--store", url, "--out", out};
+        Outcome late = Reve.run(with(snapshot, "--at", "1e6"));
+        assertThat(late.code()).isEqualTo(2);
+        assertThat(late.err()).contains("--at is 1000000.0, but ", " s after its first state");
+        Outcome sheet = Reve.run(with(snapshot, "--at", "1", "--sheet", "2x1"));
+        assertThat(sheet.code()).isEqualTo(2);
+        assertThat(sheet.err()).contains("--sheet runs a world from its beginning");
+        Outcome camera = Reve.run(with(snapshot, "--camera", "nowhere"));
+        assertThat(camera.code()).isEqualTo(2);
+        assertThat(camera.err()).contains("--camera: the world has no camera `nowhere`");
+    }
+
+    private static String[] with(String[] command, String... more) {
+        List<String> all = new ArrayList<>(List.of(command));
+        all.addAll(List.of(more));
+        return all.toArray(String[]::new);
     }
 
     /** Returns the hash of a recorded run at a frame; the last frame may be only in the store. */

@@ -46,7 +46,7 @@ final class Shell {
     /** Starts a script that serves a world, on a free port. */
     Server serve(String script) throws IOException {
         Process process = start(script.strip() + " --port 0 --json\n");
-        return new Server(process, new Server.Events(process.inputReader(), errors.getLast()));
+        return new Server(process, new Server.Events(process, errors.getLast()));
     }
 
     /** Returns all standard error so far. */

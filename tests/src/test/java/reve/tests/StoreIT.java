@@ -216,8 +216,7 @@ class StoreIT {
         builder.environment().put("TMPDIR", temporary.toString());
         builder.environment().put("JDK_JAVA_OPTIONS", "-Djava.io.tmpdir=" + temporary);
         Process process = builder.start();
-        try (Server server =
-                new Server(process, new Server.Events(process.inputReader(), errors))) {
+        try (Server server = new Server(process, new Server.Events(process, errors))) {
             try (AgentClient agent =
                     AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
                 act(agent, new Random(SEED));
@@ -336,6 +335,18 @@ class StoreIT {
         Outcome again = Reve.run("store", "check", store.toString(), "--json");
         assertThat(again.code()).as(again.out()).isZero();
         assertThat(again.out()).contains(found.path("stateHash").asString());
+
+        // A repair that was killed has moved the old files away, and the new ones not yet in place.
+        Files.createDirectory(folder.resolve("my.db.damaged-1/repaired"));
+        Files.move(store, folder.resolve("my.db.damaged-1/repaired/my.db"));
+        for (String command : List.of("check", "repair")) {
+            Outcome interrupted = Reve.run("store", command, store.toString());
+            assertThat(interrupted.code()).isEqualTo(1);
+            assertThat(interrupted.err())
+                    .contains(
+                            "`store repair` was interrupted",
+                            "Move the files (not the folder repaired) of " + folder);
+        }
     }
 
     /**

@@ -153,6 +153,47 @@ class UsageIT {
                 .doesNotContain("world.yaml:");
     }
 
+    /** A limit of file sizes stands for a full disk. */
+    @Test
+    void newFilesThatTheDiskDoesNotTakeAreNamedAndRemoved() throws Exception {
+        Path token = folder.resolve("secret.token");
+        Path tokens = folder.resolve("tokens.json");
+        Path world = folder.resolve("fresh");
+        Path robot = folder.resolve("robot");
+        String arm = Project.ROOT.resolve("worlds/robot-arm/arm.urdf").toString();
+        for (List<String> command :
+                List.of(
+                        Reve.command("token", "new", "ada", "--file", tokens.toString()),
+                        Reve.command(
+                                "token",
+                                "new",
+                                "ada",
+                                "--file",
+                                tokens.toString(),
+                                "--out",
+                                token.toString()),
+                        Reve.command("new", "world", world.toString()),
+                        Reve.command("import", arm, "--out", robot.toString()))) {
+            Outcome outcome =
+                    Reve.run(
+                            Stream.concat(
+                                            List.of(
+                                                    "bash",
+                                                    "-c",
+                                                    "ulimit -f 0; exec \"$@\"",
+                                                    "bash")
+                                                    .stream(),
+                                            command.stream())
+                                    .toList());
+            assertThat(outcome.code()).as(outcome.err()).isEqualTo(1);
+            assertThat(outcome.err()).contains("File too large", folder + "/");
+            try (Stream<Path> left = Files.list(folder)) {
+                assertThat(left.map(Path::getFileName).map(Path::toString))
+                        .allMatch(name -> name.equals(".tokens.json.lock"));
+            }
+        }
+    }
+
     @Test
     void tooFewOpenFilesAreRefusedBeforeTheProgramStarts() throws Exception {
         Outcome outcome =

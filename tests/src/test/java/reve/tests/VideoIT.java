@@ -83,6 +83,37 @@ class VideoIT {
         return (double) sum / (3L * one.getWidth() * one.getHeight());
     }
 
+    /** A signal leaves neither a video nor a part of one. */
+    @Test
+    void aVideoThatIsInterruptedLeavesNoFile() throws Exception {
+        Process process =
+                new ProcessBuilder(
+                                Reve.command(
+                                        "video",
+                                        WORLD,
+                                        "--seconds",
+                                        "600",
+                                        "--out",
+                                        folder.resolve("orbit.gif").toString()))
+                        .redirectErrorStream(true)
+                        .redirectOutput(folder.resolve("printed.txt").toFile())
+                        .start();
+        try {
+            Path part = folder.resolve("orbit.gif.part");
+            while (!Files.exists(part)) {
+                assertThat(process.isAlive())
+                        .as(Files.readString(folder.resolve("printed.txt")))
+                        .isTrue();
+                Thread.sleep(10);
+            }
+            process.destroy(); // SIGTERM
+            assertThat(process.waitFor()).isNotZero();
+        } finally {
+            process.destroyForcibly().waitFor();
+        }
+        assertThat(files("")).containsExactly("printed.txt");
+    }
+
     @Test
     void aFolderHoldsThePicturesOfTheTimes() throws Exception {
         video(WORLD, "frames", "--seconds", "1", "--fps", "4", "--speed", "0.5", "--from", "1");

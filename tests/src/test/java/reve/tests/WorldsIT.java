@@ -2,6 +2,7 @@
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.within;
 
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -11,6 +12,7 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
+import reve.core.world.WorldEvent;
 import reve.worlds.server.Simulation;
 
 import tools.jackson.databind.JsonNode;
@@ -87,12 +89,16 @@ class WorldsIT {
     void whatIsExpectedOfTheWorldHolds(Sample sample) throws Exception {
         try (Simulation simulation = sample.load()) {
             var mechanics = new Mechanics(simulation);
+            List<WorldEvent> events = new ArrayList<>();
+            simulation.onPublish("events", frame -> events.addAll(frame.world().events()));
             var before = mechanics.state();
             for (long frame = 0; frame < sample.frames(simulation); frame++) {
                 simulation.loop().step();
                 checkFrame(sample, before, mechanics.state());
             }
             checkEnd(sample, before, mechanics.state());
+            checkSizes(sample, simulation);
+            checkLevels(sample, events);
             for (Map.Entry<String, JsonNode> mean : sample.expected().path("meanX").properties()) {
                 assertWithin(
                         mean.getValue(),
@@ -202,6 +208,40 @@ class WorldsIT {
             assertThat(Mechanics.norm(Mechanics.subtract(at, expectedPlace)))
                     .as("%s is at %s", position.get("item"), List.of(at[0], at[1], at[2]))
                     .isLessThanOrEqualTo(position.get("within").asDouble());
+        }
+    }
+
+    private static void checkSizes(Sample sample, Simulation simulation) {
+        for (JsonNode expected : sample.all("sizes")) {
+            String name = expected.get("item").asString();
+            double[] size = simulation.world().find(name).orElseThrow().physical().size();
+            for (int axis = 0; axis < 3; axis++) {
+                assertThat(size[axis])
+                        .as("size %d of %s", axis, name)
+                        .isCloseTo(
+                                expected.get("is").get(axis).asDouble(),
+                                within(expected.get("within").asDouble()));
+            }
+        }
+    }
+
+    /** Checks the levels that items took one after another. */
+    private static void checkLevels(Sample sample, List<WorldEvent> events) {
+        List<WorldEvent> changes =
+                events.stream().filter(event -> event.type().equals("level-changed")).toList();
+        assertThat(changes.isEmpty()).isEqualTo(sample.all("levels").isEmpty());
+        for (JsonNode expected : sample.all("levels")) {
+            List<String> levels = new ArrayList<>();
+            expected.get("become").forEach(level -> levels.add(level.asString()));
+            List<WorldEvent> own =
+                    changes.stream()
+                            .filter(
+                                    event ->
+                                            event.fields()
+                                                    .get("item")
+                                                    .equals(expected.get("item").asString()))
+                            .toList();
+            assertThat(own).extracting(event -> event.fields().get("to")).isEqualTo(levels);
         }
     }
 

@@ -8,7 +8,9 @@ import tools.jackson.databind.node.ObjectNode;
 import java.io.EOFException;
 import java.io.IOException;
 import java.net.InetSocketAddress;
+import java.net.SocketException;
 import java.time.Duration;
+import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -24,7 +26,8 @@ import java.util.function.Supplier;
  * thread.
  *
  * <p>With {@link Join#withGrace} the client reconnects automatically when its connection breaks.
- * Calls in progress still receive their answers, and the server executes no action twice.
+ * Calls in progress still receive their answers, and the server executes no action twice. If the
+ * world moves to another server of a cluster, the client continues there.
  *
  * <p>Every call throws {@link DisconnectedException} after the connection has ended, and {@link
  * AgentException} with code {@code no-answer} if the server does not answer within {@link
@@ -37,16 +40,41 @@ public final class AgentClient implements AutoCloseable {
 
     private static final Duration RETRY = Duration.ofMillis(200);
 
+    /** Maximum wait for an answer to a resume, if the client knows several servers. */
+    private static final Duration ATTEMPT = Duration.ofSeconds(5);
+
+    /** Code of the reason if another server of a cluster has the world. */
+    private static final String MOVED = "moved";
+
     /** Code of a refusal while no server of a cluster has the world. */
     private static final String STARTING = "world-starting";
 
-    /** Maximum number of servers of a cluster that may send a client to another one. */
+    /** Code of the end of a server. */
+    private static final String CLOSING = "closing";
+
+    /**
+     * Maximum number of times that servers of a cluster may refer a client to another server
+     * without a pause.
+     */
     private static final int MOST_MOVES = 4;
+
+    /** Maximum number of such pauses, in which the servers learn where the world is. */
+    private static final int MOST_ROUNDS = 10;
+
+    /** Code of the failure of a server that accepts connections and does not answer. */
+    private static final String NO_ANSWER = "no-answer";
 
     /** Code of a temporary refusal to resume the session; the client tries again. */
     private static final String TOO_OFTEN = "resumed-too-often";
 
-    private final InetSocketAddress address;
+    /** The server that has the world. Only the reader's thread changes it. */
+    private volatile InetSocketAddress address;
+
+    /**
+     * The servers of the cluster that the client knows. Only the reader's thread uses this list.
+     */
+    private final List<InetSocketAddress> known = new ArrayList<>();
+
     private final Duration patience;
     private final Welcome welcome;
     private final Thread reader;
@@ -58,18 +86,18 @@ public final class AgentClient implements AutoCloseable {
     private final Object sending = new Object();
 
     /**
-     * Written by the reader's thread after a reconnection, while this thread holds {@link
-     * #sending}.
+     * The current connection. The reader's thread replaces it after a reconnection, while this
+     * thread holds {@link #sending}.
      */
     private volatile Wire wire;
 
-    // Guarded by this object's lock.
+    // The state of the session. Guarded by this object's lock.
     private final Conversation talk;
     private @Nullable AgentException end;
 
     /**
-     * Joins the world at an address, with a body that the world chooses. If another server of a
-     * cluster has the world, joins there. While the cluster starts the world, tries again.
+     * Joins the world at an address, with a body that the world chooses. Joins another server of a
+     * cluster if that server has the world. Tries again while the cluster starts the world.
      *
      * @throws IOException if no server listens there
      * @throws DisconnectedException with the server's code if the agent may not join
@@ -83,12 +111,42 @@ public final class AgentClient implements AutoCloseable {
         return new AgentClient(InetSocketAddress.createUnresolved(host, port), join);
     }
 
+    /**
+     * Asks a server for the nodes and worlds of its cluster, without joining a world. A world that
+     * sleeps continues to sleep.
+     *
+     * @param join name, token, TLS and patience; the role must be control
+     * @return the answer; its value is that of the command {@code cluster}
+     * @throws IOException if no server listens there
+     * @throws DisconnectedException with the server's code if it refuses the question
+     */
+    public static ActResult cluster(String host, int port, Join join) throws IOException {
+        long end = System.nanoTime() + join.patience().toNanos();
+        while (true) {
+            try {
+                return Wire.ask(InetSocketAddress.createUnresolved(host, port), join, "cluster");
+            } catch (DisconnectedException refused) {
+                if (!refused.code().equals(STARTING) || System.nanoTime() - end > 0) {
+                    throw refused;
+                }
+            } catch (EOFException e) {
+                throw lost(e);
+            }
+            LockSupport.parkNanos(RETRY.toNanos());
+        }
+    }
+
     private AgentClient(InetSocketAddress address, Join join) throws IOException {
         this.patience = join.patience();
         Found found = find(address, join);
         this.address = found.address();
+        known.add(found.address());
+        if (!known.contains(address)) {
+            known.add(address);
+        }
         wire = found.opened().wire();
         welcome = found.opened().welcome();
+        knowServers(welcome);
         talk = new Conversation(join, welcome);
         reader = Thread.ofVirtual().name("reve agent " + join.name()).start(this::read);
     }
@@ -97,13 +155,14 @@ public final class AgentClient implements AutoCloseable {
     private record Found(InetSocketAddress address, Wire.Opened opened) {}
 
     /**
-     * Connects to the server that has the world. A server of a cluster may send the client to
-     * another one. While the cluster starts the world, tries again until the patience is over.
+     * Connects to the server that has the world. A server of a cluster may refer the client to
+     * another server. Tries again while the cluster starts the world, until the patience is over.
      */
     private static Found find(InetSocketAddress first, Join join) throws IOException {
         long end = System.nanoTime() + join.patience().toNanos();
         InetSocketAddress at = first;
         int moves = 0;
+        int rounds = 0;
         while (true) {
             try {
                 return new Found(at, open(at, join));
@@ -113,10 +172,16 @@ public final class AgentClient implements AutoCloseable {
                     at = refused.address().get();
                     continue;
                 }
-                if (!refused.code().equals(STARTING) || System.nanoTime() - end > 0) {
+                // Another server may have sent the client to this one, which has ended since.
+                boolean hasEnded = refused.code().equals(CLOSING) && moves > 0;
+                boolean isAstray = refused.address().isPresent() && rounds++ < MOST_ROUNDS;
+                boolean isTemporary = refused.code().equals(STARTING) || hasEnded || isAstray;
+                if (!isTemporary || System.nanoTime() - end > 0) {
                     throw refused;
                 }
-            } catch (IOException lost) { // a server that was lost a moment ago
+            } catch (IOException lost) {
+                // The cluster may just have lost this server, so the client tries the first server
+                // again.
                 if (moves == 0 || System.nanoTime() - end > 0) {
                     throw lost;
                 }
@@ -155,7 +220,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Requests a perception every {@code frames} frames from now on, for {@link #nextPerception()}.
+     * Requests a perception every {@code frames} frames from now on. {@link #nextPerception()}
+     * returns these perceptions.
      *
      * @throws IllegalStateException in lock-step, where each round has a perception
      */
@@ -171,8 +237,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Waits for the newest perception that this method has not returned yet. If the agent is slow,
-     * older perceptions are skipped.
+     * Waits for the newest perception that this method has not returned yet. Older perceptions are
+     * skipped if the agent is slow.
      *
      * @throws IllegalStateException without {@link #perceiveEvery}
      */
@@ -202,6 +268,16 @@ public final class AgentClient implements AutoCloseable {
      */
     public Image look(String sensor) {
         return ask(id -> Protocol.look(id, sensor), Image.class);
+    }
+
+    /**
+     * Returns a picture from a camera of any body. For the role control.
+     *
+     * @param item name of the body
+     * @throws AgentException with the server's code if there is no picture
+     */
+    public Image look(String sensor, String item) {
+        return ask(id -> Protocol.look(id, sensor).put("item", item), Image.class);
     }
 
     /**
@@ -247,8 +323,8 @@ public final class AgentClient implements AutoCloseable {
 
     /**
      * Asks a question about the world, with the fields that the protocol defines: {@code state},
-     * {@code inspect} or {@code laws} in the roles observer and control, {@code ledger} in the role
-     * control only.
+     * {@code inspect}, {@code perceived} or {@code laws} in the roles observer and control, {@code
+     * ledger} or {@code audit} in the role control only.
      *
      * @throws AgentException with the server's code if it refuses the question
      */
@@ -293,8 +369,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * In lock-step: performs the acts in the next frame and returns the perception at the end of
-     * the round, with the results of the acts. A round may have several frames.
+     * Performs the acts in the next frame, for an agent in lock-step. Returns the perception at the
+     * end of the round, with the results of the acts. A round may have several frames.
      *
      * @throws IllegalStateException if the agent is not in lock-step
      */
@@ -303,16 +379,18 @@ public final class AgentClient implements AutoCloseable {
         return observe();
     }
 
-    /** In lock-step: performs the acts in the next frame and ends the agent's round. */
+    /**
+     * Performs the acts in the next frame and ends the agent's round, for an agent in lock-step.
+     */
     public void ready(Act... acts) {
         requireLockStep();
         say(() -> talk.ready(acts));
     }
 
     /**
-     * In lock-step: waits for the newest perception that this method has not returned yet. The
-     * world waits for the agent after the frame of this perception. The first perception shows the
-     * frame in which the agent joined.
+     * Waits for the newest perception that this method has not returned yet, for an agent in
+     * lock-step. The world waits for the agent after the frame of this perception. The first
+     * perception shows the frame in which the agent joined.
      */
     public Perception observe() {
         return observe(0);
@@ -363,8 +441,8 @@ public final class AgentClient implements AutoCloseable {
 
     /**
      * Returns the minimum number of events that the server did not send, see {@link
-     * WorldEvent#MISSED}. If the server does not know the number of events while a connection was
-     * broken, these events count as one.
+     * WorldEvent#MISSED}. The server may not know the number of events while a connection was
+     * broken. These events then count as one.
      */
     public synchronized long missedEvents() {
         return talk.missedEvents();
@@ -380,7 +458,8 @@ public final class AgentClient implements AutoCloseable {
             }
             reader.join(patience); // the reader ends after the server's bye or a broken connection
         } catch (IOException e) {
-            // The exception is ignored, because the connection has already ended.
+            // The exception is ignored, because it only means that the connection has already
+            // ended.
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
         } finally {
@@ -481,7 +560,7 @@ public final class AgentClient implements AutoCloseable {
                 "lost", "the connection broke: " + cause.getMessage(), Optional.empty());
     }
 
-    // Methods for the reader's thread.
+    // ---- methods for the reader's thread ----
 
     private void read() {
         try {
@@ -493,13 +572,30 @@ public final class AgentClient implements AutoCloseable {
                         finish(lost(e));
                         return;
                     }
+                } catch (DisconnectedException bye) {
+                    if (!bye.code().equals(MOVED) || !follows(bye) || !resume()) {
+                        throw bye;
+                    }
                 }
             }
         } catch (AgentException e) {
             finish(e);
-        } catch (RuntimeException e) { // a message whose fields have wrong types
+        } catch (RuntimeException e) {
+            // The fields of the message have wrong types.
             finish(AgentException.unreadable(e));
         }
+    }
+
+    /** Continues at the server to which another one sends the client, if it names one. */
+    private boolean follows(AgentException sent) {
+        if (sent instanceof DisconnectedException moved && moved.address().isPresent()) {
+            address = moved.address().get();
+            if (!known.contains(address)) {
+                known.add(address);
+            }
+            return true;
+        }
+        return false;
     }
 
     private void take(ServerMessage message) {
@@ -537,18 +633,60 @@ public final class AgentClient implements AutoCloseable {
                 greeting = talk.greeting().orElseThrow();
             }
             try {
-                goOn(Wire.open(address, greeting).wire());
+                Wire.Opened opened = Wire.open(address, greeting.withPatience(attempt()));
+                knowServers(opened.welcome());
+                goOn(opened.wire());
                 return true;
-            } catch (IOException e) {
+            } catch (IOException e) { // the server may have ended, and another one has the world
+                takeNextServer();
                 pause();
             } catch (AgentException e) {
-                if (!e.code().equals(TOO_OFTEN)) {
+                boolean isOut =
+                        e.code().equals(CLOSING)
+                                || e.code().equals(NO_ANSWER)
+                                || hasEndedInHandshake(e);
+                if (isOut && known.size() > 1) {
+                    takeNextServer();
+                    pause();
+                    continue;
+                }
+                boolean isTemporary =
+                        e.code().equals(TOO_OFTEN)
+                                || e.code().equals(STARTING)
+                                || e.code().equals(MOVED) && follows(e);
+                if (!isTemporary) {
                     throw e;
                 }
                 pause();
             }
         }
         return false;
+    }
+
+    /** Returns whether a server has ended while the client and the server agreed on TLS. */
+    private static boolean hasEndedInHandshake(AgentException failure) {
+        Throwable handshake = failure.getCause();
+        Throwable cause = handshake == null ? null : handshake.getCause();
+        return failure.code().equals(Wire.TLS_FAILED)
+                && (cause instanceof EOFException || cause instanceof SocketException);
+    }
+
+    private Duration attempt() {
+        return known.size() > 1 && patience.compareTo(ATTEMPT) > 0 ? ATTEMPT : patience;
+    }
+
+    /** Notes the servers at which the session can be resumed. */
+    private void knowServers(Welcome told) {
+        for (String server : told.session().map(Welcome.Ticket::servers).orElse(List.of())) {
+            InetSocketAddress other = DisconnectedException.parsed(server);
+            if (!known.contains(other)) {
+                known.add(other);
+            }
+        }
+    }
+
+    private void takeNextServer() {
+        address = known.get((known.indexOf(address) + 1) % known.size());
     }
 
     private void goOn(Wire next) {

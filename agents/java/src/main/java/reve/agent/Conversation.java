@@ -23,8 +23,8 @@ import java.util.function.LongFunction;
 
 /**
  * The state of one session, over one or several connections. It has no sockets and no threads.
- * Methods return the bytes to send, and {@link #take} receives messages. Threads that share a
- * conversation need a lock.
+ * Methods return the bytes to send, and {@link #take} receives messages. Threads that share an
+ * object of this class need a lock.
  */
 final class Conversation {
 
@@ -35,13 +35,16 @@ final class Conversation {
     private long lastId;
     private final Map<Long, Optional<ServerMessage>> answers = new HashMap<>();
 
-    /** Requests without an answer, in order; they are sent again after a reconnection. */
+    /** Requests that have no answer yet, in order. They are sent again after a reconnection. */
     private final Map<Long, byte[]> unanswered = new LinkedHashMap<>();
 
     /** Ids of requests for the perception of a future frame, which {@link #fork} sent. */
     private final Set<Long> ahead = new HashSet<>();
 
-    /** Id of the stream of perceptions; 0 if there is none. In lock-step it has no id. */
+    /**
+     * Id of the stream of perceptions; 0 if there is none. The stream of an agent in lock-step has
+     * no id.
+     */
     private long subscription;
 
     private int every;
@@ -55,14 +58,14 @@ final class Conversation {
     private long observedFrame = NO_FRAME;
     private final Deque<WorldEvent> events = new ArrayDeque<>();
 
-    /** What was heard and not yet returned with a perception. */
+    /** Texts that the agent has heard and that were not yet returned with a perception. */
     private final Deque<Heard> heard = new ArrayDeque<>();
 
     private long frameSeen;
 
     /**
-     * Frame numbers of received events that are later than {@link #frameSeen}. No event up to the
-     * frame {@code frameSeen} is missing.
+     * Frame numbers of received events that are later than {@link #frameSeen}. All events up to the
+     * frame {@code frameSeen} have arrived.
      */
     private final List<Long> seenAfter = new ArrayList<>();
 
@@ -106,6 +109,8 @@ final class Conversation {
     }
 
     /**
+     * Returns the answer to a request.
+     *
      * @throws AgentException if the server refused the request
      */
     <T extends ServerMessage> T answer(long id, Class<T> type) {
@@ -122,7 +127,7 @@ final class Conversation {
         return type.cast(answer);
     }
 
-    /** Adds what was heard up to the frame of the perception and not returned yet. */
+    /** Adds the texts that were heard up to the frame of the perception and not returned yet. */
     private Perception withHeard(Perception perception) {
         var voices = new ArrayList<Heard>();
         while (!heard.isEmpty() && heard.getFirst().frame() <= perception.frame()) {
@@ -131,7 +136,7 @@ final class Conversation {
         return perception.withHeard(List.copyOf(voices));
     }
 
-    /** Forgets a request; its answer is ignored. */
+    /** Removes a request, so that its answer is ignored. */
     void drop(long id) {
         answers.remove(id);
         unanswered.remove(id);
@@ -142,7 +147,7 @@ final class Conversation {
         return Wire.encode(message, join.encoding());
     }
 
-    /** Begins a stream of perceptions; it replaces the present one. */
+    /** Begins a stream of perceptions, which replaces the present stream. */
     byte[] subscribe(int frames) {
         subscription = ++lastId;
         every = frames;
@@ -234,7 +239,7 @@ final class Conversation {
 
     /**
      * Returns whether the client must send {@code ready} without acts. This is necessary if a round
-     * ended without this agent: the world waits for the agent in the next round, while the agent
+     * ended without this agent. The world waits for the agent in the next round, while the agent
      * still waits for results of its acts.
      */
     boolean mustSayReady() {
@@ -313,7 +318,9 @@ final class Conversation {
         hasSeen(perception.frame());
     }
 
-    /** Returns the id of the stream; in lock-step perceptions come without a request. */
+    /**
+     * Returns the id of the stream; empty in lock-step, where perceptions arrive without a request.
+     */
     private OptionalLong stream() {
         return welcome.lockStep().isPresent()
                 ? OptionalLong.empty()
@@ -330,7 +337,8 @@ final class Conversation {
     private void hear(WorldEvent event) {
         if (event.type().equals(WorldEvent.MISSED)) {
             miss(event);
-        } else if (knownAlready > 0) { // the server sent this event again after the reconnection
+        } else if (knownAlready > 0) {
+            // The server has sent this event again after a reconnection, so it is ignored.
             knownAlready--;
         } else {
             keep(event);
@@ -346,8 +354,8 @@ final class Conversation {
     }
 
     /**
-     * Keeps the event {@code gap}, which stands for events that the server did not send, and counts
-     * them.
+     * Stores the event {@code gap}, which represents events that the server did not send, and
+     * counts these events.
      */
     private void miss(WorldEvent gap) {
         keep(gap);
@@ -363,7 +371,7 @@ final class Conversation {
         events.addLast(event);
     }
 
-    /** Records that all events up to that frame have arrived. */
+    /** Records that all events up to the given frame have arrived. */
     private void hasSeen(long frame) {
         if (frame > frameSeen) {
             frameSeen = frame;

@@ -4,7 +4,10 @@ package reve.agent;
 import java.net.InetSocketAddress;
 import java.util.Optional;
 
-/** The connection ended; the code is the server's reason, or {@code lost} if there was none. */
+/**
+ * Reports that the connection has ended. The code is the server's reason, or {@code lost} if there
+ * was none.
+ */
 public final class DisconnectedException extends AgentException {
 
     private static final long serialVersionUID = 1L;
@@ -32,7 +35,7 @@ public final class DisconnectedException extends AgentException {
                 bye.address().map(DisconnectedException::parsed));
     }
 
-    private static InetSocketAddress parsed(String address) {
+    static InetSocketAddress parsed(String address) {
         int colon = address.lastIndexOf(':');
         if (colon < 1) {
             throw new IllegalArgumentException("'" + address + "', expected HOST:PORT");
@@ -41,7 +44,7 @@ public final class DisconnectedException extends AgentException {
                 address.substring(0, colon), Integer.parseInt(address.substring(colon + 1)));
     }
 
-    /** Returns the address of the server that has the world, if the server named another one. */
+    /** Returns the address of the server that has the world, if the server named another server. */
     public Optional<InetSocketAddress> address() {
         return address;
     }

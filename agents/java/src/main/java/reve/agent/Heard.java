@@ -6,7 +6,7 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * What the agent heard of a text that another agent said in a frame.
+ * The part that the agent heard of a text that another agent said in a frame.
  *
  * @param text the text; "…" replaces each lost word
  * @param lost number of lost words
@@ -27,10 +27,12 @@ public record Heard(
         double z,
         double distance) {
 
-    /** Type of the event that contains what an agent hears. */
+    /** Type of the event that contains a text that an agent hears. */
     static final String TYPE = "heard";
 
     /**
+     * Reads an event.
+     *
      * @throws AgentException if a field is missing or has the wrong type
      */
     static Heard in(WorldEvent event) {

@@ -6,7 +6,7 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * A picture from a camera, in rows from the top. Buffers are read-only and little-endian; layers
+ * A picture from a camera, in rows from the top. Buffers are read-only and little-endian. Layers
  * that the camera lacks are empty.
  *
  * @param id id of the request
@@ -15,8 +15,8 @@ import java.util.Optional;
  * @param width [px]
  * @param height [px]
  * @param colour red, green and blue in sRGB, one byte each
- * @param depth along the view axis [m], f32; 0 where nothing is in range
- * @param items u16; 0 for no item, else the index of its name in {@code names}, from 1
+ * @param depth distance along the view axis [m], f32; 0 if no surface is in range
+ * @param items u16; 0 for no item, otherwise the index of its name in {@code names}, from 1
  * @param names names of the visible items
  */
 public record Image(

@@ -13,8 +13,8 @@ import javax.net.ssl.SSLContext;
  * @param role "agent", "control" or "observer"
  * @param world name of the world; needed only if the server has several
  * @param body an item that the world grants to agents; empty to let the world choose
- * @param encoding encoding of messages; MessagePack is the faster one and needs msgpack-core on the
- *     class path
+ * @param encoding encoding of messages; MessagePack is faster than JSON and needs msgpack-core on
+ *     the class path
  * @param grace time that the body waits for the agent after the connection breaks
  * @param lockStep settings of lock-step; empty for real time
  * @param resume the session to resume

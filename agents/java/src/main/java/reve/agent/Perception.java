@@ -18,8 +18,8 @@ import java.util.OptionalLong;
  * @param results in lock-step, the results of the previous round's acts, in order
  * @param readings the newest readings of the instruments of the agent's body, by the name of the
  *     sensor
- * @param heard what the agent has heard since the perception before, in order; at most the last
- *     {@value AgentClient#MAX_EVENTS}
+ * @param heard the texts that the agent has heard since the previous perception, in order; at most
+ *     the last {@value AgentClient#MAX_EVENTS}
  */
 public record Perception(
         OptionalLong id,
@@ -95,7 +95,7 @@ public record Perception(
      *
      * <p>An {@code imu} measures in the body's own axes: {@code specificForce}, 3 numbers [m/s²],
      * the acceleration minus gravity, and {@code angularVelocity}, 3 numbers [rad/s]. A {@code
-     * lidar} measures {@code distances} [m], row by row, which are infinite where a ray met
+     * lidar} measures {@code distances} [m], row by row, which are infinite for rays that met
      * nothing. A sensor of the {@code contactForce} measures {@code force}, 3 numbers [N].
      *
      * @param frame the frame of the measurement
@@ -141,7 +141,18 @@ public record Perception(
             Map<String, Object> symbols,
             Map<String, Map<String, Parameter>> actions,
             Map<String, List<String>> needs,
-            List<String> capabilities) {}
+            List<String> capabilities) {
+
+        /**
+         * Returns whether the item belongs to a class: its own class, or one above it. Returns
+         * false if no sensor perceives the symbols {@code class} and {@code classes}.
+         */
+        public boolean isA(String itemClass) {
+            return itemClass.equals(symbols.get("class"))
+                    || symbols.get("classes") instanceof List<?> classes
+                            && classes.contains(itemClass);
+        }
+    }
 
     /** A location in the world's reference frame [m], +Y up. */
     public record Location(double x, double y, double z) {}
@@ -149,7 +160,7 @@ public record Perception(
     /** A rotation as a unit quaternion. */
     public record Orientation(double x, double y, double z, double w) {
 
-        /** No rotation. */
+        /** The value for no rotation. */
         public static final Orientation NONE = new Orientation(0, 0, 0, 1);
     }
 

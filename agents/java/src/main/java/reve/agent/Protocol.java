@@ -61,6 +61,11 @@ final class Protocol {
         return message;
     }
 
+    /** A hello that asks a question instead of joining a world. The answer has the id 1. */
+    static ObjectNode ask(Join join, String question) {
+        return hello(join).put("id", 1).put("ask", question);
+    }
+
     private static void putTime(ObjectNode time, LockStep lockStep) {
         time.put("mode", "lock-step");
         if (lockStep.every() != 1) {
@@ -91,6 +96,8 @@ final class Protocol {
     }
 
     /**
+     * Returns a request for a stream of perceptions.
+     *
      * @param every frames between perceptions, 0 to end the stream
      */
     static ObjectNode perceive(long id, int every) {
@@ -121,6 +128,8 @@ final class Protocol {
     }
 
     /**
+     * Returns the message {@code ready}.
+     *
      * @param frame frame of the perception on which the agent's decision is based
      */
     static ObjectNode ready(OptionalLong frame) {
@@ -204,6 +213,8 @@ final class Protocol {
     }
 
     /**
+     * Reads one message from a line of JSON.
+     *
      * @throws AgentException with code {@code protocol} if the line is not a message of version 1
      */
     static ServerMessage read(String line) {
@@ -333,12 +344,15 @@ final class Protocol {
                 message.optional("time").map(Protocol::lockStep),
                 message.optional("session").map(Protocol::ticket),
                 message.path("resumed").asBoolean(false),
-                limits(message.required("limits")));
+                limits(message.required("limits")),
+                list(message.path("cameras"), JsonNode::stringValue));
     }
 
     private static Welcome.Ticket ticket(JsonNode session) {
         return new Welcome.Ticket(
-                text(session, "token"), session.required("graceSeconds").doubleValue());
+                text(session, "token"),
+                session.required("graceSeconds").doubleValue(),
+                list(session.path("servers"), JsonNode::stringValue));
     }
 
     private static Welcome.Limits limits(JsonNode limits) {

@@ -21,7 +21,7 @@ public sealed interface ServerMessage
                 ServerMessage.Pong,
                 ServerMessage.Bye {
 
-    /** A message was refused; the connection continues. */
+    /** Reports that a message was refused. The connection continues. */
     record Error(OptionalLong id, String code, String message, Optional<String> hint)
             implements ServerMessage {}
 
@@ -31,7 +31,7 @@ public sealed interface ServerMessage
     /** Answers a ping. */
     record Pong(OptionalLong id) implements ServerMessage {}
 
-    /** The connection ends. */
+    /** Reports that the connection ends. */
     record Bye(String code, String message, Optional<String> hint, Optional<String> address)
             implements ServerMessage {}
 }

@@ -35,8 +35,8 @@ public final class Trust {
      * @throws IOException naming the file, if it cannot be read or contains no certificate
      */
     public static SSLContext file(Path file) throws IOException {
-        if (Files.exists(file) && !Files.isRegularFile(file)) { // reading a pipe would block until
-            // another process writes
+        if (Files.exists(file) && !Files.isRegularFile(file)) {
+            // Reading a pipe would block until another process writes to it.
             throw new IOException(file + " is no file, expected a file of certificates (PEM)");
         }
         try (InputStream in = Files.newInputStream(file)) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
+import java.util.List;
 import java.util.Optional;
 import java.util.OptionalInt;
 import java.util.OptionalLong;
@@ -16,6 +17,7 @@ import java.util.OptionalLong;
  * @param lockStep the interval and the deadline of an agent in lock-step
  * @param session present if the join requested grace
  * @param resumed true if a session was resumed after its connection broke
+ * @param cameras names of the cameras of the agent's body
  */
 public record Welcome(
         OptionalLong id,
@@ -30,14 +32,29 @@ public record Welcome(
         Optional<LockStep> lockStep,
         Optional<Ticket> session,
         boolean resumed,
-        Limits limits)
+        Limits limits,
+        List<String> cameras)
         implements ServerMessage {
 
+    /** Copies the list. */
+    public Welcome {
+        cameras = List.copyOf(cameras);
+    }
+
     /**
-     * The token with which a new connection resumes the session. It must do so within {@code
-     * graceSeconds} after the old connection broke.
+     * The token with which a new connection resumes the session. The session can be resumed within
+     * {@code graceSeconds} after the old connection broke.
+     *
+     * @param servers HOST:PORT of other servers of a cluster at which the session can be resumed if
+     *     this one does not answer
      */
-    public record Ticket(String token, double graceSeconds) {}
+    public record Ticket(String token, double graceSeconds, List<String> servers) {
+
+        /** Copies the list. */
+        public Ticket {
+            servers = List.copyOf(servers);
+        }
+    }
 
     /**
      * Limits of the server. A limit that the server does not have is empty.

@@ -26,7 +26,7 @@ import javax.net.ssl.SSLParameters;
 import javax.net.ssl.SSLSocket;
 
 /**
- * One connection to a server after its welcome. One thread may read; threads that write need a
+ * One connection to a server after its welcome. One thread may read. Threads that write need a
  * lock.
  */
 final class Wire implements Closeable {
@@ -50,8 +50,16 @@ final class Wire implements Closeable {
         this.out = socket.getOutputStream();
     }
 
+    /** Code of a failed TLS handshake; the exception has the cause. */
+    static final String TLS_FAILED = "tls-failed";
+
     /** A connection and its welcome. */
     record Opened(Wire wire, Welcome welcome) {}
+
+    /** A conversation after the first message. */
+    private interface Talk<T> {
+        T with(Wire wire) throws IOException;
+    }
 
     /**
      * Connects, does the TLS handshake if TLS is used, sends hello and waits for the welcome.
@@ -60,9 +68,43 @@ final class Wire implements Closeable {
      * @throws AgentException if the server refuses, or does not answer within the patience
      */
     static Opened open(InetSocketAddress address, Join join) throws IOException {
+        return begin(
+                address,
+                join,
+                Protocol.hello(join),
+                wire -> {
+                    Welcome welcome = wire.await(Welcome.class);
+                    wire.mostBytes = MOST_BYTES;
+                    wire.socket.setSoTimeout(0);
+                    return new Opened(wire, welcome);
+                });
+    }
+
+    /**
+     * Connects like {@link #open}, asks a question instead of joining a world, and disconnects.
+     *
+     * @param question the question of the hello
+     */
+    static ActResult ask(InetSocketAddress address, Join join, String question) throws IOException {
+        return begin(
+                address,
+                join,
+                Protocol.ask(join, question),
+                wire -> {
+                    try (wire) {
+                        wire.mostBytes = MOST_BYTES;
+                        return wire.await(ActResult.class);
+                    }
+                });
+    }
+
+    /** Connects, and sends the first message. */
+    private static <T> T begin(InetSocketAddress address, Join join, ObjectNode first, Talk<T> talk)
+            throws IOException {
         var socket = new Socket();
         var late = new AtomicBoolean();
-        // The timeout of the socket restarts with each byte that the server sends.
+        // A separate alarm limits the total time, because the timeout of the socket restarts with
+        // each byte that the server sends.
         CompletableFuture<Void> alarm =
                 CompletableFuture.runAsync(
                         () -> {
@@ -82,20 +124,20 @@ final class Wire implements Closeable {
                                     ? secure(socket, address.getHostString(), join.tls().get())
                                     : socket,
                             join.encoding());
-            wire.write(encode(Protocol.hello(join), Encoding.JSON));
-            Welcome welcome = wire.awaitWelcome();
-            wire.mostBytes = MOST_BYTES;
-            socket.setSoTimeout(0);
-            return new Opened(wire, welcome);
+            wire.write(encode(first, Encoding.JSON));
+            return talk.with(wire);
         } catch (SSLException e) {
             socket.close();
             requireInTime(late, join);
-            throw new DisconnectedException(
-                    "tls-failed",
-                    e.getMessage(),
-                    Optional.of(
-                            "does the server speak TLS, and is its certificate one that you"
-                                    + " trust?"));
+            var failed =
+                    new DisconnectedException(
+                            TLS_FAILED,
+                            e.getMessage(),
+                            Optional.of(
+                                    "does the server speak TLS, and is its certificate one that you"
+                                            + " trust?"));
+            failed.initCause(e);
+            throw failed;
         } catch (SocketTimeoutException e) {
             socket.close();
             throw AgentException.noAnswer(join.patience());
@@ -160,15 +202,16 @@ final class Wire implements Closeable {
     }
 
     /**
-     * Waits for the welcome. Before the welcome, the server may only send pings, refuse the hello
-     * or end the connection.
+     * Waits for the answer to the hello. The server may only send pings, refuse the hello or end
+     * the connection before this answer.
      */
-    private Welcome awaitWelcome() throws IOException {
+    private <T extends ServerMessage> T await(Class<T> type) throws IOException {
         while (true) {
-            switch (next()) {
-                case Welcome welcome -> {
-                    return welcome;
-                }
+            ServerMessage message = next();
+            if (type.isInstance(message)) {
+                return type.cast(message);
+            }
+            switch (message) {
                 case ServerMessage.Ping ping -> write(encode(Protocol.pong(), Encoding.JSON));
                 case ServerMessage.Bye bye -> throw DisconnectedException.of(bye);
                 case ServerMessage.Error error -> throw AgentException.refused(error);
@@ -181,7 +224,8 @@ final class Wire implements Closeable {
      * Returns the next message.
      *
      * @throws EOFException if the server has closed the connection
-     * @throws AgentException with code {@code protocol} if it is no message, or too long
+     * @throws AgentException with code {@code protocol} if the data is no message, or the message
+     *     is too long
      */
     ServerMessage next() throws IOException {
         int first = in.read();
@@ -193,7 +237,7 @@ final class Wire implements Closeable {
         }
         int length = first << 24 | in.readUnsignedByte() << 16 | in.readUnsignedShort();
         require(length);
-        byte[] packed = in.readNBytes(length); // grows with the bytes that arrive
+        byte[] packed = in.readNBytes(length); // the array grows with the bytes that arrive
         if (packed.length < length) {
             throw new EOFException("the server closed it within a message");
         }

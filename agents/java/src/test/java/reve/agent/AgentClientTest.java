@@ -94,6 +94,185 @@ class AgentClientTest {
         }
     }
 
+    /** The next server ends while the client resumes there; the client asks the first one again. */
+    @Test
+    @Timeout(60)
+    void aSessionContinuesAlthoughTheNextServerEnds() throws IOException {
+        String session =
+                WELCOME.replace(
+                        "\"frame\":0",
+                        "\"frame\":0,\"session\":{\"token\":\""
+                                + "0".repeat(32)
+                                + "\",\"graceSeconds\":60}");
+        byte[] welcome = (session + "\n").getBytes(StandardCharsets.UTF_8);
+        try (var second = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress());
+                var first = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress())) {
+            answer(
+                    first,
+                    call -> {
+                        if (call.number() == 1) {
+                            call.write(welcome);
+                            call.read(); // the ping
+                        }
+                        moved(second).with(call.client().getOutputStream());
+                    });
+            answer(
+                    second,
+                    call -> {
+                        if (call.number() == 1) {
+                            call.write(
+                                    "{\"t\":\"bye\",\"code\":\"closing\",\"message\":\"ends\"}\n"
+                                            .getBytes(StandardCharsets.UTF_8));
+                            return;
+                        }
+                        call.write(welcome);
+                        call.read(); // the ping again
+                        call.write("{\"t\":\"pong\",\"id\":1}\n".getBytes(StandardCharsets.UTF_8));
+                        call.read(); // the bye
+                    });
+            try (AgentClient ada =
+                    AgentClient.connect(
+                            "127.0.0.1",
+                            first.getLocalPort(),
+                            Join.as("ada").withGrace(Duration.ofSeconds(60)))) {
+                ada.ping();
+            }
+        }
+    }
+
+    /**
+     * The only server that the client has asked is lost; a silent one and a third one are known.
+     */
+    @Test
+    @Timeout(60)
+    @SuppressWarnings("try") // closes the first server early
+    void aSessionContinuesOnAServerThatTheWelcomeNames() throws IOException {
+        try (var first = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress());
+                var silent = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress());
+                var third = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress())) {
+            byte[] welcome =
+                    (WELCOME.replace(
+                                            "\"frame\":0",
+                                            "\"frame\":0,\"session\":{\"token\":\""
+                                                    + "0".repeat(32)
+                                                    + "\",\"graceSeconds\":60,\"servers\":"
+                                                    + "[\"127.0.0.1:"
+                                                    + silent.getLocalPort()
+                                                    + "\",\"127.0.0.1:"
+                                                    + third.getLocalPort()
+                                                    + "\"]}")
+                                    + "\n")
+                            .getBytes(StandardCharsets.UTF_8);
+            answer(
+                    first,
+                    call -> {
+                        call.write(welcome);
+                        call.read(); // the ping
+                        first.close();
+                    });
+            answer(
+                    third,
+                    call -> {
+                        call.write(welcome);
+                        call.read(); // the ping again
+                        call.write("{\"t\":\"pong\",\"id\":1}\n".getBytes(StandardCharsets.UTF_8));
+                        call.read(); // the bye
+                    });
+            try (AgentClient ada =
+                    AgentClient.connect(
+                            "127.0.0.1",
+                            first.getLocalPort(),
+                            Join.as("ada")
+                                    .withGrace(Duration.ofSeconds(60))
+                                    .withPatience(Duration.ofSeconds(30)))) {
+                ada.ping();
+            }
+        }
+    }
+
+    private record Call(int number, Socket client) {
+        void write(byte[] bytes) throws IOException {
+            client.getOutputStream().write(bytes);
+        }
+
+        void read() throws IOException {
+            client.getInputStream().read(new byte[65_536]);
+        }
+    }
+
+    private interface Answer {
+        void to(Call call) throws Exception;
+    }
+
+    /** Answers one connection after another, after the client's hello. */
+    private static void answer(ServerSocket server, Answer answer) {
+        Thread.ofVirtual()
+                .start(
+                        () -> {
+                            for (int i = 1; ; i++) {
+                                try (Socket client = server.accept()) {
+                                    Call call = new Call(i, client);
+                                    call.read();
+                                    answer.to(call);
+                                } catch (Exception closed) {
+                                    if (server.isClosed()) {
+                                        return;
+                                    }
+                                }
+                            }
+                        });
+    }
+
+    @Test
+    @Timeout(60)
+    void aSessionContinuesOnTheServerToWhichItsWorldMoves() throws IOException {
+        String session =
+                WELCOME.replace(
+                        "\"frame\":0",
+                        "\"frame\":0,\"session\":{\"token\":\""
+                                + "0".repeat(32)
+                                + "\",\"graceSeconds\":60}");
+        byte[] welcome = (session + "\n").getBytes(StandardCharsets.UTF_8);
+        try (var second = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress());
+                var first = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress())) {
+            Thread.ofVirtual()
+                    .start(
+                            () -> {
+                                try (Socket client = first.accept()) {
+                                    client.getInputStream().read(new byte[65_536]);
+                                    client.getOutputStream().write(welcome);
+                                    client.getInputStream().read(new byte[65_536]); // the ping
+                                    moved(second).with(client.getOutputStream());
+                                } catch (Exception e) {
+                                    // The client has left, or the test ends.
+                                }
+                            });
+            Thread.ofVirtual()
+                    .start(
+                            () -> {
+                                try (Socket client = second.accept()) {
+                                    client.getInputStream().read(new byte[65_536]);
+                                    client.getOutputStream().write(welcome);
+                                    client.getInputStream().read(new byte[65_536]); // again
+                                    client.getOutputStream()
+                                            .write(
+                                                    "{\"t\":\"pong\",\"id\":1}\n"
+                                                            .getBytes(StandardCharsets.UTF_8));
+                                    client.getInputStream().read(new byte[65_536]); // the bye
+                                } catch (Exception e) {
+                                    // The client has left, or the test ends.
+                                }
+                            });
+            Join join =
+                    Join.as("ada")
+                            .withGrace(Duration.ofSeconds(60))
+                            .withPatience(Duration.ofSeconds(30));
+            try (AgentClient ada = AgentClient.connect("127.0.0.1", first.getLocalPort(), join)) {
+                ada.ping();
+            }
+        }
+    }
+
     /** The behaviour of a faulty server after it has read the hello. */
     private interface Talk {
         void with(OutputStream client) throws Exception;

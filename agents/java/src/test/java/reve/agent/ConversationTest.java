@@ -30,7 +30,7 @@ class ConversationTest {
                             60,
                             "json",
                             Optional.empty(),
-                            Optional.of(new Welcome.Ticket("secret", 60)),
+                            Optional.of(new Welcome.Ticket("secret", 60, List.of())),
                             false,
                             new Welcome.Limits(
                                     65_536,
@@ -41,7 +41,8 @@ class ConversationTest {
                                     OptionalInt.empty(),
                                     OptionalInt.empty(),
                                     OptionalInt.empty(),
-                                    OptionalInt.empty())));
+                                    OptionalInt.empty()),
+                            List.of()));
 
     private static WorldEvent said(long frame) {
         return new WorldEvent(frame, "said", Map.of());

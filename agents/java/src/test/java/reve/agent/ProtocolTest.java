@@ -216,7 +216,10 @@ class ProtocolTest {
     private static ObjectNode said(JsonNode message) {
         long id = message.path("id").asLong(0);
         return switch (message.get("t").stringValue()) {
-            case "hello" -> Protocol.hello(join(message));
+            case "hello" ->
+                    message.has("ask")
+                            ? Protocol.ask(join(message), message.get("ask").stringValue())
+                            : Protocol.hello(join(message));
             case "perceive" ->
                     message.has("every")
                             ? Protocol.perceive(id, message.get("every").intValue())
@@ -236,7 +239,11 @@ class ProtocolTest {
                                 arguments);
                 yield message.has("ready") ? Protocol.andReady(act, frame(message)) : act;
             }
-            case "look" -> Protocol.look(id, message.get("sensor").stringValue());
+            case "look" -> {
+                ObjectNode look = Protocol.look(id, message.get("sensor").stringValue());
+                message.optional("item").ifPresent(item -> look.set("item", item));
+                yield look;
+            }
             case "ready" -> Protocol.ready(frame(message));
             case "ping" -> Protocol.ping(id);
             case "pong" -> Protocol.pong();
@@ -346,12 +353,19 @@ class ProtocolTest {
                                                 .put("deadline", time.deadline().toNanos() / 1e9));
                 w.session()
                         .ifPresent(
-                                session ->
-                                        json.putObject("session")
-                                                .put("token", session.token())
-                                                .put("graceSeconds", session.graceSeconds()));
+                                session -> {
+                                    ObjectNode ticket = json.putObject("session");
+                                    ticket.put("token", session.token());
+                                    ticket.put("graceSeconds", session.graceSeconds());
+                                    if (!session.servers().isEmpty()) {
+                                        ticket.set("servers", JSON.valueToTree(session.servers()));
+                                    }
+                                });
                 if (w.resumed()) {
                     json.put("resumed", true);
+                }
+                if (!w.cameras().isEmpty()) {
+                    json.set("cameras", JSON.valueToTree(w.cameras()));
                 }
                 ObjectNode limits = json.putObject("limits");
                 limits.put("lineBytes", w.limits().lineBytes())

@@ -21,10 +21,11 @@ import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 
 /**
- * Finds the library that is the cause if the numbers of a law are not finite. If the law computed
- * these numbers from moderate numbers, its own library is the cause. If the law has read extreme
- * numbers that other laws write, the frame is tried again without each other library. The library
- * without which the frame succeeds is the cause. For the world's thread, after a failure.
+ * Finds the library that is the cause if the numbers of a law are not finite. The law's own library
+ * is the cause if the law computed these numbers from moderate numbers. Otherwise the law has read
+ * extreme numbers that other laws write. The frame is then tried again without each other library,
+ * and the cause is the library without which the frame succeeds. For the world's thread, after a
+ * failure.
  */
 final class Blame {
     /** Maximum number of trials in a frame. */
@@ -54,7 +55,7 @@ final class Blame {
 
     /**
      * Returns whether a law failed because of its numbers, and has read extreme numbers in a
-     * property that it does not write itself. Must be called before the columns are restored.
+     * property that it does not write itself. Called before the columns are restored.
      */
     boolean hasReadExtremes(PhysicsException failure) {
         return failure.status() == Status.LAW_MISBEHAVED
@@ -63,9 +64,9 @@ final class Blame {
     }
 
     /**
-     * Returns the failure of the library that is the cause. If the frame succeeds without any one
-     * of several libraries, the cause is the library among them that was loaded last. If there is
-     * no such library, returns the given failure. The columns are those of the beginning of the
+     * Returns the failure of the library that is the cause. The frame may succeed without any one
+     * of several libraries. The cause is then the library among them that was loaded last. Returns
+     * the given failure if there is no such library. The columns are those of the beginning of the
      * frame, before and after this call.
      */
     PhysicsException cause(FrameEvent frame, PhysicsException failure) {
@@ -87,7 +88,7 @@ final class Blame {
         try {
             engine.setInterval(libraryId, 0);
         } catch (PhysicsException refused) {
-            return false; // its laws keep columns on a device
+            return false; // laws of this library keep columns on a device
         }
         boolean succeeded = false;
         try {

@@ -7,8 +7,8 @@ import reve.core.world.Table;
 import reve.core.world.World;
 
 /**
- * A property that contains, for each item, the engine's row of the body that carries the item. This
- * is the body with physics to which the item is attached, directly or through other items. The
+ * A property that contains, for each item, the engine's row of the body that carries the item. The
+ * carrying body has physics, and the item is attached to it, directly or through other items. The
  * value is -1 for an item that is attached to nothing or to scenery. A change of attachments
  * changes the layout of the world, so the adapter then binds this property again.
  */

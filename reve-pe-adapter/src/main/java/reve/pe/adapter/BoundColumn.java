@@ -21,7 +21,7 @@ final class BoundColumn extends BoundProperty {
     MemorySegment memory() {
         MemorySegment all = column.segment();
         if (firstRow() == 0) {
-            return all; // the same object while no rows move
+            return all; // the object stays the same while no rows move
         }
         return all.asSlice((long) firstRow() * column.descriptor().rowBytes(), bytes());
     }

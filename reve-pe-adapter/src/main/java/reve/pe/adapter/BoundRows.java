@@ -13,7 +13,7 @@ final class BoundRows {
     private final Table table;
     private long[] items = {};
 
-    /** Moves of rows: two numbers, from and to, for each move. */
+    /** Moves of rows. Each move consists of two numbers: the old row and the new row. */
     private long[] moves = {};
 
     private int moved;
@@ -38,8 +38,8 @@ final class BoundRows {
                 left.put(items[row], row);
             }
         }
-        // The loop begins at the front: when it reaches a row whose item has left, this item has
-        // already been moved to an earlier row.
+        // The loop begins at the front. An item that has left a row has therefore already been
+        // moved to an earlier row when the loop reaches its old row.
         for (int row = 0; row < Math.min(now.length, items.length); row++) {
             if (now[row] != items[row]) {
                 int from = left.getOrDefault(now[row], -1);

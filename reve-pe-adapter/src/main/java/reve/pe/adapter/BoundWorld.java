@@ -27,7 +27,7 @@ final class BoundWorld {
 
     /**
      * The bound properties. Columns come first, because they depend on no other property, and the
-     * engine must release their old memory before it reads the others.
+     * engine must release their old memory before it reads the other properties.
      */
     private final BoundProperty[] properties;
 
@@ -102,9 +102,9 @@ final class BoundWorld {
     }
 
     /**
-     * Passes changes of the world to the engine. Costs almost nothing if nothing changed. All
-     * columns of a kind must have the same number of rows in the engine. Therefore the bound
-     * columns get their new rows before the engine receives further columns.
+     * Passes changes of the world to the engine. The call takes almost no time if nothing has
+     * changed. All columns of a kind must have the same number of rows in the engine. Therefore the
+     * bound columns get their new rows before the engine receives further columns.
      *
      * @throws IllegalStateException naming item and property if a reference is invalid
      */
@@ -136,8 +136,8 @@ final class BoundWorld {
     }
 
     /**
-     * Reads the meshes of the items, if a law uses them and they have changed. If no item has a
-     * mesh any more, removes the properties of meshes from the engine.
+     * Reads the meshes of the items, if a law uses them and they have changed. Removes the
+     * properties of meshes from the engine if no item has a mesh.
      */
     private boolean followMeshes(boolean moved) {
         if (!areMeshesUsed) {
@@ -159,7 +159,7 @@ final class BoundWorld {
     /**
      * Sets the names of the properties that the loaded laws use; the change takes effect with
      * {@link #update}. The engine receives the shapes and the scenery only while a law uses them.
-     * So these properties do not change the hashes of worlds that do not use them.
+     * These properties therefore do not change the hashes of worlds in which no law uses them.
      */
     void setUsed(Set<String> names) {
         used = names;

@@ -13,8 +13,8 @@ import java.util.Optional;
 
 /**
  * Compares the times of libraries with their budgets. A decision changes the laws before the phase
- * PHYSICS of the next frame. The journal records it there, so a replay makes the same change. For
- * the world's thread only. Allocates nothing unless a budget is exceeded.
+ * PHYSICS of the next frame. The journal records the change in that frame, so a replay makes the
+ * same change. For the world's thread only. Allocates nothing unless a budget is exceeded.
  */
 final class BudgetWatch {
     /** Least number of frames between two warnings about the same library. */
@@ -36,7 +36,10 @@ final class BudgetWatch {
         private final int lawCount;
         private final TimeBudget budget;
 
-        /** Number of successive frames, up to the last frame, that were too long. */
+        /**
+         * Number of successive frames up to the last frame in which the library exceeded its
+         * budget.
+         */
         private int over;
 
         private long quietUntil;
@@ -52,7 +55,7 @@ final class BudgetWatch {
     /**
      * A budget that was exceeded.
      *
-     * @param nanoseconds that the library took in the last frame [ns]
+     * @param nanoseconds time that the library took in the last frame [ns]
      */
     record Excess(int libraryId, TimeBudget budget, long nanoseconds) {}
 
@@ -68,7 +71,7 @@ final class BudgetWatch {
         forget();
     }
 
-    /** Forgets all frames and decisions. */
+    /** Discards the data of all frames, and all decisions. */
     void forget() {
         decided.clear();
         version = -1;
@@ -111,7 +114,7 @@ final class BudgetWatch {
         decided.add(new Excess(library.libraryId, library.budget, nanoseconds));
     }
 
-    /** Executes the decisions of the last frame. Must be called before PHYSICS. */
+    /** Executes the decisions of the last frame. Called before PHYSICS. */
     void carryOut(long ofFrame) {
         if (decided.isEmpty()) {
             return;

@@ -28,12 +28,14 @@ final class FolderLaws {
     private final Trials trials;
     private final Map<String, ActiveFile> byName = new HashMap<>();
 
-    /** A change of the folder's laws, executed in ACT, the frame's phase for commands. */
+    /** A change of the folder's laws. It is executed in ACT, the frame's phase for commands. */
     interface Change {
         void make(long frame);
     }
 
     /**
+     * The library of a file that is active.
+     *
      * @param parameters parameters from the YAML file beside the library, by name
      */
     private record ActiveFile(int libraryId, String sha256, Map<String, Double> parameters) {
@@ -67,8 +69,8 @@ final class FolderLaws {
     /**
      * Activates the libraries of files that changed together, in place of their previous libraries.
      * Files may have exchanged their contents. A library that is refused at first is tried again
-     * after the other libraries, on which it may depend. If it is refused again, its previous
-     * library stays. New versions that need a trial take over later, together.
+     * after the other libraries, on which it may depend. The previous library of a file stays if
+     * its new library is refused again. New versions that need a trial take over later, together.
      *
      * @param puts new libraries; this method closes each one that neither the engine nor a trial
      *     takes
@@ -89,7 +91,9 @@ final class FolderLaws {
             }
             again.forEach(
                     (put, first) -> {
-                        // The names of laws are known only after an engine took the library.
+                        // A refused library is tried again only if no engine has taken it. The
+                        // names of laws, which may be the reason for a refusal, are known only
+                        // after an engine has taken the library.
                         boolean mayDependOnOthers = puts.size() > 1 && put.library.isFree();
                         Optional<PhysicsException> why =
                                 mayDependOnOthers ? refusal(frame, put) : Optional.of(first);
@@ -139,7 +143,7 @@ final class FolderLaws {
 
     /**
      * Returns the new parameters of a loaded library if they need a trial; empty if their unit is
-     * wrong, which is reported when they are tried at once.
+     * wrong. A wrong unit is reported when the parameters are set without a trial.
      */
     private Optional<NewVersion> parametersForTrial(Put put, ActiveFile old) {
         FolderParameters wanted = put.parameters;
@@ -160,7 +164,7 @@ final class FolderLaws {
                         .heardBy((at, refusal) -> tried(put.name(), old, next, refusal)));
     }
 
-    /** Notes that the version of a file has taken over, unless the file has changed meanwhile. */
+    /** Records that the version of a file has taken over, unless the file has changed meanwhile. */
     private void tried(
             String name, ActiveFile old, ActiveFile next, Optional<PhysicsException> refusal) {
         if (refusal.isPresent()) {
@@ -222,7 +226,8 @@ final class FolderLaws {
                     .map(Map.Entry::getKey)
                     .ifPresent(owner -> next.put(put.name(), left.remove(owner)));
         }
-        for (Put put : puts) { // the others keep their library, or get one that has no owner now
+        for (Put put : puts) {
+            // The other files keep their library, or get a library that has no owner now.
             boolean isLeft = owned.containsKey(put.name()) && !next.containsKey(put.name());
             if (isLeft && !left.isEmpty()) {
                 String owner =
@@ -359,7 +364,7 @@ final class FolderLaws {
 
     /**
      * Returns the values that give a library the wanted parameters: those of the file, and the
-     * default of each parameter that the file contained before.
+     * default of each parameter that the file contained before its change.
      */
     private static Map<String, Double> changed(
             Map<String, Double> before, FolderParameters wanted, List<PhysicsLaw> present) {

@@ -22,7 +22,7 @@ public record FolderParameters(Map<String, Double> values, Check check) {
     /** The parameters of a library that has no file with parameters. */
     static final FolderParameters NONE = new FolderParameters(Map.of(), laws -> {});
 
-    /** A check of parameters against the laws of the loaded library. */
+    /** A function that checks parameters against the laws of the loaded library. */
     public interface Check {
         /**
          * Checks the units of the parameters.
@@ -33,7 +33,7 @@ public record FolderParameters(Map<String, Double> values, Check check) {
         void check(List<PhysicsLaw> laws);
     }
 
-    /** Reads files with parameters. For any thread. */
+    /** A function that reads files with parameters. For any thread. */
     public interface Reader {
         /**
          * Reads the parameters of a library.

@@ -23,51 +23,65 @@ public sealed interface LawChange {
         };
     }
 
-    /** A library was loaded, as the last one in the order. */
+    /** Records that a library was loaded, as the last one in the order. */
     record Loaded(LawLibrary library) implements LawChange {}
 
     /**
-     * The library at a place was replaced by another library. The new library has the same place.
-     * It also has the state of the old laws, where the layout of this state is the same.
+     * Records that the library at a place was replaced by another library. The new library has the
+     * same place. It also has the state of the old laws, where the layout of this state is the
+     * same.
      */
     record Replaced(int place, LawLibrary library) implements LawChange {}
 
-    /** The library at a place was unloaded. */
+    /** Records that the library at a place was unloaded. */
     record Unloaded(int place) implements LawChange {}
 
     /**
-     * Parameters of the library at a place were changed; the laws keep their SCRATCH memory.
+     * Records that parameters of the library at a place were changed. The laws keep their SCRATCH
+     * memory.
      *
      * @param changed values, keyed by {@code parameter} or {@code law.parameter}
      */
     record ParametersSet(int place, Map<String, Double> changed) implements LawChange {}
 
-    /** The budget of the library at a place was changed or removed; its interval is 1 again. */
+    /**
+     * Records that the budget of the library at a place was changed or removed. The interval of the
+     * library is then 1.
+     */
     record BudgetSet(int place, Optional<TimeBudget> budget) implements LawChange {}
 
-    /** The laws of the library at a place are evaluated in every n-th step only. */
+    /** Records that the laws of the library at a place are evaluated in every n-th step only. */
     record IntervalSet(int place, int interval) implements LawChange {}
 
     /**
-     * The library at a place failed in PHYSICS, the frame's phase in which laws act. It was
-     * unloaded and quarantined.
+     * Records that the library at a place failed in PHYSICS, the frame's phase in which laws act.
+     * It was unloaded and quarantined.
      */
     record Failed(int place, Quarantined reason) implements LawChange {}
 
     /**
-     * The library at a place failed in PHYSICS soon after it had replaced another library. It is
-     * quarantined, and the replaced library has its place again.
+     * Records that the library at a place failed in PHYSICS soon after it had replaced another
+     * library. The failed library is quarantined, and the replaced library has its place again.
      *
      * @param library the library that was replaced and is loaded again
      */
     record RolledBack(int place, Quarantined reason, LawLibrary library) implements LawChange {}
 
-    /** A law failed in PHYSICS at an item, which was arrested: laws cannot access it any more. */
+    /**
+     * Records that a law failed in PHYSICS at an item. The item was arrested, so that laws do not
+     * act on it.
+     */
     record Arrested(ItemId item) implements LawChange {}
 
-    /** The quarantine of a library's bytes was ended, so it may be loaded again. */
+    /**
+     * Records that the quarantine of a library's bytes was ended, so that the library may be loaded
+     * again.
+     */
     record Released(String sha256) implements LawChange {}
 
-    /** PHYSICS failed and no law was the cause: the laws did not act in this frame. */
+    /**
+     * Records that the laws did not act in this frame, because PHYSICS failed and no law was the
+     * cause.
+     */
     record Unmoved() implements LawChange {}
 }

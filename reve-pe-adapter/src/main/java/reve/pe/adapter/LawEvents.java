@@ -4,6 +4,7 @@ package reve.pe.adapter;
 import org.jspecify.annotations.Nullable;
 
 import reve.core.frame.TimeBudget;
+import reve.core.world.RefusedSize;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.pe.PhysicsEngine;
@@ -19,7 +20,9 @@ import java.util.Map;
 import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 
-/** The events that report what happens to the laws of a world. For the world's thread only. */
+/**
+ * The events that report changes and failures of the laws of a world. For the world's thread only.
+ */
 final class LawEvents {
     private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf|[0-9.]+e\\+)");
 
@@ -79,7 +82,7 @@ final class LawEvents {
      * Reports that a library exceeded its budget.
      *
      * @param nanoseconds time of the library in the last frame [ns]
-     * @param done end of the message, which says what happens to the library
+     * @param done end of the message, which states the consequence for the library
      */
     void overBudget(
             long frame, LawLibrary library, TimeBudget budget, long nanoseconds, String done) {
@@ -113,6 +116,35 @@ final class LawEvents {
     }
 
     /**
+     * Reports that laws wrote a size that a body's shape cannot have, so that the body keeps its
+     * shape.
+     *
+     * @param names names of the laws that write sizes
+     */
+    void refusedSize(long frame, String names, RefusedSize refused) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("source", "physics");
+        fields.put("law", names);
+        fields.put("property", PropertyNames.SIZE);
+        fields.put("item", refused.item().name());
+        fields.put("status", Status.LAW_MISBEHAVED.name());
+        fields.put(
+                "message",
+                "law "
+                        + names
+                        + ": property "
+                        + PropertyNames.SIZE
+                        + " of item "
+                        + refused.item().name()
+                        + ": wrote "
+                        + refused.size()
+                        + " m, expected lengths from 1e-100 m to 1e12 m, so the item keeps its"
+                        + " shape; give the law a smallest and a largest size (reported once; other"
+                        + " items may have the same problem)");
+        raise(new WorldEvent(frame, "fault", fields));
+    }
+
+    /**
      * Returns the end of the message about a fault with numbers that are not finite. It names the
      * item and says what to do. Returns an empty text for other faults.
      */
@@ -134,8 +166,8 @@ final class LawEvents {
     }
 
     /**
-     * Returns the fields of an event about a library, with the calls and times of its laws. Must be
-     * called before the library is unloaded, because the engine then discards these numbers.
+     * Returns the fields of an event about a library, with the calls and times of its laws. Called
+     * before the library is unloaded, because the engine then discards these numbers.
      */
     Map<String, Object> fieldsWithCost(LawLibrary library, int libraryId) {
         Map<String, Object> fields = fields(library);

@@ -41,19 +41,19 @@ import java.util.concurrent.TimeUnit;
  * libraries that passed the check, by commands that name this folder as their origin. Each refusal
  * becomes one "fault" event.
  *
- * <p>Only files whose name ends in ".so", ".law" or ".py" count. A file is ready as soon as two
- * scans have found the same size and time of change. A file that cannot be loaded may still be
- * incomplete, so it is reported only after further scans have found it unchanged.
+ * <p>Only files whose name ends in ".so", ".law" or ".py" contain libraries. A file is ready as
+ * soon as two scans have found the same size and time of change. A file that cannot be loaded may
+ * still be incomplete, so it is reported only after further scans have found it unchanged.
  *
  * <p>A file {@code wind.yaml} contains the parameters of the library in {@code wind.law}, {@code
- * wind.py}, {@code wind.so} or {@code libvesper_law_wind.so}. When it changes, the parameters of
- * the running laws change.
+ * wind.py}, {@code wind.so} or {@code libvesper_law_wind.so}. The parameters of the running laws
+ * change when this file changes.
  */
 public final class LawFolder implements AutoCloseable {
     /** Origin of this folder's commands; it contains a space, so no agent can have this name. */
     public static final String ORIGIN = "laws folder";
 
-    /** Origin of the commands of a folder whose laws run apart. */
+    /** Origin of the commands of a folder whose laws run in a sandbox. */
     public static final String UNTRUSTED_ORIGIN = "untrusted laws folder";
 
     /** Maximum number of active libraries of one folder. */
@@ -78,7 +78,7 @@ public final class LawFolder implements AutoCloseable {
     private final FolderLaws active;
     private final Map<String, WatchedFile> files = new TreeMap<>();
 
-    /** Libraries in commands that the world may not have executed yet. */
+    /** Libraries in commands that the world has perhaps not executed yet. */
     private final List<Offered> pending = new ArrayList<>();
 
     /** Files that this scan has found ready; all of them become one change. */
@@ -150,7 +150,7 @@ public final class LawFolder implements AutoCloseable {
      * Creates a watcher; it scans only after {@link #start}, or when {@link #look} is called.
      *
      * @param origin {@link #ORIGIN} or {@link #UNTRUSTED_ORIGIN}
-     * @param engine prepares libraries; closed after this object
+     * @param engine engine that prepares libraries; the caller closes it after this object
      * @param parameters reads the files with parameters, on the thread that scans
      * @throws IllegalArgumentException if the path is not a folder, or is world-writable
      */
@@ -194,7 +194,7 @@ public final class LawFolder implements AutoCloseable {
         thread = Thread.ofPlatform().daemon().name(origin).start(this::followUntilInterrupted);
     }
 
-    /** Scans the folder once. For callers that do not use {@link #start}. */
+    /** Scans the folder once. This method is for callers that do not use {@link #start}. */
     public void look() {
         try {
             Map<String, Path> present = list();
@@ -252,14 +252,15 @@ public final class LawFolder implements AutoCloseable {
                 Thread.sleep(INTERVAL);
             }
         } catch (InterruptedException e) {
-            // close() has interrupted this thread
+            // The interrupt comes from close(), so the thread ends.
         }
     }
 
     private Map<String, Path> list() throws IOException {
         Map<String, Path> present = new TreeMap<>();
         List<Path> all = FolderFiles.in(folder);
-        if (isForEverybody(folder)) { // in every scan, as it may be a new folder
+        if (isForEverybody(folder)) {
+            // This check is made in every scan, because the path may lead to a new folder.
             throw new IOException("every user can write to it: chmod o-w it");
         }
         for (Path file : all) {
@@ -303,11 +304,12 @@ public final class LawFolder implements AutoCloseable {
             }
             tellRefusal(name, file);
         } catch (NoSuchFileException e) {
-            // The file was removed after it was listed. The next scan handles its removal.
+            // The exception is ignored. The file was removed after it was listed, and the next scan
+            // handles its removal.
         } catch (IOException e) {
             warnOnce(path + " cannot be read: " + e.getMessage());
         } catch (RuntimeException e) {
-            // Skips this file only; the other files are still watched.
+            // Only this file is skipped. The other files are still watched.
             warnOnce(path + " is ignored: " + e);
         }
     }
@@ -423,8 +425,8 @@ public final class LawFolder implements AutoCloseable {
     }
 
     /**
-     * Finds files that were renamed: in the last scan, a present file had another name. Their
-     * libraries keep their place and continue to act.
+     * Finds files that were renamed. Such a file had another name in the last scan. Their libraries
+     * keep their place and continue to act.
      */
     private void followRenames(Map<String, Path> present) {
         Map<Stamp, String> known = new HashMap<>();
@@ -457,7 +459,7 @@ public final class LawFolder implements AutoCloseable {
         try {
             return Optional.ofNullable(stampOf(file)).filter(stamp -> stamp.key() != null);
         } catch (IOException e) {
-            return Optional.empty(); // lookAt reports it
+            return Optional.empty(); // lookAt reports the error
         }
     }
 

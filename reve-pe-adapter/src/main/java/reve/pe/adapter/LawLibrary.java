@@ -14,8 +14,8 @@ import java.util.Optional;
  *
  * @param name the library's own name
  * @param sha256 SHA-256 of its bytes, 64 lower-case hexadecimal digits
- * @param parameters values, keyed by {@code parameter} or {@code law.parameter}; omitted ones have
- *     their default
+ * @param parameters values, keyed by {@code parameter} or {@code law.parameter}; omitted parameters
+ *     have their default
  * @param bytes content of the file; the caller must not change it
  * @param budget limit of the library's time in a frame, if it has one
  * @param interval 1, or n if its laws are evaluated in every n-th step only
@@ -63,7 +63,7 @@ public record LawLibrary(
         return new LawLibrary(name, sha256, parameters, bytes, budget, other, versions);
     }
 
-    /** Returns this library with the versions of the programs that this process uses. */
+    /** Returns this library with other versions of the programs on which its results depend. */
     LawLibrary withVersions(String other) {
         return new LawLibrary(name, sha256, parameters, bytes, budget, interval, other);
     }
@@ -73,7 +73,7 @@ public record LawLibrary(
         return PreparedLibrary.isText(bytes);
     }
 
-    /** Returns whether both have the same bytes and the same parameters. */
+    /** Returns whether both libraries have the same bytes and the same parameters. */
     boolean isSame(LawLibrary other) {
         return sha256.equals(other.sha256) && parameters.equals(other.parameters);
     }

@@ -7,8 +7,8 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * The list of loaded and quarantined libraries that changes of laws lead to, without an engine. For
- * one thread.
+ * The list of loaded and quarantined libraries that results from changes of laws. It needs no
+ * engine. For one thread.
  */
 public final class LawList {
     private final List<LawLibrary> loaded = new ArrayList<>();

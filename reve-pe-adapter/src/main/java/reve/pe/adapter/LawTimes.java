@@ -62,20 +62,20 @@ final class LawTimes {
         forget();
     }
 
-    /** Forgets all frames. */
+    /** Discards the times of all frames. */
     void forget() {
         version = -1;
         byLaw.clear();
     }
 
-    /** Notes the beginning of a frame. */
+    /** Records the beginning of a frame. */
     void begin() {
         follow();
         begun[at(recorded)] = busy.getAsLong();
     }
 
     /**
-     * Notes the end of a frame.
+     * Records the end of a frame.
      *
      * @param whole false if the frame was repeated; the times of such a frame are not recorded
      * @return whether the frame is recorded
@@ -96,6 +96,11 @@ final class LawTimes {
         totals = before;
         before = read;
         return whole;
+    }
+
+    /** Returns the number of laws for which {@link #newest} is the time of the last frame. */
+    int timed() {
+        return recorded > 0 && version == laws.version() ? windows.length : 0;
     }
 
     /** Returns the time of a law in the newest recorded frame [ns]. */
@@ -139,7 +144,10 @@ final class LawTimes {
         return (int) Math.ceil(part * count) - 1;
     }
 
-    /** Adapts to changes of the loaded laws. A law that stays loaded keeps its recorded frames. */
+    /**
+     * Updates the list of laws after libraries were loaded or unloaded. A law that stays loaded
+     * keeps its recorded frames.
+     */
     private void follow() {
         if (version == laws.version()) {
             return;

@@ -7,6 +7,7 @@ import org.slf4j.LoggerFactory;
 
 import reve.core.frame.TimeBudget;
 import reve.core.world.Item;
+import reve.core.world.RefusedSize;
 import reve.core.world.World;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
@@ -29,8 +30,9 @@ import java.util.function.Consumer;
 
 /**
  * The loaded and the quarantined laws of a world. Each change raises a {@code law-loaded}, {@code
- * law-unloaded} or {@code fault} event. The last two contain the number of calls of the library's
- * laws, and their wall-clock time in milliseconds. For the world's thread only.
+ * law-unloaded} or {@code fault} event. The events {@code law-unloaded} and {@code fault} contain
+ * the number of calls of the library's laws, and their wall-clock time in milliseconds. For the
+ * world's thread only.
  */
 public final class Laws {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
@@ -52,7 +54,7 @@ public final class Laws {
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
     private final List<Consumer<LawChange>> listeners = new ArrayList<>();
 
-    /** The budgets by name of the library; a new version of a library keeps the budget. */
+    /** The budgets by name of the library. A new version of a library has the same budget. */
     private final Map<String, TimeBudget> budgets = new HashMap<>();
 
     /** The versions that were replaced lately, by id of the library. */
@@ -65,7 +67,10 @@ public final class Laws {
     private long version;
     private boolean unmoved;
 
-    /** The changes of the attempt in progress; listeners receive them at its end. */
+    /**
+     * The changes of the attempt in progress. Listeners receive these changes at the end of the
+     * attempt.
+     */
     private @Nullable List<LawChange> attempted;
 
     Laws(World world, PhysicsEngine engine) {
@@ -98,7 +103,7 @@ public final class Laws {
      * @param parameters values, keyed by {@code parameter} or {@code law.parameter}
      * @return id of the library, for {@link #unload}
      * @throws PhysicsException if the engine refuses it, or a library with the same bytes is
-     *     quarantined; then nothing has changed and the caller still owns the library
+     *     quarantined; nothing has changed in this case, and the caller still owns the library
      */
     public int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters) {
         return load(frame, prepared, parameters, name -> {});
@@ -294,8 +299,8 @@ public final class Laws {
     /**
      * Replaces a loaded library between two frames, outside PHYSICS. The new library takes the id
      * and the place of the old library, and the budget of its name. It also takes the SCRATCH
-     * memory of the old laws, where the layout is the same. If it is refused or fails, nothing
-     * changes.
+     * memory of the old laws, where the layout is the same. Nothing changes if it is refused or
+     * fails.
      *
      * @param libraryId id of the loaded library
      * @param check check of the new laws, which may throw PhysicsException
@@ -380,17 +385,21 @@ public final class Laws {
     }
 
     /**
-     * An action that loads and unloads libraries; listeners receive only the changes that remain at
-     * its end.
+     * A function that loads and unloads libraries. Listeners receive only the changes that remain
+     * at its end.
      */
     private interface Attempt {
         /**
+         * Makes the changes.
+         *
          * @param made receives the changes
          */
         void make(List<LawChange> made);
     }
 
-    /** Runs an action as a whole: if one of its changes is refused, all its changes are undone. */
+    /**
+     * Runs a function of changes as a whole. All its changes are undone if one of them is refused.
+     */
     private void attempt(Attempt attempt) {
         Map<Integer, LawLibrary> before = new LinkedHashMap<>(loaded);
         Set<Integer> adoptable = Set.copyOf(forFolder);
@@ -478,7 +487,7 @@ public final class Laws {
 
     /**
      * Permits a laws folder to adopt a loaded library if a file of the folder has the same bytes.
-     * Then this file is not loaded again, and the library is unloaded when the file is removed.
+     * This file is then not loaded again, and the library is unloaded when the file is removed.
      */
     public void leaveToFolder(int libraryId) {
         forFolder.add(libraryId);
@@ -524,8 +533,8 @@ public final class Laws {
     }
 
     /**
-     * Repeats a change of another world with the same laws, for example from a journal. If a
-     * library failed in the other world, it is removed in this world without a failure.
+     * Repeats a change of another world with the same laws, for example from a journal. A library
+     * that failed in the other world is removed in this world without a failure.
      *
      * @throws PhysicsException if the engine refuses a library
      * @throws IllegalArgumentException if there is no library at the index
@@ -533,7 +542,8 @@ public final class Laws {
     public void apply(long frame, LawChange change) {
         switch (change) {
             case LawChange.Loaded added -> {
-                // Journals of earlier versions of this program contain no Released before a load.
+                // Journals of earlier versions of this program contain no change Released before a
+                // load. The quarantine of the library is therefore ended here.
                 quarantined.remove(added.library().sha256());
                 try (PreparedLibrary prepared = engine.prepare(added.library().bytes())) {
                     warnOfOtherVersions(added.library(), prepared);
@@ -619,8 +629,8 @@ public final class Laws {
 
     /**
      * Restores the loaded and the quarantined libraries and the engine's state from an image. Then
-     * runs {@code columns}, which restores the columns of the world. If one of these actions fails,
-     * nothing has changed.
+     * runs {@code columns}, which restores the columns of the world. Nothing has changed if one of
+     * these actions fails.
      *
      * @throws PhysicsException if the engine refuses a library or the state, or its process is lost
      *     too often
@@ -631,7 +641,7 @@ public final class Laws {
                 made -> {
                     restore(frame, image.libraries(), image.quarantined());
                     previous.clear();
-                    engine.loadState(image.engineState()); // refuses a state that is damaged
+                    engine.loadState(image.engineState()); // this call refuses a damaged state
                     columns.run();
                 });
     }
@@ -739,6 +749,15 @@ public final class Laws {
     }
 
     /**
+     * Reports a size that a body's shape cannot have.
+     *
+     * @param names names of the laws that write sizes
+     */
+    void refusedSize(long frame, String names, RefusedSize refused) {
+        events.refusedSize(frame, names, refused);
+    }
+
+    /**
      * Restores the version that the library replaced recently, and returns this version. Returns
      * empty if there is no such version, or it cannot be loaded.
      */
@@ -758,8 +777,8 @@ public final class Laws {
     }
 
     /**
-     * Ends a library between two frames, without quarantine. If the library replaced another
-     * version recently, this version takes its place; otherwise the library is unloaded.
+     * Ends a library between two frames, without quarantine. A version that the library replaced
+     * recently takes its place. Without such a version, the library is unloaded.
      *
      * @return the restored version, if there is one
      */
@@ -775,7 +794,8 @@ public final class Laws {
                 tell(new LawChange.Replaced(List.copyOf(loaded.keySet()).indexOf(libraryId), old));
                 return Optional.of(old);
             } catch (PhysicsException refused) {
-                // The replaced version cannot be loaded, so the library is unloaded instead.
+                // The exception is ignored. The replaced version cannot be loaded, so the library
+                // is unloaded instead.
             }
         }
         unload(frame, libraryId);
@@ -791,8 +811,8 @@ public final class Laws {
     }
 
     /**
-     * Reports that an item was arrested (made unreachable for laws) because a law failed; the law
-     * stays loaded.
+     * Reports that an item was arrested, so that laws do not act on it, because a law failed at it.
+     * The law stays loaded.
      */
     void arrested(long frame, Item item, PhysicsException failure) {
         tell(new LawChange.Arrested(item.id()));

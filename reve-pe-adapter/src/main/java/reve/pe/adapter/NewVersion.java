@@ -14,9 +14,9 @@ import java.util.function.LongConsumer;
  * @param library the new version, with its parameters
  * @param source name of the file or text, for messages
  * @param parametersOnly true if the bytes are those of the loaded library
- * @param taking replaces the loaded library; its argument is the frame
+ * @param taking function that replaces the loaded library; its argument is the frame
  * @param ended receives the end of the trial
- * @param freeing frees the library; for any thread
+ * @param freeing function that frees the library; for any thread
  */
 public record NewVersion(
         int libraryId,
@@ -51,7 +51,7 @@ public record NewVersion(
     /**
      * Replaces the loaded library, outside PHYSICS.
      *
-     * @throws PhysicsException if it is refused; then nothing has changed
+     * @throws PhysicsException if the version is refused; nothing has changed in this case
      */
     public void take(long frame) {
         taking.accept(frame);

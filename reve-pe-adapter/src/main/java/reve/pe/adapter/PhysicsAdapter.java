@@ -4,8 +4,10 @@ package reve.pe.adapter;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.FrameListener;
 import reve.core.world.ColumnArena;
+import reve.core.world.FrameControl;
 import reve.core.world.Item;
 import reve.core.world.World;
+import reve.core.world.WorldPrototype;
 import reve.pe.Access;
 import reve.pe.LedgerLine;
 import reve.pe.PhysicsEngine;
@@ -30,28 +32,33 @@ import java.util.stream.Collectors;
  * uses the world's columns in place, and a frame is one native call.
  *
  * <p>A failing law costs one repeated frame. The adapter restores the columns, quarantines the
- * law's library, reports a "fault" event, and repeats the frame without this library. From that
- * frame on, the world has the same bits as a world without that law. If a law failed because
- * another law made extreme numbers, the library of the other law is quarantined.
+ * law's library, reports a "fault" event, and repeats the frame without this library. The world has
+ * the same bits as a world without that law from that frame on. A law may fail because another law
+ * made extreme numbers. The library of the other law is then quarantined.
  *
- * <p>If no loaded law caused the failure, the adapter restores the columns and throws the failure,
- * so that this frame has no physics. It also reports a {@link LawChange}, so that a replay of the
- * journal does the same. If the engine's process was lost while no law ran, the frame is repeated.
- * If the process is lost again, the library that was loaded last is quarantined.
+ * <p>The cause of a failure may be no loaded law. The adapter then restores the columns and throws
+ * the failure, so that this frame has no physics. It also reports a {@link LawChange}, so that a
+ * replay of the journal does the same. The frame is repeated if the engine's process was lost while
+ * no law ran. The library that was loaded last is quarantined if the process is lost again.
  *
- * <p>Before the adapter quarantines a law, it tries to arrest items, which makes them unreachable
- * for laws. Only items that actions or edits changed may be arrested. The adapter begins with the
- * item at which the law failed, or else with the item with the most extreme numbers. At last it
- * tries all of these items together. If the frame succeeds without the items, they stay arrested,
- * and a "fault" event reports this. Otherwise they are restored.
+ * <p>The adapter tries to arrest items before it quarantines a law. Laws do not act on arrested
+ * items. Only items that actions or edits changed may be arrested. The adapter begins with the item
+ * at which the law failed, or else with the item with the most extreme numbers. It finally tries
+ * all of these items together. The items stay arrested if the frame succeeds without them, and a
+ * "fault" event reports the arrest. Otherwise the items are restored.
+ *
+ * <p>If a loaded law declares that it writes {@code size}, the shapes of bodies follow this column
+ * after the laws of each frame, see {@link FrameControl#followSizes}. If a body cannot have the
+ * size that laws wrote, the body keeps its shape, and a "fault" event reports this once for each
+ * set of laws.
  *
  * <p>For the world's thread only. The caller owns the engine and the arena, which must outlive the
  * adapter. The caller must not call the engine itself while the adapter exists.
  */
 public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     /**
-     * Number of items that are arrested one by one before all suspects are arrested; limits the
-     * repetitions of a frame.
+     * Number of items that are arrested one by one before all suspect items are arrested together.
+     * This number limits the repetitions of a frame.
      */
     private static final int MOST_ARRESTS_ONE_BY_ONE = 2;
 
@@ -67,9 +74,17 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private final Blame blame;
     private final LawTimes times;
     private final BudgetWatch budgets;
+    private final OwnColumns ownColumns;
     private final RollbackCopy rollback = new RollbackCopy();
     private final Set<String> accumulators = new HashSet<>();
     private final List<Arrested> arrests = new ArrayList<>();
+
+    /** Names of the loaded laws that write the sizes of bodies; empty for none. */
+    private String resizing = "";
+
+    /** Version of the laws at the last report of a refused size. */
+    private long refusedLaws = -1;
+
     private long keptLayout = -1;
     private long keptLaws = -1;
     private long lentLaws = -1;
@@ -87,13 +102,17 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
      */
     private int losses;
 
+    private Runnable beforeRepetition = () -> {};
     private long frames;
     private long redoneFrames;
     private long bindNanoseconds;
     private long copyNanoseconds;
     private long advanceNanoseconds;
 
-    /** An item that was arrested for a repetition of the frame; {@code release} undoes this. */
+    /**
+     * An item that was arrested for a repetition of the frame. The function {@code release} undoes
+     * the arrest.
+     */
     private record Arrested(Item item, PhysicsException failure, Runnable release) {}
 
     /**
@@ -114,12 +133,23 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
                 new LawTimes(
                         engine, laws, () -> bindNanoseconds + copyNanoseconds + advanceNanoseconds);
         this.budgets = new BudgetWatch(engine, laws, times);
+        this.ownColumns = new OwnColumns(engine, laws);
         for (PropertyDescriptor property : engine.prototype().properties()) {
             if (property.lawAccess().contains(Access.ACCUMULATE)) {
                 accumulators.add(property.name());
             }
         }
         bound.update();
+    }
+
+    /**
+     * Sets what runs on the world's thread before a frame is repeated, because a law failed. The
+     * world then has the state from which the laws of the frame begin, without the numbers of
+     * arrested items and without quarantined laws. A replay has this state from the start of the
+     * frame.
+     */
+    public void beforeRepetition(Runnable action) {
+        beforeRepetition = action;
     }
 
     /** Returns the laws of this world. */
@@ -159,6 +189,10 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         times.begin();
         while (!advanced(frame)) {
             redoneFrames++;
+            beforeRepetition.run();
+        }
+        if (!resizing.isEmpty()) {
+            followSizes(frame.frame());
         }
         if (times.end(redoneFrames == redone)) {
             budgets.check(frame.frame());
@@ -172,8 +206,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Sets the clock with which {@link #lawTimes} compares the times of laws. Without this clock,
-     * the times of laws are compared with the time of the phase PHYSICS.
+     * Sets the clock with which {@link #lawTimes} compares the times of laws. The times of laws are
+     * compared with the time of the phase PHYSICS if this clock is not set.
      *
      * @param nanoseconds returns the time of all frames so far [ns]
      */
@@ -190,8 +224,26 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Sets whether the budgets of libraries have an effect (off at first). The clock then decides
-     * which laws act, and journals record each decision. A replay must not enforce them.
+     * Returns the number of loaded laws whose times in the last frame are known: all of them, or 0
+     * if laws were loaded or unloaded since this frame. Call it between frames.
+     */
+    public int timedLaws() {
+        return times.timed();
+    }
+
+    /**
+     * Returns the time of a law in the last frame [ns]. Call it between frames.
+     *
+     * @param law index in {@link Laws#loaded}, below {@link #timedLaws}
+     */
+    public long newestLawTime(int law) {
+        return times.newest(law);
+    }
+
+    /**
+     * Sets whether the budgets of libraries have an effect. Initially they have no effect. The
+     * clock then decides which laws act, and journals record each decision. A replay must not
+     * enforce them.
      */
     public void enforceBudgets(boolean on) {
         budgets.enforce(on);
@@ -215,8 +267,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Restores the physics part of an image, and calls {@code world}, which restores the rest. If
-     * the engine or {@code world} refuses the image, nothing has changed. Call it between frames.
+     * Restores the physics part of an image, and calls {@code world}, which restores the rest.
+     * Nothing has changed if the engine or {@code world} refuses the image. Call it between frames.
      *
      * @param frame the world's current frame
      * @param world restores the world from the same image, or throws before it has changed anything
@@ -229,6 +281,20 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         budgets.forget();
         bind();
         engine.loadState(image.engineState());
+    }
+
+    /**
+     * Returns the columns that the loaded laws have of their own for an item, with its values; none
+     * for an item without physics. Call it between frames.
+     *
+     * @throws PhysicsException if the engine cannot be asked
+     */
+    public LawColumns lawColumns(Item item) {
+        if (item.physics().isEmpty()) {
+            return LawColumns.NONE;
+        }
+        bind();
+        return ownColumns.of(item.kind(), world.table(item.kind()).rowOf(item.id()));
     }
 
     /** Opens or closes the engine's ledger. Call it between frames. */
@@ -258,7 +324,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Passes changes of the world's columns to the engine, and binds the columns that the loaded
+     * Passes changes of the world's columns to the engine. Also binds the columns that the loaded
      * laws use.
      */
     private void bind() {
@@ -359,8 +425,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         List<Item> suspects = new ArrayList<>(world.arrests().suspects(failed));
         suspects.removeAll(tried.stream().map(Arrested::item).toList());
         if (CRASHES.contains(failure.status())) {
-            // A law may crash at any numbers, so an item is suspect only if its numbers are
-            // extreme.
+            // A crash of a law does not depend on extreme numbers. An item is therefore suspect
+            // only if its numbers are extreme.
             suspects.removeIf(item -> !world.arrests().isExtreme(item));
         }
         if (suspects.isEmpty() || !laws.isLoaded(failure.libraryId())) {
@@ -409,12 +475,41 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
             rollback.keep(bound.columns(writtenProperties()));
             keptLayout = bound.boundLayout();
             keptLaws = laws.version();
+            resizing =
+                    laws.loaded().stream()
+                            .filter(PhysicsAdapter::writesSizes)
+                            .map(PhysicsLaw::name)
+                            .collect(Collectors.joining(", "));
             advancing =
                     "native code (advance) of the laws "
                             + laws.loaded().stream()
                                     .map(PhysicsLaw::name)
                                     .collect(Collectors.joining(", "));
         }
+    }
+
+    private static boolean writesSizes(PhysicsLaw law) {
+        return law.uses().stream()
+                .anyMatch(
+                        use ->
+                                use.kind().equals(WorldPrototype.BODY)
+                                        && use.name().equals(PropertyNames.SIZE)
+                                        && use.access().contains(Access.WRITE));
+    }
+
+    /**
+     * Makes the shapes of bodies follow the sizes that laws wrote. Reports the first size that a
+     * shape cannot have, once for each set of laws.
+     */
+    private void followSizes(long frame) {
+        FrameControl.of(world)
+                .followSizes()
+                .filter(refused -> refusedLaws != laws.version())
+                .ifPresent(
+                        refused -> {
+                            refusedLaws = laws.version();
+                            laws.refusedSize(frame, resizing, refused);
+                        });
     }
 
     /**

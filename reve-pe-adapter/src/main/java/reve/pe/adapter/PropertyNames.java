@@ -4,6 +4,7 @@ package reve.pe.adapter;
 import org.jspecify.annotations.Nullable;
 
 import reve.core.unit.Unit;
+import reve.core.world.FieldDescriptor;
 import reve.core.world.WorldPrototype;
 import reve.pe.Access;
 import reve.pe.PropertyDescriptor;
@@ -21,7 +22,7 @@ import java.util.stream.Stream;
 
 /**
  * Translation of REVE's property names to the names of an engine. The names are equal, except for
- * those in a table of this class.
+ * the names in a table of this class.
  */
 public final class PropertyNames {
     /** The engine's kind for the rows of bodies without a physics aspect. */
@@ -34,7 +35,7 @@ public final class PropertyNames {
                     new Translation(SCENERY, "sceneryPosition", List.of("position")),
                     new Translation(SCENERY, "sceneryOrientation", List.of("orientation")),
                     new Translation(SCENERY, "sceneryShape", List.of("shape")),
-                    new Translation(SCENERY, "scenerySize", List.of("size")));
+                    new Translation(SCENERY, "scenerySize", List.of(PropertyNames.SIZE)));
 
     /** Properties that the adapter computes from the attachments of items. */
     private static final Set<String> CARRIERS = Set.of("carrier", "sceneryCarrier");
@@ -49,10 +50,15 @@ public final class PropertyNames {
     static final String MESH_INDEX = "meshNumber";
     private static final Set<String> MESH_KINDS = Set.of(MESH_FORM, MESH_POINT, MESH_INDEX);
 
+    /** The extents of the shapes of bodies, along the axes of each body. */
+    static final String SIZE = "size";
+
     /** Properties of bodies that an engine receives only while a law uses them. */
-    private static final Set<String> ON_DEMAND = Set.of("shape", "size", "carrier", "meshForm");
+    private static final Set<String> ON_DEMAND = Set.of("shape", SIZE, "carrier", "meshForm");
 
     /**
+     * The engine's name of a property, and REVE's columns for it.
+     *
      * @param columns REVE's columns, side by side in the engine's property
      */
     private record Translation(String kind, String engineName, List<String> columns) {}
@@ -61,11 +67,11 @@ public final class PropertyNames {
 
     /**
      * Returns the prototype for an engine: the properties of the world's items, in REVE's types and
-     * units, and the standard fields, for which items have no values.
+     * units, and fields, for which items have no values.
      *
      * @param standard the engine's standard prototype, which limits the access of laws to standard
-     *     properties. Laws may read and write the properties that designers add, except references,
-     *     which they may only read
+     *     properties. Laws may read and write the properties that designers add. References are
+     *     only read, and laws add to accumulated properties
      */
     public static Prototype prototype(WorldPrototype world, Prototype standard) {
         List<PropertyDescriptor> properties = new ArrayList<>();
@@ -101,6 +107,19 @@ public final class PropertyNames {
                         translated(
                                 own.name(), own.kind(), List.of(own), designersAccess(own), null));
             }
+        }
+        for (FieldDescriptor field : world.fields()) {
+            properties.add(
+                    new PropertyDescriptor(
+                            field.name(),
+                            WorldPrototype.WORLD,
+                            ScalarType.FIELD,
+                            field.components(),
+                            EnumSet.of(Access.READ),
+                            unit(field.unit()),
+                            null,
+                            null,
+                            field.doc()));
         }
         return new Prototype(
                 standard.name(), scalarType(world.realType()), standard.timeUnit(), properties);
@@ -188,8 +207,9 @@ public final class PropertyNames {
                 columns.stream().mapToInt(reve.core.world.PropertyDescriptor::components).sum();
         ScalarType type = scalarType(first.type());
         boolean real = type == ScalarType.F32 || type == ScalarType.F64;
+        // The sizes of scenery are those of shapes, which no law writes.
         double minimum =
-                real && !access.contains(Access.ACCUMULATE)
+                real && !access.contains(Access.ACCUMULATE) && !kind.equals(SCENERY)
                         ? first.minimum()
                         : Double.NEGATIVE_INFINITY;
         return new PropertyDescriptor(
@@ -206,9 +226,10 @@ public final class PropertyNames {
     }
 
     private static Set<Access> designersAccess(reve.core.world.PropertyDescriptor property) {
-        return property.refersTo().isPresent()
-                ? EnumSet.of(Access.READ)
-                : EnumSet.of(Access.READ, Access.WRITE);
+        if (property.refersTo().isPresent()) {
+            return EnumSet.of(Access.READ);
+        }
+        return EnumSet.of(Access.READ, property.accumulated() ? Access.ACCUMULATE : Access.WRITE);
     }
 
     private static ScalarType scalarType(reve.core.world.ScalarType type) {

@@ -6,9 +6,9 @@ import java.lang.foreign.MemorySegment;
 import java.util.List;
 
 /**
- * A copy of columns at the beginning of a frame. It contains the whole memory of the columns, also
- * behind the last row in use, because a faulty law may write there before it crashes. For the
- * world's thread only.
+ * A copy of columns at the beginning of a frame. It contains the whole memory of the columns,
+ * including the memory after the last row in use. A faulty law may write to this memory before it
+ * crashes. For the world's thread only.
  */
 final class RollbackCopy implements AutoCloseable {
     private static final long ALIGNMENT_BYTES = 64;
@@ -18,7 +18,8 @@ final class RollbackCopy implements AutoCloseable {
     private BoundColumn[] columns = {};
 
     /**
-     * Sets the columns to copy; allocates memory only if these columns need more than earlier ones.
+     * Sets the columns to copy. Allocates memory only if these columns need more memory than
+     * earlier columns.
      */
     void keep(List<BoundColumn> wanted) {
         columns = wanted.toArray(BoundColumn[]::new);

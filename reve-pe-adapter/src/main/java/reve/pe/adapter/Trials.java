@@ -4,11 +4,11 @@ package reve.pe.adapter;
 import java.util.List;
 
 /**
- * Trials (tests) of new versions of laws, before these replace the loaded ones. For the world's
- * thread only.
+ * Trials (tests) of new versions of laws before these versions replace the loaded versions. For the
+ * world's thread only.
  */
 public interface Trials {
-    /** No trials: new versions take over at once. */
+    /** The value for a world without trials, in which new versions take over at once. */
     Trials NONE =
             new Trials() {
                 @Override
@@ -38,7 +38,7 @@ public interface Trials {
 
     /**
      * Begins a trial of versions that take over together, in one frame. Ends running trials of
-     * other versions of the same libraries. This object closes the versions.
+     * other versions of the same libraries. The implementation closes the versions.
      */
     void begin(long frame, List<NewVersion> versions);
 

@@ -5,23 +5,24 @@ import java.nio.file.Path;
 import java.util.Optional;
 
 /**
- * Decides which native law libraries run apart, that is, in a sandbox. A sandbox is a process that
- * can access only the columns that the library declares. For any thread.
+ * The rule that decides which native law libraries run apart, that is, in a sandbox. A sandbox is a
+ * process that can access only the columns that the library declares. For any thread.
  */
 @FunctionalInterface
 public interface ApartRule {
-    /** No library runs apart. */
+    /** The rule by which no library runs in a sandbox. */
     ApartRule NEVER = (file, library) -> Isolation.NONE;
 
     /** The ways to isolate a library from the engine and the other laws. */
     enum Isolation {
-        /** The library runs in the engine's process. */
+        /** Mode in which the library runs in the engine's process. */
         NONE,
         /**
-         * The library runs in a sandbox. It is refused if the machine lacks a layer of the sandbox.
+         * Mode in which the library runs in a sandbox. The library is refused if the machine lacks
+         * a layer of the sandbox.
          */
         APART,
-        /** The library runs in a sandbox with the layers that the machine has. */
+        /** Mode in which the library runs in a sandbox with those layers that the machine has. */
         APART_WEAKLY
     }
 

@@ -4,29 +4,30 @@ package reve.pe.hosted;
 import reve.pe.posix.ProcessGroup;
 
 /**
- * The time of a request to a host, as it counts for the time limit of the request: processor time,
- * and idle time. Time in which the host waits for a processor does not count, because other
- * programs cause it. For one thread.
+ * The time of a request to a host (an engine's process), as it counts for the time limit of the
+ * request. Processor time and idle time count. Time in which the host waits for a processor does
+ * not count, because other programs cause it. For one thread.
  */
 final class CallTime {
     /** Processor time between two checks below which the host counts as waiting [ns]. */
     private static final long IDLE_NANOS = 50_000;
 
     /**
-     * Time for which a host may wait for a disk in one request [ns]. More time counts, because a
-     * disk may never answer. The sum with the longest time limit of a frame is less than 4 s.
+     * Time for which a host may wait for a disk in one request [ns]. Additional time counts for the
+     * limit, because a disk may never answer. The sum with the longest time limit of a frame is
+     * less than 4 s.
      */
     private static final long DISK_NANOS = 500_000_000;
 
     /**
-     * Multiple of the time limit after which a host is ended, measured in wall-clock time, even if
-     * the host got no processor.
+     * Multiple of the time limit after which a host is ended even if it got no processor. This
+     * limit applies to elapsed time.
      */
     private static final int MOST_WALL = 20;
 
     /**
-     * Additional wall-clock time after which a host is ended that waits for a law that runs apart
-     * [ns].
+     * Additional elapsed time for a host that waits for a law in a sandbox [ns]. The host is ended
+     * after this time.
      */
     private static final long SANDBOX_NANOS = 500_000_000;
 
@@ -56,7 +57,8 @@ final class CallTime {
      *
      * @param elapsedNanos wall-clock time since the last check [ns]
      * @param cpuNanos processor time of the host [ns]; negative after its end
-     * @return whether the host used the processor; if not, its state says what counts
+     * @return whether the host used the processor; otherwise the state of the host determines the
+     *     time that counts
      */
     boolean counts(long elapsedNanos, long cpuNanos) {
         long before = cpu;
@@ -76,7 +78,7 @@ final class CallTime {
                 }
             }
             case OTHER -> {
-                // The host waits for a processor, or has ended.
+                // No time is counted, because the host waits for a processor or has ended.
             }
         }
     }
@@ -89,7 +91,7 @@ final class CallTime {
     /**
      * Returns whether the host must be ended.
      *
-     * @param inSandbox whether a law that runs apart is running; the host itself ends it at the
+     * @param inSandbox whether a law in a sandbox is running; the host itself ends this law at the
      *     limit
      */
     boolean isLate(boolean inSandbox) {

@@ -6,12 +6,15 @@ import reve.pe.vesper.VesperConfig;
 
 import java.util.function.Consumer;
 
-/** Requests to a host (a process that runs an engine); a failure becomes a PhysicsException. */
+/**
+ * Requests to a host (a process that runs an engine). A failure that the host reports is thrown as
+ * a PhysicsException.
+ */
 @FunctionalInterface
 interface Calls {
     /**
-     * Sends the request that {@code request} writes, and returns the reply, positioned behind its
-     * status.
+     * Sends the request that {@code request} writes, and returns the reply. The position in the
+     * reply is after its status.
      */
     Mailbox call(Consumer<HostProcess> request) throws HostLost;
 

@@ -56,8 +56,8 @@ final class Changes {
     }
 
     /**
-     * Restores the list of libraries to that at the beginning, and returns the libraries that were
-     * loaded since then.
+     * Restores the list of libraries as it was at the beginning of the changes. Returns the
+     * libraries that were loaded since then.
      */
     List<Loaded> restore(List<Loaded> libraries) {
         List<Loaded> added = new ArrayList<>(libraries);

@@ -13,7 +13,7 @@ final class HostLost extends Exception {
     private final boolean late;
 
     /**
-     * Whether the signal SIGKILL ended the host. This client, the system or another program may
+     * True if the signal SIGKILL ended the host. This client, the system or another program may
      * have sent the signal.
      */
     final boolean killed;
@@ -33,7 +33,7 @@ final class HostLost extends Exception {
     final long offset;
 
     /**
-     * @param message how the host ended, for example "SIGSEGV"
+     * @param message the way in which the host ended, for example "SIGSEGV"
      * @param spentNanos the time of the request as it counts for its time limit [ns]
      * @param late whether the client ended the host because it did not answer in time
      */

@@ -27,8 +27,8 @@ import java.util.function.LongPredicate;
 
 /**
  * A process {@code vesper-host}, which runs an engine, and the shared memory for requests and
- * replies. {@code vesper-native/host/control.hpp} defines the layout of this memory. One call at a
- * time, from any thread.
+ * replies. {@code vesper-native/host/control.hpp} defines the layout of this memory. Any thread may
+ * call this object, but only one call at a time is permitted.
  */
 class HostProcess implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
@@ -62,21 +62,22 @@ class HostProcess implements AutoCloseable {
     private static final long ALIVE_NANOS = LOOK_NANOS / 4;
 
     /**
-     * Maximum idle time that counts for one interval [ns]. In a longer interval, this process did
-     * not run, and perhaps the host did not run either.
+     * Maximum idle time that counts for one interval [ns]. A longer interval means that this
+     * process did not run, and that the host perhaps did not run either.
      */
     private static final long MOST_LOOK_NANOS = 10 * LOOK_NANOS;
 
     /**
      * Maximum busy-wait for a reply in a world that runs as fast as it can, without a clock [ns].
-     * It is 0 on one processor, because there the wait would take processor time from the host.
+     * The value is 0 on a machine with one processor, where the wait would take processor time from
+     * the host.
      */
     private static final long AWAKE_NANOS =
             Runtime.getRuntime().availableProcessors() > 1 ? 50_000 : 0;
 
     /**
-     * Pause between two calls below which a world counts as running as fast as it can [ns]. In a
-     * world that waits for a clock, pauses are longer.
+     * Pause between two calls below which a world counts as running as fast as it can [ns]. The
+     * pauses are longer in a world that waits for a clock.
      */
     private static final long QUICK_NANOS = 5_000_000;
 
@@ -89,7 +90,7 @@ class HostProcess implements AutoCloseable {
 
     /**
      * Environment variables that a host receives, because loaders, drivers and the engine need
-     * them. It receives no other variables, because these may contain secrets.
+     * them. A host receives no other variables, because these may contain secrets.
      */
     private static final Set<String> KEPT_VARIABLES =
             Set.of("HOME", "PATH", "TMPDIR", "LANG", "VESPER_TEXT_MACHINE_CODE");
@@ -99,8 +100,8 @@ class HostProcess implements AutoCloseable {
 
     /**
      * Environment variable with settings of the C library, and the setting with which it requests
-     * large pages. A host that replaces another one first touches all its memory in the repeated
-     * frame. With small pages, this takes most of the time of that frame.
+     * large pages. A host that replaces another host first touches all its memory in the repeated
+     * frame. This would take most of the time of that frame with small pages.
      */
     private static final String TUNABLES = "GLIBC_TUNABLES";
 
@@ -143,7 +144,8 @@ class HostProcess implements AutoCloseable {
         try {
             started = start(program, control.descriptor(), memoryBytes, python);
             startReading(started);
-        } catch (IOException | OutOfMemoryError e) { // OutOfMemoryError: no more threads permitted
+        } catch (IOException | OutOfMemoryError e) {
+            // The error OutOfMemoryError means that no more threads are permitted.
             if (started != null) {
                 started.destroyForcibly();
             }
@@ -157,10 +159,10 @@ class HostProcess implements AutoCloseable {
     }
 
     /**
-     * Starts a platform thread that reads the output. On a virtual thread, a blocking read of a
-     * pipe would block its carrier thread. The pool of carrier threads ends its extra threads after
-     * 30 s without work. On a machine with two processors, two such reads would then leave no
-     * carrier for other virtual threads.
+     * Starts a platform thread that reads the output. A blocking read of a pipe on a virtual thread
+     * would block its carrier thread. The pool of carrier threads ends its extra threads after 30 s
+     * without work. Two such reads would then leave no carrier for other virtual threads on a
+     * machine with two processors.
      */
     private static void startReading(Process started) {
         Thread.ofPlatform().daemon().name("output of laws").start(new OutputOfLaws(started, LOG));
@@ -210,18 +212,18 @@ class HostProcess implements AutoCloseable {
      * @param limitNanos limit for the sum of processor time and idle time, after which the host is
      *     ended
      * @param log receives the log lines of the request
-     * @throws HostLost if the host ended; it cannot be used any more
+     * @throws HostLost if the host ended; this object must not be used after that
      */
     Mailbox call(long limitNanos, VesperLog log) throws HostLost {
         return call(limitNanos, word -> false, log);
     }
 
     /**
-     * Sends the request like {@link #call(long, VesperLog)}. While a law that runs apart is
-     * running, the host is not ended at the limit, because the host itself then ends that law.
+     * Sends the request like {@link #call(long, VesperLog)}. The host is not ended at the limit
+     * while a law in a sandbox is running, because the host itself then ends that law.
      *
-     * @param isApart returns whether a word of the host, which names the running law, names a law
-     *     that runs apart
+     * @param isApart returns whether a word that the host writes to name the running law names a
+     *     law in a sandbox
      */
     Mailbox call(long limitNanos, LongPredicate isApart, VesperLog log) throws HostLost {
         mailbox.end();
@@ -268,7 +270,7 @@ class HostProcess implements AutoCloseable {
         return spentNanos;
     }
 
-    /** Returns the time of the last call in which the host waited for a processor [ns]. */
+    /** Returns the part of the last call's time in which the host waited for a processor [ns]. */
     long waitedNanos() {
         return waitedNanos;
     }
@@ -324,8 +326,8 @@ class HostProcess implements AutoCloseable {
         }
 
         /**
-         * Returns the time that counts for the limit [ns]. It is at most the wall-clock time, which
-         * several threads together may exceed in processor time.
+         * Returns the time that counts towards the limit [ns], but at most the elapsed time. The
+         * processor time of several threads together may exceed the elapsed time.
          */
         private long spent() {
             return Math.min(time.spentNanos(), System.nanoTime() - start);

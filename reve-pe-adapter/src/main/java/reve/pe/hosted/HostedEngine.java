@@ -4,6 +4,7 @@ package reve.pe.hosted;
 import org.jspecify.annotations.Nullable;
 
 import reve.pe.LedgerLine;
+import reve.pe.OwnColumn;
 import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
@@ -31,12 +32,12 @@ import java.util.function.LongPredicate;
  * A Vesper engine in its own process, the host, which uses the arrays of the provider in place.
  * {@link #advance} is one exchange of a request and a reply.
  *
- * <p>If a law ends the host, or does not return in time, the call fails with {@link
- * Status#LAW_CRASHED} or {@link Status#LAW_TIMED_OUT} and names the law. As after any failed
- * advance, the client restores its arrays and unloads the library. The next call runs in a new
- * host. The new host has the laws that are still loaded, and the state of the engine after the last
- * successful advance. {@link Status#ENGINE_LOST} means that the host ended and no law is known to
- * be the cause; the call can be repeated.
+ * <p>The call fails with {@link Status#LAW_CRASHED} or {@link Status#LAW_TIMED_OUT} if a law ends
+ * the host or does not return in time. The exception names the law. As after any failed advance,
+ * the client restores its arrays and unloads the library. The next call runs in a new host. The new
+ * host has the laws that are still loaded, and the state of the engine after the last successful
+ * advance. {@link Status#ENGINE_LOST} means that the host ended and that no law is known to be the
+ * cause. The call can then be repeated.
  */
 public final class HostedEngine implements PhysicsEngine {
     /**
@@ -52,8 +53,8 @@ public final class HostedEngine implements PhysicsEngine {
     private static final long BUILD_NANOS = Duration.ofSeconds(3).toNanos();
 
     /**
-     * Number of advances with the time limit {@link #BUILD_NANOS}. In the first advance laws build
-     * data structures; the second advance is measured.
+     * Number of advances with the time limit {@link #BUILD_NANOS}. Laws build data structures in
+     * the first advance. The second advance is measured, to set later time limits.
      */
     private static final int BUILD_ADVANCES = 2;
 
@@ -63,8 +64,20 @@ public final class HostedEngine implements PhysicsEngine {
     /** Maximum time of a frame, as a multiple of the longest of the last frames. */
     private static final int GROWTH = 8;
 
-    /** Number of frames after which a long frame counts about a third of its time. */
+    /** Number of frames after which a long frame counts with only about a third of its time. */
     private static final int MEMORY = 256;
+
+    /**
+     * Time without a start after two new processes in succession have not answered, as a multiple
+     * of the time for which the world waited for the last one. Otherwise a program on a disk that
+     * hangs would delay each frame.
+     */
+    private static final int REST_AFTER_LATE_START = 9;
+
+    /** A message without numbers, so that it is reported once. */
+    private static final String SILENT =
+            "the engine's process did not answer before it had the world; another one is started,"
+                    + " after a pause if the one before did not answer either";
 
     private final Hosts hosts;
     private final Duration frameLimit;
@@ -78,6 +91,15 @@ public final class HostedEngine implements PhysicsEngine {
     private final List<RowMoves> moves = new ArrayList<>();
 
     private @Nullable HostProcess host;
+
+    /** The time before which no process is started [ns]; only while {@link #isResting}. */
+    private long restsUntilNanos;
+
+    private boolean isResting;
+
+    /** Number of new processes in succession that did not answer. */
+    private int lateStarts;
+
     private int nextId = 1;
     private boolean ledger;
 
@@ -98,13 +120,13 @@ public final class HostedEngine implements PhysicsEngine {
 
     private volatile boolean closed;
 
-    /** Method reference, created once, because an advance must allocate nothing. */
+    /** A method reference that is created once, because an advance must allocate nothing. */
     private final LongPredicate isApartWord = this::isApartWord;
 
     /**
      * Creates an engine and its first host.
      *
-     * @param hosts starts its processes; closed after this object
+     * @param hosts object that starts the processes; the caller closes it after this engine
      * @param frameLimit time that all laws together may take for an advance: processor time, and
      *     time in which they only wait. The limit is at least three seconds for an advance in which
      *     laws may build data structures. For other advances it is at least eight times the longest
@@ -220,14 +242,16 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     /**
-     * Loads a library into the host. If a text is refused, the message contains all its problems.
+     * Loads a library into the host. The message about a refused text contains all its problems.
      */
     private <T> T give(Loaded added, Exchange<T> exchange) {
         HostedLibrary library = added.library;
         try {
             Calls calls = connected();
             T reply = exchange.with(calls);
-            keep(calls); // before the library counts as loaded, because a new host needs its state
+            // The state is kept before the library counts as loaded, because a new host needs its
+            // state.
+            keep(calls);
             library.taken();
             accepted = null;
             expectBuilding();
@@ -338,8 +362,8 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     /**
-     * Ends changes in the host in which they began. If they are undone and there is another host,
-     * this host is replaced.
+     * Ends changes in the host in which they began. A host in which the changes did not begin is
+     * replaced if they are undone.
      */
     private void endInHost(Changes ended, boolean keep) {
         if (host == null || host != ended.host()) {
@@ -376,7 +400,10 @@ public final class HostedEngine implements PhysicsEngine {
         return laws;
     }
 
-    /** Sends one request for this library only, instead of one request for each library. */
+    /**
+     * This method overrides the default, because it sends one request for this library only,
+     * instead of one request for each library.
+     */
     @Override
     public List<PhysicsLaw> laws(int libraryId) {
         checkOpen();
@@ -411,6 +438,14 @@ public final class HostedEngine implements PhysicsEngine {
         Loaded library = require(libraryId);
         ask(to -> to.begin(Request.SET_INTERVAL).putInt(library.hostId).putInt(interval));
         library.interval = interval;
+    }
+
+    @Override
+    public List<double[]> ownValues(List<OwnColumn> columns, long row) {
+        List<Loaded> owners = columns.stream().map(one -> require(one.libraryId())).toList();
+        return Wire.ownValues(
+                ask(to -> Wire.putOwn(to.begin(Request.SCRATCH_ROW), columns, owners, row)),
+                columns);
     }
 
     @Override
@@ -479,7 +514,8 @@ public final class HostedEngine implements PhysicsEngine {
                     && (refused.libraryId() != 0 || refused.status() != Status.INTERNAL)) {
                 throw refused;
             }
-            // The host may have made the steps, but this process does not have the new state.
+            // The host may have made the steps, but this process does not have the new state. The
+            // host is therefore replaced.
             lose();
             throw new PhysicsException(
                     Status.ENGINE_LOST,
@@ -488,7 +524,7 @@ public final class HostedEngine implements PhysicsEngine {
         }
     }
 
-    /** Returns whether a word that names the running law names one that runs apart. */
+    /** Returns whether a word that names the running law names a law in a sandbox. */
     private boolean isApartWord(long word) {
         int id = (int) (word >>> Integer.SIZE);
         for (int i = 0; i < libraries.size(); i++) { // an iterator would be allocated
@@ -647,15 +683,15 @@ public final class HostedEngine implements PhysicsEngine {
         return withRetry(calls -> calls.call(request));
     }
 
-    /** Requests to a host, which can be repeated. */
+    /** A function that sends requests to a host. It can be repeated. */
     private interface Exchange<T> {
         T with(Calls calls) throws HostLost;
     }
 
     /**
-     * Makes an exchange with the host; repeats it if the host was lost while no law ran, because
-     * another program may have killed the host. A host that did not answer in time is replaced only
-     * once.
+     * Makes an exchange with the host. Repeats the exchange if the host was lost while no law ran,
+     * because another program may have killed the host. A host that did not answer in time is
+     * replaced only once.
      */
     private <T> T withRetry(Exchange<T> exchange) {
         for (int tries = 1; ; tries++) {
@@ -705,7 +741,7 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     /**
-     * Returns the host. If it was lost, starts a new host in the state that was kept.
+     * Returns the host. Starts a new host in the state that was kept if the host was lost.
      *
      * @throws IllegalStateException if no process can be started, or each new process ends at once;
      *     no law is the cause
@@ -715,6 +751,8 @@ public final class HostedEngine implements PhysicsEngine {
             return host;
         }
         lose();
+        requireRested();
+        long began = System.nanoTime();
         ReadyHost prepared = losses.isAlone() ? null : ready.take(libraries);
         if (prepared != null && isSetUp(prepared)) {
             host = prepared.host();
@@ -726,12 +764,21 @@ public final class HostedEngine implements PhysicsEngine {
             try {
                 setUp(fresh);
                 host = fresh;
+                lateStarts = 0;
                 expectBuilding();
-                hosts.refill(); // at the end, because an earlier start would have delayed this host
+                // The next process is started last, because an earlier start would have delayed
+                // this host.
+                hosts.refill();
                 return fresh;
             } catch (HostLost lost) {
                 fresh.close();
-                if (lost.isLate() || starts == STARTS) {
+                if (lost.isLate()) {
+                    if (++lateStarts > 1) {
+                        rest(System.nanoTime() - began);
+                    }
+                    throw new IllegalStateException(SILENT);
+                }
+                if (starts == STARTS) {
                     throw new IllegalStateException(
                             "the engine's process ended before it had the world ("
                                     + lost.getMessage()
@@ -746,6 +793,19 @@ public final class HostedEngine implements PhysicsEngine {
         }
     }
 
+    private void rest(long waitedNanos) {
+        restsUntilNanos = System.nanoTime() + REST_AFTER_LATE_START * waitedNanos;
+        isResting = true;
+    }
+
+    private void requireRested() {
+        long left = restsUntilNanos - System.nanoTime();
+        if (isResting && left > 0) {
+            throw new IllegalStateException(SILENT);
+        }
+        isResting = false;
+    }
+
     /** Returns whether a new host ended without a known cause while it loaded the libraries. */
     private static boolean isEngineLost(RuntimeException failed) {
         return failed instanceof PhysicsException lost && lost.status() == Status.ENGINE_LOST;
@@ -753,8 +813,8 @@ public final class HostedEngine implements PhysicsEngine {
 
     /**
      * Gives the columns and the state to a host that has loaded the libraries in advance. Returns
-     * false if this fails for any reason. The host is closed then, and a host without libraries
-     * finds the reason.
+     * false if this fails for any reason. The host is then closed, and the same work in a new host
+     * without libraries shows the reason.
      */
     private boolean isSetUp(ReadyHost prepared) {
         try {
@@ -806,7 +866,7 @@ public final class HostedEngine implements PhysicsEngine {
         }
     }
 
-    /** Ends the use of the host; the next call starts a new host. */
+    /** Ends the use of the host, so that the next call starts a new host. */
     void lose() {
         if (host != null) {
             host.close();

@@ -21,14 +21,17 @@ final class HostedLibrary implements PreparedLibrary {
     private String versions = "";
     private boolean gone;
 
-    /** Form of the library's bytes. The host uses the same numbers. */
+    /** The form of a library's bytes. The host uses the same numbers for these forms. */
     enum Form {
         NATIVE,
         TEXT,
         PYTHON,
-        /** Native code in a sandbox. */
+        /** Form of native code that runs in a sandbox. */
         APART,
-        /** Native code in a sandbox, even if the machine lacks a layer of the sandbox. */
+        /**
+         * Form of native code that runs in a sandbox, even if the machine lacks a layer of the
+         * sandbox.
+         */
         APART_WEAKLY
     }
 
@@ -60,7 +63,10 @@ final class HostedLibrary implements PreparedLibrary {
         return source;
     }
 
-    /** Returns a text that is equal only for equal bytes that declare the same name. */
+    /**
+     * Returns a text that identifies the library. Two texts are equal only if the bytes and the
+     * declared names are equal.
+     */
     String identity() {
         return switch (form) {
             case NATIVE, TEXT -> sha256;

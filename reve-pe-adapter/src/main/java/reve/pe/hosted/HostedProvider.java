@@ -26,8 +26,8 @@ import java.util.function.Function;
 
 /**
  * The provider of a hosted engine. It keeps the client's arrays, which each host (engine process)
- * maps. It sends all rebound arrays to the host together with the next call of the engine. If the
- * host refuses their values, that call fails.
+ * maps. It sends all rebound arrays to the host together with the next call of the engine. That
+ * call fails if the host refuses their values.
  */
 final class HostedProvider implements PhysicalPropertyProvider {
     private static final int NO_DESCRIPTOR = -1;
@@ -37,18 +37,24 @@ final class HostedProvider implements PhysicalPropertyProvider {
     private final Map<String, PropertyDescriptor> properties = new LinkedHashMap<>();
     private final Map<String, Arrays> bound = new LinkedHashMap<>();
 
-    /** Properties whose values the client has edited; the next call reports them to the host. */
+    /**
+     * Properties whose values the client has edited. The next call reports these properties to the
+     * host.
+     */
     private final Set<String> touched = new LinkedHashSet<>();
 
     /** The properties whose arrays the current host (engine process) has received. */
     private final Set<String> lent = new HashSet<>();
 
-    /** Properties that were rebound since the last call; the next call sends them to the host. */
+    /**
+     * Properties that were rebound since the last call. The next call sends their arrays to the
+     * host.
+     */
     private final Set<String> pending = new LinkedHashSet<>();
 
     /**
-     * Maximum number of rows so far, by kind. If this number grows, laws may need time to build
-     * larger data structures.
+     * Maximum number of rows so far, by kind. Laws may need time to build larger data structures if
+     * this number grows.
      */
     private final Map<String, Long> mostRows = new HashMap<>();
 
@@ -142,7 +148,8 @@ final class HostedProvider implements PhysicalPropertyProvider {
                         }
                     });
         } catch (PhysicsException refused) {
-            engine.lose(); // the host may have received some of the arrays; the next host gets all
+            // The host may have received only some of the arrays. The next host gets all of them.
+            engine.lose();
             throw refused;
         }
         lent.addAll(names);
@@ -200,7 +207,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
                 || property.refersTo() != null
                 || property.minimum() != Double.NEGATIVE_INFINITY
                         && !property.lawAccess().contains(Access.WRITE)) {
-            flushTouches(); // in this request, the engine may refuse the values
+            flushTouches(); // the engine may refuse the values in this request
         }
     }
 
@@ -228,7 +235,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
         touched.clear();
     }
 
-    /** Throws if the client has closed memory that the engine still uses. */
+    /** Throws an exception if the client has closed memory that the engine still uses. */
     void checkArraysAlive() {
         if (!lifetimesKnown) {
             collectLifetimes();

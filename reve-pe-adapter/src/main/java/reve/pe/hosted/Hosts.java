@@ -33,6 +33,8 @@ public final class Hosts implements AutoCloseable {
     private boolean closed;
 
     /**
+     * Creates an object whose laws in Python use the packages of the system.
+     *
      * @param program path of the program {@code vesper-host} of a release
      * @param memoryBytes maximum private memory of each process; 0: no limit
      */
@@ -41,6 +43,8 @@ public final class Hosts implements AutoCloseable {
     }
 
     /**
+     * Creates an object that starts processes of a program.
+     *
      * @param program path of the program {@code vesper-host} of a release
      * @param memoryBytes maximum private memory of each process; 0: no limit
      * @param python virtual environment whose packages laws in Python may import; empty: the
@@ -76,8 +80,8 @@ public final class Hosts implements AutoCloseable {
                 }
                 host.close();
             } catch (ExecutionException | TimeoutException notStarted) {
-                // A process that becomes ready too late is closed. If the start failed, the attempt
-                // below reports the reason.
+                // A process that becomes ready too late is closed. If its start failed, the start
+                // below fails, too, and reports the reason.
                 ready.thenAccept(HostProcess::close);
             } catch (InterruptedException e) {
                 ready.thenAccept(HostProcess::close);
@@ -102,22 +106,24 @@ public final class Hosts implements AutoCloseable {
     }
 
     /**
-     * Lets engines keep a second process each, which has loaded the laws of the engine already. It
-     * replaces a lost process faster than the process that all engines share. By default, engines
-     * keep no such process.
+     * Permits engines to keep a second process each, which has already loaded the laws of the
+     * engine. Such a process replaces a lost process faster than the process that all engines
+     * share. By default, engines keep no such process.
      *
-     * @param engines maximum number of engines that keep one at the same time
+     * @param engines maximum number of engines that keep such a process at the same time
      */
     public void keepReady(int engines) {
         mayKeepReady.set(engines);
     }
 
-    /** Returns whether one more engine may keep a process, which it then does. */
+    /** Returns whether one more engine may keep a process. If so, counts this engine. */
     boolean mayKeepReady() {
         return mayKeepReady.getAndUpdate(left -> Math.max(0, left - 1)) > 0;
     }
 
-    /** Lets another engine keep a process. */
+    /**
+     * Records that an engine does not keep a process any more, so that another engine may do so.
+     */
     void keepsReadyNoMore() {
         mayKeepReady.incrementAndGet();
     }
@@ -131,22 +137,22 @@ public final class Hosts implements AutoCloseable {
         return later(this::start);
     }
 
-    /** Runs a start on another thread. */
+    /** Runs a task that starts a process on another thread. */
     <T> CompletableFuture<T> later(Callable<T> start) {
         CompletableFuture<T> next = new CompletableFuture<>();
         later.execute(
                 () -> {
                     try {
                         next.complete(start.call());
-                    } catch (Throwable refused) { // if not caught here, the world would wait for
-                        // ever
+                    } catch (Throwable refused) {
+                        // Errors are also caught, because the world would otherwise wait for ever.
                         next.completeExceptionally(refused);
                     }
                 });
         return next;
     }
 
-    /** Ends the process started in advance; each engine ends its own. Idempotent. */
+    /** Ends the process started in advance. Each engine ends its own processes. Idempotent. */
     @Override
     public void close() {
         CompletableFuture<HostProcess> last;

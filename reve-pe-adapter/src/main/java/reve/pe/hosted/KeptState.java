@@ -71,8 +71,9 @@ final class KeptState {
     }
 
     /**
-     * Loads the kept state into a new host; if there is none, keeps the state of the host. The
-     * state of the host is not requested otherwise, because the next advance sends it.
+     * Loads the kept state into a new host. Requests and keeps the state of the host if there is no
+     * kept state. In the first case the state of the host need not be requested, because the next
+     * advance sends it.
      */
     void restore(Calls host) throws HostLost {
         if (size > 0) {
@@ -122,7 +123,7 @@ final class KeptState {
         return new Saved(bytes(), steps);
     }
 
-    /** A state, and its step count. */
+    /** A state of the engine, and its step count. */
     record Saved(byte[] bytes, long steps) {}
 
     /** Excludes the state of a library that was unloaded while there was no host. */

@@ -17,8 +17,8 @@ import java.util.Optional;
 import java.util.concurrent.ConcurrentHashMap;
 
 /**
- * Opens the law libraries of an engine: reads their bytes, decides which libraries run apart, and
- * tests them. For any thread.
+ * Opens the law libraries of an engine: reads their bytes, decides which libraries run in a
+ * sandbox, and tests the libraries. For any thread.
  */
 final class LibraryOpener {
     private final Hosts hosts;

@@ -48,7 +48,8 @@ final class Loaded {
     }
 
     /**
-     * Sets the id and the laws that the library has in a host, and the host's interval.
+     * Sets the id and the laws that the library has in a host. Also sends the interval of the laws
+     * to the host.
      *
      * @param threadsBefore number of threads of the host before it loaded the library
      */
@@ -80,7 +81,11 @@ final class Loaded {
         put(to, library);
     }
 
-    /** Appends the library, whose bytes {@code file} has, and the parameters to a request. */
+    /**
+     * Appends the library and its parameters to a request.
+     *
+     * @param file object that contains the bytes of the library
+     */
     void put(Mailbox to, HostedLibrary file) {
         Mailbox request = file.put(to).putInt(parameters.size());
         parameters.forEach((name, value) -> request.putText(name).putDouble(value));

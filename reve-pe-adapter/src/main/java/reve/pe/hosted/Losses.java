@@ -19,8 +19,9 @@ final class Losses {
     private static final long MOST_FAILED_NANOS = 4_000_000_000L;
 
     /**
-     * Least time of the first attempt to make a frame [ns], if requests before the frame have
-     * failed for long. Without it, laws that only build their data structures would be late.
+     * Minimum time of the first attempt to make a frame [ns]. It applies if requests before the
+     * frame have failed for a long time. Laws that only build their data structures would otherwise
+     * be late.
      */
     private static final long LEAST_FIRST_NANOS = 1_000_000_000L;
 
@@ -51,16 +52,16 @@ final class Losses {
     }
 
     /**
-     * Returns whether laws must run one after the other. This is so if several laws ran when the
-     * last host ended, because the next loss then shows which law is the cause.
+     * Returns whether laws must run one after the other. The result is true if several laws ran
+     * when the last host ended. The next loss then shows which law is the cause.
      */
     boolean isAlone() {
         return alone;
     }
 
     /**
-     * Returns how much of a time limit remains in this frame [ns]. The failed attempts so far
-     * reduce it.
+     * Returns the part of a time limit that remains in this frame [ns]. The failed attempts so far
+     * reduce this part.
      */
     long left(long limitNanos) {
         return Math.clamp(MOST_FAILED_NANOS - failedNanos, 0, limitNanos);
@@ -79,7 +80,7 @@ final class Losses {
         failedNanos += nanos;
     }
 
-    /** Forgets the losses, because the frame succeeded. */
+    /** Discards the data about losses, because the frame succeeded. */
     void forget() {
         suspected = 0;
         failedNanos = 0;

@@ -28,7 +28,7 @@ final class Mailbox {
 
     /** Begins a request. */
     Mailbox begin(Request request) {
-        at = Integer.BYTES; // leaves room for the size
+        at = Integer.BYTES; // the first bytes are for the size
         return putInt(request.number());
     }
 

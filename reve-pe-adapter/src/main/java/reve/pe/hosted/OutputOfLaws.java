@@ -8,7 +8,7 @@ import java.io.IOException;
 import java.io.InputStream;
 import java.nio.charset.StandardCharsets;
 
-/** Reads the standard output of laws, and logs the first lines of each second, shortened. */
+/** Reads the standard output of laws. Logs the first lines of each second in a shortened form. */
 final class OutputOfLaws implements Runnable {
     private static final int MOST_BYTES = 1024;
     private static final int MOST_LINES = 20;
@@ -38,7 +38,8 @@ final class OutputOfLaws implements Runnable {
             }
             flush();
         } catch (IOException ended) {
-            // The process has ended, so no more output follows.
+            // The exception is ignored. It means that the process has ended, so no more output
+            // follows.
         }
     }
 

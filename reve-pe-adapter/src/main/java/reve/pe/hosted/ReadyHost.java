@@ -19,7 +19,7 @@ final class ReadyHost implements AutoCloseable {
     private final HostProcess host;
     private final List<Opened> opened;
 
-    /** A library, and what the host replied when it loaded the library. */
+    /** A library, and the reply of the host when it loaded the library. */
     private record Opened(Loaded library, int threads, int hostId, List<PhysicsLaw> laws) {}
 
     private ReadyHost(HostProcess host, List<Opened> opened) {
@@ -76,8 +76,8 @@ final class ReadyHost implements AutoCloseable {
     }
 
     /**
-     * Returns whether this host lives and has loaded these libraries in this order. It may also
-     * have others, which the world has unloaded since.
+     * Returns whether this host lives and has loaded these libraries in this order. The host may
+     * also have other libraries, which the world has unloaded since then.
      */
     boolean fits(List<Loaded> libraries) {
         List<Loaded> own = new ArrayList<>(opened.stream().map(Opened::library).toList());
@@ -86,7 +86,8 @@ final class ReadyHost implements AutoCloseable {
     }
 
     /**
-     * Unloads the libraries that the world has unloaded, and sets the ids and laws of the others.
+     * Unloads the libraries that the world has unloaded, and sets the ids and laws of the other
+     * libraries.
      *
      * @param calls connection to {@link #host}
      * @return false if an unloaded library left a thread, which might write to columns; the host

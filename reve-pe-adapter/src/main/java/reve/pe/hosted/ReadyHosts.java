@@ -37,7 +37,10 @@ final class ReadyHosts implements AutoCloseable {
         this.prototype = prototype;
     }
 
-    /** Counts a successful frame with these libraries; allocates nothing while they stay. */
+    /**
+     * Counts a successful frame with these libraries. Allocates nothing while the libraries stay
+     * the same.
+     */
     void count(List<Loaded> libraries) {
         if (!known.equals(libraries)) {
             close();
@@ -51,19 +54,23 @@ final class ReadyHosts implements AutoCloseable {
     private void start(List<Loaded> now) {
         try {
             next = hosts.later(() -> ReadyHost.start(hosts, config, prototype, now, LIMIT_NANOS));
-        } catch (OutOfMemoryError noThread) { // the shared process must be enough
+        } catch (OutOfMemoryError noThread) {
+            // No thread can be started, so the process that all engines share must be sufficient.
             hosts.keepsReadyNoMore();
         }
     }
 
-    /** A library that runs apart has a process of its own, which is not started twice. */
+    /**
+     * Returns whether a host may be started. No host is started for a world with a library in a
+     * sandbox, because the sandbox is another process that must not run twice.
+     */
     private boolean mayStart() {
         return !known.isEmpty()
                 && known.stream().noneMatch(loaded -> loaded.library.isApart())
                 && hosts.mayKeepReady();
     }
 
-    /** Returns the host that is ready for these libraries, and that the caller then owns. */
+    /** Returns the host that is ready for these libraries. The caller then owns the host. */
     @Nullable ReadyHost take(List<Loaded> libraries) {
         CompletableFuture<ReadyHost> taken = next;
         if (taken == null

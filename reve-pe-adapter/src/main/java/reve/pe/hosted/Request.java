@@ -27,7 +27,8 @@ enum Request {
     SET_INTERVAL,
     BEGIN_CHANGES,
     END_CHANGES,
-    REPLACE;
+    REPLACE,
+    SCRATCH_ROW;
 
     int number() {
         return ordinal() + 1;

@@ -7,7 +7,7 @@ import java.util.Optional;
 
 /**
  * The libraries that have passed a {@link Trial}, so that equal bytes are not tested again. A
- * change of a parameter and a rewind load a library again, and must not depend on the process of a
+ * change of a parameter and a rewind load a library again. They must not depend on the process of a
  * further trial. For any thread.
  */
 final class TestedLibraries {

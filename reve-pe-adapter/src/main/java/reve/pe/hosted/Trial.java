@@ -35,6 +35,8 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     }
 
     /**
+     * Tests the library in a new process.
+     *
      * @return false if SIGKILL ended the process, and a new process must test the library
      */
     private boolean isTested(HostedLibrary library, boolean isLast) {
@@ -84,15 +86,15 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     }
 
     /**
-     * Loads and unloads the library. Only a crash is a failure. If the engine of this process
-     * refuses the laws, the refusal is ignored: the engine of the world checks later, when it loads
-     * the library, whether the laws fit the world.
+     * Loads and unloads the library. Only a crash is a failure. The refusal of a law by the engine
+     * of this process is ignored. The engine of the world checks whether the laws fit the world
+     * when it loads the library.
      */
     private static void tryToLoad(HostProcess host, HostedLibrary library) throws HostLost {
         library.put(host.begin(Request.LOAD)).putInt(0);
         Mailbox loaded = host.call(LIMIT_NANOS, QUIET);
         if (loaded.getInt() == 0) {
-            loaded.getInt(); // skips the number of threads
+            loaded.getInt(); // this call skips the number of threads
             int id = loaded.getInt();
             host.begin(Request.UNLOAD).putInt(id);
             host.call(LIMIT_NANOS, QUIET);

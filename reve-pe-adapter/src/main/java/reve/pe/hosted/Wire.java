@@ -6,6 +6,7 @@ import org.jspecify.annotations.Nullable;
 import reve.pe.Access;
 import reve.pe.LawParameter;
 import reve.pe.LedgerLine;
+import reve.pe.OwnColumn;
 import reve.pe.Phase;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
@@ -180,6 +181,35 @@ final class Wire {
                 from.getDouble(),
                 from.getDouble(),
                 from.getDouble());
+    }
+
+    /**
+     * Writes a request for one row of columns of laws.
+     *
+     * @param owners the library of each column
+     */
+    static void putOwn(Mailbox to, List<OwnColumn> columns, List<Loaded> owners, long row) {
+        to.putLong(row).putInt(columns.size());
+        for (int i = 0; i < columns.size(); i++) {
+            OwnColumn column = columns.get(i);
+            to.putInt(owners.get(i).hostId)
+                    .putInt(column.law())
+                    .putInt(column.use())
+                    .putInt(column.components());
+        }
+    }
+
+    /** Reads the values that {@link #putOwn} requests. */
+    static List<double[]> ownValues(Mailbox from, List<OwnColumn> columns) {
+        List<double[]> values = new ArrayList<>();
+        for (OwnColumn column : columns) {
+            double[] row = new double[column.components()];
+            for (int i = 0; i < row.length; i++) {
+                row[i] = from.getDouble();
+            }
+            values.add(row);
+        }
+        return values;
     }
 
     private static int number(ScalarType type) {

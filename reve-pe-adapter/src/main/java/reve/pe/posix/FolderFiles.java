@@ -38,7 +38,8 @@ public final class FolderFiles {
                 }
             }
         }
-        // The link in /proc leads to the opened folder, even if another folder is now at its path.
+        // The path in /proc is used, because it leads to the opened folder even if another folder
+        // is now at the original path.
         try (Stream<Path> files = Files.list(Path.of("/proc/self/fd/" + descriptor))) {
             return files.map(file -> folder.resolve(file.getFileName())).sorted().toList();
         } finally {

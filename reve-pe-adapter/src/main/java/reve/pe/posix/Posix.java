@@ -14,45 +14,59 @@ import java.lang.foreign.StructLayout;
 import java.lang.invoke.MethodHandle;
 
 /**
- * Bindings of C functions, one static method each; if a function fails, the method returns -errno.
+ * Bindings of C functions, one static method each. A method returns -errno if its function fails.
  * For any thread.
  */
-@SuppressWarnings("restricted") // this class is the only one that looks up functions of the C
-// library
+// The warning is suppressed, because only this class looks up functions of the C library.
+@SuppressWarnings("restricted")
 final class Posix {
     private static final Linker LINKER = Linker.nativeLinker();
     private static final StructLayout CALL_STATE = Linker.Option.captureStateLayout();
     private static final long ERRNO =
             CALL_STATE.byteOffset(MemoryLayout.PathElement.groupElement("errno"));
 
-    private static final MethodHandle MEMFD_CREATE =
-            function("memfd_create", JAVA_INT, ADDRESS, JAVA_INT);
-    private static final MethodHandle FTRUNCATE =
-            function("ftruncate", JAVA_INT, JAVA_INT, JAVA_LONG);
-    private static final MethodHandle MMAP =
-            function(
-                    "mmap", JAVA_LONG, ADDRESS, JAVA_LONG, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_LONG);
-    private static final MethodHandle MUNMAP = function("munmap", JAVA_INT, ADDRESS, JAVA_LONG);
-    private static final MethodHandle FCNTL =
-            variadic("fcntl", 2, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_INT);
-    private static final MethodHandle KILL = function("kill", JAVA_INT, JAVA_INT, JAVA_INT);
+    /**
+     * Calls the C function at the address that is the first argument, and captures errno in the
+     * second. All functions of this class share this handle, because each further signature costs
+     * 10 ms at every start. The calling conventions of Linux allow it on x86-64 and aarch64: each
+     * argument occupies a register, of which a function reads only what it declares.
+     */
+    private static final MethodHandle CALL =
+            LINKER.downcallHandle(
+                    FunctionDescriptor.of(
+                            JAVA_LONG, JAVA_LONG, JAVA_LONG, JAVA_LONG, JAVA_LONG, JAVA_LONG,
+                            JAVA_LONG),
+                    Linker.Option.captureCallState("errno"));
 
     /**
-     * The function kill. This handle does not capture errno, so that a call allocates no memory.
+     * Calls the function {@code syscall} without errno. Unlike {@link #CALL} it allocates no memory
+     * before the code is optimised.
      */
-    private static final MethodHandle PLAIN_KILL =
+    private static final MethodHandle SYSCALL =
             LINKER.downcallHandle(
-                    LINKER.defaultLookup().findOrThrow("kill"),
-                    FunctionDescriptor.of(JAVA_INT, JAVA_INT, JAVA_INT));
+                    function("syscall"),
+                    FunctionDescriptor.of(
+                            JAVA_LONG, JAVA_LONG, ADDRESS, JAVA_LONG, JAVA_LONG, ADDRESS, ADDRESS,
+                            JAVA_LONG),
+                    Linker.Option.firstVariadicArg(1));
 
-    private static final MethodHandle CLOCK_GETTIME =
-            function("clock_gettime", JAVA_INT, JAVA_INT, ADDRESS);
-    private static final MethodHandle OPEN = variadic("open", 2, JAVA_INT, ADDRESS, JAVA_INT);
-    private static final MethodHandle CLOSE = function("close", JAVA_INT, JAVA_INT);
-    private static final MethodHandle STRERROR =
-            LINKER.downcallHandle(
-                    LINKER.defaultLookup().findOrThrow("strerror"),
-                    FunctionDescriptor.of(ADDRESS, JAVA_INT));
+    private static final boolean AARCH64 = System.getProperty("os.arch").equals("aarch64");
+    private static final long SYS_FUTEX = AARCH64 ? 98 : 202;
+    private static final long SYS_KILL = AARCH64 ? 129 : 62;
+
+    /** Receives the errno of calls whose errno is not needed. Any thread may write it. */
+    private static final MemorySegment IGNORED_STATE = Arena.global().allocate(CALL_STATE);
+
+    private static final MemorySegment MEMFD_CREATE = function("memfd_create");
+    private static final MemorySegment FTRUNCATE = function("ftruncate");
+    private static final MemorySegment MMAP = function("mmap");
+    private static final MemorySegment MUNMAP = function("munmap");
+    private static final MemorySegment FCNTL = function("fcntl");
+    private static final MemorySegment KILL = function("kill");
+    private static final MemorySegment CLOCK_GETTIME = function("clock_gettime");
+    private static final MemorySegment OPEN = function("open");
+    private static final MemorySegment CLOSE = function("close");
+    private static final MemorySegment STRERROR = function("strerror");
     private static final long LONGEST_WORDS = 256;
 
     private Posix() {}
@@ -60,98 +74,74 @@ final class Posix {
     /** Returns the descriptor of new memory that no file backs. */
     static int memfdCreate(String name, int flags) {
         try (Arena call = Arena.ofConfined()) {
-            MemorySegment state = call.allocate(CALL_STATE);
-            return orErrno(
-                    (int) MEMFD_CREATE.invokeExact(state, call.allocateFrom(name), flags), state);
-        } catch (Throwable t) {
-            throw unexpected(t);
+            return call(MEMFD_CREATE, call.allocateFrom(name).address(), flags);
         }
     }
 
     /** Sets the size; returns 0. */
     static int ftruncate(int descriptor, long bytes) {
-        try (Arena call = Arena.ofConfined()) {
-            MemorySegment state = call.allocate(CALL_STATE);
-            return orErrno((int) FTRUNCATE.invokeExact(state, descriptor, bytes), state);
-        } catch (Throwable t) {
-            throw unexpected(t);
-        }
+        return call(FTRUNCATE, descriptor, bytes);
     }
 
     /** Returns the address of the new mapping, which the kernel chooses. */
     static long mmap(long bytes, int protection, int flags, int descriptor, long offset) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
-            long address =
-                    (long)
-                            MMAP.invokeExact(
-                                    state,
-                                    MemorySegment.NULL,
-                                    bytes,
-                                    protection,
-                                    flags,
-                                    descriptor,
-                                    offset);
+            long address = call(MMAP, state, 0, bytes, protection, flags, descriptor, offset);
             return address == -1 ? -state.get(JAVA_INT, ERRNO) : address;
-        } catch (Throwable t) {
-            throw unexpected(t);
         }
     }
 
     /** Unmaps the memory; returns 0. */
     static int munmap(MemorySegment mapping) {
-        try (Arena call = Arena.ofConfined()) {
-            MemorySegment state = call.allocate(CALL_STATE);
-            return orErrno((int) MUNMAP.invokeExact(state, mapping, mapping.byteSize()), state);
-        } catch (Throwable t) {
-            throw unexpected(t);
-        }
+        return call(MUNMAP, mapping.address(), mapping.byteSize());
     }
 
     /** Returns the descriptor of an existing file. */
     static int open(String path, int flags) {
         try (Arena call = Arena.ofConfined()) {
-            MemorySegment state = call.allocate(CALL_STATE);
-            return orErrno((int) OPEN.invokeExact(state, call.allocateFrom(path), flags), state);
-        } catch (Throwable t) {
-            throw unexpected(t);
+            return call(OPEN, call.allocateFrom(path).address(), flags);
         }
     }
 
     /** Closes the descriptor; returns 0. */
     static int close(int descriptor) {
-        try (Arena call = Arena.ofConfined()) {
-            MemorySegment state = call.allocate(CALL_STATE);
-            return orErrno((int) CLOSE.invokeExact(state, descriptor), state);
-        } catch (Throwable t) {
-            throw unexpected(t);
-        }
+        return call(CLOSE, descriptor, 0);
     }
 
     /** Returns the result of the command, which has one number as its argument. */
     static int fcntl(int descriptor, int command, int argument) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
-            return orErrno((int) FCNTL.invokeExact(state, descriptor, command, argument), state);
-        } catch (Throwable t) {
-            throw unexpected(t);
+            return orErrno((int) call(FCNTL, state, descriptor, command, argument, 0, 0, 0), state);
         }
     }
 
     /** Sends the signal; returns 0. A negative id addresses a process group. */
     static int kill(int process, int signal) {
-        try (Arena call = Arena.ofConfined()) {
-            MemorySegment state = call.allocate(CALL_STATE);
-            return orErrno((int) KILL.invokeExact(state, process, signal), state);
-        } catch (Throwable t) {
-            throw unexpected(t);
-        }
+        return call(KILL, process, signal);
     }
 
-    /** Returns whether the process exists. */
-    static boolean exists(int process) {
+    /**
+     * Returns whether the process exists. Allocates no memory.
+     *
+     * @param process the process id as an address, because {@link #SYSCALL} receives an address
+     */
+    static boolean exists(MemorySegment process) {
+        return syscall(SYS_KILL, process, 0, 0, MemorySegment.NULL) == 0;
+    }
+
+    /** Waits for a futex, or wakes the threads that wait for it. Allocates no memory. */
+    static void futex(MemorySegment word, long operation, long value, MemorySegment timeout) {
+        syscall(SYS_FUTEX, word, operation, value, timeout);
+    }
+
+    private static long syscall(
+            long number, MemorySegment first, long second, long third, MemorySegment fourth) {
         try {
-            return (int) PLAIN_KILL.invokeExact(process, 0) == 0;
+            return (long)
+                    SYSCALL.invokeExact(
+                            number, first, second, third, fourth, MemorySegment.NULL, 0L);
         } catch (Throwable t) {
             throw unexpected(t);
         }
@@ -160,24 +150,41 @@ final class Posix {
     /** Returns the time of a clock [ns]. */
     static long clockNanos(int clock) {
         try (Arena call = Arena.ofConfined()) {
-            MemorySegment state = call.allocate(CALL_STATE);
             MemorySegment time = call.allocate(2 * Long.BYTES, Long.BYTES);
-            int result = orErrno((int) CLOCK_GETTIME.invokeExact(state, clock, time), state);
+            int result = call(CLOCK_GETTIME, clock, time.address());
             return result < 0
                     ? result
                     : time.getAtIndex(JAVA_LONG, 0) * 1_000_000_000L
                             + time.getAtIndex(JAVA_LONG, 1);
-        } catch (Throwable t) {
-            throw unexpected(t);
         }
     }
 
     /** Returns the system's message for an errno. */
     static String words(int errno) {
+        long address = call(STRERROR, IGNORED_STATE, errno, 0, 0, 0, 0, 0);
+        return MemorySegment.ofAddress(address).reinterpret(LONGEST_WORDS).getString(0);
+    }
+
+    /** Calls a function of two arguments that returns an int, or -1 and sets errno. */
+    private static int call(MemorySegment function, long first, long second) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment state = call.allocate(CALL_STATE);
+            return orErrno((int) call(function, state, first, second, 0, 0, 0, 0), state);
+        }
+    }
+
+    private static long call(
+            MemorySegment function,
+            MemorySegment state,
+            long first,
+            long second,
+            long third,
+            long fourth,
+            long fifth,
+            long sixth) {
         try {
-            return ((MemorySegment) STRERROR.invokeExact(errno))
-                    .reinterpret(LONGEST_WORDS)
-                    .getString(0);
+            return (long)
+                    CALL.invokeExact(function, state, first, second, third, fourth, fifth, sixth);
         } catch (Throwable t) {
             throw unexpected(t);
         }
@@ -187,21 +194,8 @@ final class Posix {
         return result == -1 ? -state.get(JAVA_INT, ERRNO) : result;
     }
 
-    private static MethodHandle function(
-            String name, MemoryLayout result, MemoryLayout... arguments) {
-        return LINKER.downcallHandle(
-                LINKER.defaultLookup().findOrThrow(name),
-                FunctionDescriptor.of(result, arguments),
-                Linker.Option.captureCallState("errno"));
-    }
-
-    private static MethodHandle variadic(
-            String name, int fixed, MemoryLayout result, MemoryLayout... arguments) {
-        return LINKER.downcallHandle(
-                LINKER.defaultLookup().findOrThrow(name),
-                FunctionDescriptor.of(result, arguments),
-                Linker.Option.captureCallState("errno"),
-                Linker.Option.firstVariadicArg(fixed));
+    private static MemorySegment function(String name) {
+        return LINKER.defaultLookup().findOrThrow(name);
     }
 
     static RuntimeException unexpected(Throwable t) {

@@ -2,16 +2,21 @@
 package reve.pe.posix;
 
 import java.io.IOException;
+import java.lang.foreign.MemorySegment;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** A child process that is the leader of a process group of its own. Linux only; any thread. */
+/**
+ * A child process that is the leader of a process group of its own. Works on Linux only. For any
+ * thread.
+ */
 public final class ProcessGroup {
     private static final int SIGKILL = 9;
     private static final int SIGCONT = 18;
     private static final int CPUCLOCK_SCHED = 2;
 
     private final int leader;
+    private final MemorySegment leaderAddress;
     private final Path status;
 
     /**
@@ -19,12 +24,13 @@ public final class ProcessGroup {
      */
     public ProcessGroup(long leader) {
         this.leader = Math.toIntExact(leader);
+        this.leaderAddress = MemorySegment.ofAddress(leader);
         this.status = Path.of("/proc/" + leader + "/stat");
     }
 
     /**
-     * Kills the processes of the group. Processes that left the group continue. If the leader has
-     * not created the group yet, nothing happens.
+     * Kills the processes of the group. Processes that left the group continue. Nothing happens if
+     * the leader has not created the group yet.
      */
     public void kill() {
         Posix.kill(-leader, SIGKILL);
@@ -35,7 +41,7 @@ public final class ProcessGroup {
      * the end of the leader.
      */
     public boolean isAlive() {
-        return Posix.exists(leader);
+        return Posix.exists(leaderAddress);
     }
 
     /** Returns the processor time of all threads of the leader [ns]; negative after its end. */
@@ -45,13 +51,16 @@ public final class ProcessGroup {
 
     /** The state of the main thread of a process. */
     public enum State {
-        /** Sleeps until an event occurs. */
+        /** State of a thread that sleeps until an event occurs. */
         SLEEPS,
-        /** Was stopped by a signal. */
+        /** State of a thread that was stopped by a signal. */
         STOPPED,
-        /** Waits for a disk, for memory that was swapped out, or for a child of {@code vfork}. */
+        /**
+         * State of a thread that waits for a disk, for memory that was swapped out, or for a child
+         * of {@code vfork}.
+         */
         WAITS_FOR_DISK,
-        /** Runs, waits for a processor, or has ended. */
+        /** State of a thread that runs, waits for a processor, or has ended. */
         OTHER
     }
 

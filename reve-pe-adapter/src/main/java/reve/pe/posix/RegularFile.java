@@ -50,7 +50,8 @@ public final class RegularFile {
             if (!attributes.isRegularFile()) {
                 throw new IOException("expected a regular file, found " + kind(attributes));
             }
-            // The link in /proc leads to the opened file, even if another file is now at its path.
+            // The path in /proc is used, because it leads to the opened file even if another file
+            // is now at the original path.
             try (InputStream in = Files.newInputStream(opened)) {
                 byte[] bytes = attributes.size() > most ? null : in.readNBytes(most + 1);
                 if (bytes == null || bytes.length > most) {

@@ -6,14 +6,18 @@ import java.lang.foreign.MemorySegment;
 
 /**
  * Zeroed memory with a file descriptor. Another process can map the same bytes through {@code
- * /proc/PID/fd/DESCRIPTOR}, or by inheriting the descriptor. Its size never changes. Linux only.
+ * /proc/PID/fd/DESCRIPTOR}, or by inheriting the descriptor. Its size never changes. Works on Linux
+ * only.
  */
 public final class SharedMemory implements AutoCloseable {
     private static final int MFD_CLOEXEC = 1;
     private static final int MFD_ALLOW_SEALING = 2;
     private static final int F_ADD_SEALS = 1033;
 
-    /** Seals of the memory: its size cannot change, and these seals cannot be removed. */
+    /**
+     * Seals of the memory. They ensure that its size cannot change and that the seals cannot be
+     * removed.
+     */
     private static final int SEALS = 1 | 2 | 4;
 
     private static final int PROT_READ_WRITE = 1 | 2;
@@ -74,8 +78,9 @@ public final class SharedMemory implements AutoCloseable {
         }
     }
 
-    @SuppressWarnings("restricted") // safe: the kernel has just mapped this number of bytes at this
-    // address
+    // The restricted call is safe, because the kernel has just mapped this number of bytes at this
+    // address.
+    @SuppressWarnings("restricted")
     private MemorySegment map(String name, long bytes) {
         long address = Posix.mmap(bytes, PROT_READ_WRITE, MAP_SHARED, descriptor, 0);
         check(name, "mmap of " + bytes + " bytes", address);

@@ -1,32 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe.posix;
 
-import static java.lang.foreign.ValueLayout.ADDRESS;
 import static java.lang.foreign.ValueLayout.JAVA_INT;
 import static java.lang.foreign.ValueLayout.JAVA_LONG;
 
-import java.lang.foreign.FunctionDescriptor;
-import java.lang.foreign.Linker;
 import java.lang.foreign.MemorySegment;
-import java.lang.invoke.MethodHandle;
 import java.lang.invoke.VarHandle;
 
 /**
  * A number in shared memory (a futex). One process waits until another process changes the number.
  * Only one thread per process may use it.
  */
-@SuppressWarnings("restricted") // the C library has no function of its own for futexes
 public final class SharedWord {
-    private static final MethodHandle SYSCALL =
-            Linker.nativeLinker()
-                    .downcallHandle(
-                            Linker.nativeLinker().defaultLookup().findOrThrow("syscall"),
-                            FunctionDescriptor.of(
-                                    JAVA_LONG, JAVA_LONG, ADDRESS, JAVA_LONG, JAVA_LONG, ADDRESS,
-                                    ADDRESS, JAVA_LONG),
-                            Linker.Option.firstVariadicArg(1));
-    private static final long SYS_FUTEX =
-            System.getProperty("os.arch").equals("aarch64") ? 98 : 202;
     private static final long FUTEX_WAIT = 0;
     private static final long FUTEX_WAKE = 1;
     private static final VarHandle INT = JAVA_INT.varHandle();
@@ -54,7 +39,7 @@ public final class SharedWord {
     /** Sets the number, and wakes the process that waits. */
     public void announce(int value) {
         INT.setRelease(word, 0L, value);
-        futex(FUTEX_WAKE, 1, MemorySegment.NULL);
+        Posix.futex(word, FUTEX_WAKE, 1, MemorySegment.NULL);
     }
 
     /**
@@ -65,24 +50,7 @@ public final class SharedWord {
         if (get() == seen) {
             timeout.set(JAVA_LONG, 0, nanos / 1_000_000_000L);
             timeout.set(JAVA_LONG, Long.BYTES, nanos % 1_000_000_000L);
-            futex(FUTEX_WAIT, Integer.toUnsignedLong(seen), timeout);
-        }
-    }
-
-    private void futex(long operation, long value, MemorySegment time) {
-        try {
-            long _ =
-                    (long)
-                            SYSCALL.invokeExact(
-                                    SYS_FUTEX,
-                                    word,
-                                    operation,
-                                    value,
-                                    time,
-                                    MemorySegment.NULL,
-                                    0L);
-        } catch (Throwable t) {
-            throw Posix.unexpected(t);
+            Posix.futex(word, FUTEX_WAIT, Integer.toUnsignedLong(seen), timeout);
         }
     }
 }

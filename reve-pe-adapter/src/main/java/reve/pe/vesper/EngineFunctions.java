@@ -10,14 +10,16 @@ import static java.lang.foreign.ValueLayout.JAVA_DOUBLE;
 import static java.lang.foreign.ValueLayout.JAVA_INT;
 import static java.lang.foreign.ValueLayout.JAVA_LONG;
 
+import reve.pe.OwnColumn;
+
 import java.lang.foreign.MemorySegment;
 import java.lang.invoke.MethodHandle;
 
 /**
  * Bindings of the C functions of {@code engine.h} that need an engine, one static method each, with
  * the same order of arguments. The methods return C's status numbers; {@link VesperErrors} converts
- * them to exceptions. A program whose engines all run in processes of their own never loads this
- * class: linking its functions takes about 0.1 s of processor time.
+ * them to exceptions. A program whose engines all run in separate processes never loads this class.
+ * It then saves the processor time for linking these functions.
  */
 final class EngineFunctions {
     private static final MethodHandle CONFIG_INIT =
@@ -102,6 +104,18 @@ final class EngineFunctions {
                     JAVA_INT,
                     JAVA_INT,
                     ADDRESS,
+                    ADDRESS);
+    private static final MethodHandle SCRATCH_ROW =
+            function(
+                    "vesper_engine_scratch_row",
+                    JAVA_INT,
+                    ADDRESS,
+                    JAVA_INT,
+                    JAVA_INT,
+                    JAVA_INT,
+                    JAVA_LONG,
+                    ADDRESS,
+                    JAVA_INT,
                     ADDRESS);
     private static final MethodHandle ADVANCE =
             function("vesper_engine_advance", JAVA_INT, ADDRESS, JAVA_DOUBLE, JAVA_INT, ADDRESS);
@@ -260,6 +274,28 @@ final class EngineFunctions {
             MemorySegment engine, int library, int interval, MemorySegment error) {
         try {
             return (int) SET_INTERVAL.invokeExact(engine, library, interval, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineScratchRow(
+            MemorySegment engine,
+            OwnColumn column,
+            long row,
+            MemorySegment out,
+            MemorySegment error) {
+        try {
+            return (int)
+                    SCRATCH_ROW.invokeExact(
+                            engine,
+                            column.libraryId(),
+                            column.law(),
+                            column.use(),
+                            row,
+                            out,
+                            column.components(),
+                            error);
         } catch (Throwable t) {
             throw rethrown(t);
         }

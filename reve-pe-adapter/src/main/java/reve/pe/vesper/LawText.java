@@ -17,8 +17,8 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 
 /**
- * A law library that is a text. It cannot harm the process, so it needs no test in another process
- * first.
+ * A law library that is a text. A text cannot harm the process, so it needs no test in another
+ * process.
  */
 public final class LawText {
 
@@ -54,9 +54,9 @@ public final class LawText {
     public static String name(Prototype prototype, String source, byte[] text) {
         MemorySegment prepared = prepare(prototype, source, text);
         try {
-            return VesperStrings.read(VesperLibrary.libraryName(prepared));
+            return VesperStrings.read(LibraryFunctions.libraryName(prepared));
         } finally {
-            VesperLibrary.libraryDiscard(prepared);
+            LibraryFunctions.libraryDiscard(prepared);
         }
     }
 
@@ -66,7 +66,7 @@ public final class LawText {
             MemorySegment report = call.allocate(MAX_REPORT);
             VesperErrors failure = new VesperErrors(call, id -> null);
             failure.check(
-                    VesperLibrary.textCheck(
+                    LibraryFunctions.textCheck(
                             VesperPrototypes.write(call, prototype),
                             VesperStrings.write(call, source),
                             copy(call, text),
@@ -82,7 +82,7 @@ public final class LawText {
             MemorySegment handle = call.allocate(ADDRESS);
             VesperErrors failure = new VesperErrors(call, id -> null);
             int status =
-                    VesperLibrary.libraryPrepareText(
+                    LibraryFunctions.libraryPrepareText(
                             VesperStrings.write(call, source),
                             copy(call, text),
                             handle,
@@ -95,8 +95,8 @@ public final class LawText {
     }
 
     /**
-     * Returns an exception with all problems of the text and their line numbers. If the text has no
-     * problems, returns the given exception.
+     * Returns an exception with all problems of the text and their line numbers. Returns the given
+     * exception if the text has no problems.
      */
     public static PhysicsException withReport(
             Prototype prototype, String source, byte[] text, PhysicsException refusal) {

@@ -29,7 +29,7 @@ public final class LibraryFile {
     /**
      * Finds a library by the rule of {@code vesper_library_prepare}; the path is absolute.
      *
-     * @throws PhysicsException NOT_FOUND
+     * @throws PhysicsException with the status NOT_FOUND if there is no such library
      */
     public static Path find(String library, List<Path> lawPath) {
         if (library.contains("/")) {

@@ -37,7 +37,8 @@ final class LogUpcall {
         try {
             log.log(LEVELS[Math.clamp(level, 1, LEVELS.length) - 1], VesperStrings.read(message));
         } catch (Throwable failure) {
-            // An exception must not reach C code, and a failing log cannot report its own failure.
+            // The exception is printed here, because it must not reach C code. A failing log cannot
+            // report its own failure.
             System.err.println("a Vesper log listener failed: " + failure);
         }
     }

@@ -9,7 +9,8 @@ import java.util.List;
  *
  * @param threads maximum number of threads on which laws compute, including the caller's; at least
  *     1. Results do not depend on this number
- * @param validate whether laws run on guarded copies and their accesses are checked (slower)
+ * @param validate whether laws run on guarded copies and their accesses are checked, which takes
+ *     more time
  * @param lawPath folders searched for bare law names, in this order; their names contain no ':'
  * @param log receives the log lines of engine and laws
  */

@@ -15,6 +15,7 @@ import static java.lang.foreign.ValueLayout.JAVA_LONG;
 import org.jspecify.annotations.Nullable;
 
 import reve.pe.LedgerLine;
+import reve.pe.OwnColumn;
 import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
@@ -39,7 +40,7 @@ import java.util.stream.Collectors;
 
 /**
  * The Vesper engine. It uses the arrays of its provider in place, and {@link #advance} is one
- * native call. Before you close the engine, close all prepared libraries, and wait until {@code
+ * native call. The caller closes all prepared libraries before the engine, and waits until {@code
  * prepare} has returned on other threads.
  */
 public final class VesperEngine implements PhysicsEngine {
@@ -100,7 +101,7 @@ public final class VesperEngine implements PhysicsEngine {
      * Returns a prototype that the engine defines.
      *
      * @param name "si-f64" or "si-f32"
-     * @throws PhysicsException NOT_FOUND for another name
+     * @throws PhysicsException with the status NOT_FOUND for another name
      */
     public static Prototype standardPrototype(String name) {
         checkLibrary();
@@ -230,7 +231,7 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     /**
-     * Loads a library into the engine. If a text is refused, the message contains all its problems.
+     * Loads a library into the engine. The message about a refused text contains all its problems.
      */
     private void give(
             VesperPreparedLibrary library,
@@ -298,6 +299,22 @@ public final class VesperEngine implements PhysicsEngine {
         checkOpen();
         errors.check(
                 EngineFunctions.engineSetInterval(engine, libraryId, interval, errors.segment()));
+    }
+
+    @Override
+    public List<double[]> ownValues(List<OwnColumn> columns, long row) {
+        checkOpen();
+        List<double[]> values = new ArrayList<>();
+        try (Arena call = Arena.ofConfined()) {
+            for (OwnColumn column : columns) {
+                MemorySegment numbers = call.allocate(JAVA_DOUBLE, column.components());
+                errors.check(
+                        EngineFunctions.engineScratchRow(
+                                engine, column, row, numbers, errors.segment()));
+                values.add(numbers.toArray(JAVA_DOUBLE));
+            }
+        }
+        return values;
     }
 
     @Override
@@ -438,6 +455,7 @@ public final class VesperEngine implements PhysicsEngine {
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "validate"), config.validate() ? 1 : 0);
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "touches"), 1);
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "limit_values"), 1);
+        struct.set(JAVA_INT, offset(ENGINE_CONFIG, "rest_without_fields"), 1);
         struct.set(
                 ADDRESS,
                 offset(ENGINE_CONFIG, "law_path"),
@@ -455,7 +473,7 @@ public final class VesperEngine implements PhysicsEngine {
             VesperErrors failure = new VesperErrors(call, id -> null);
             MemorySegment handle = call.allocate(ADDRESS);
             failure.check(
-                    VesperLibrary.libraryPrepareBytes(
+                    LibraryFunctions.libraryPrepareBytes(
                             config,
                             call.allocateFrom(JAVA_BYTE, bytes),
                             VesperStrings.write(call, source),

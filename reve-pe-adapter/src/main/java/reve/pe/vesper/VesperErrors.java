@@ -19,7 +19,7 @@ import java.util.function.IntFunction;
 
 /**
  * The conversion of a status to an exception. This object owns the error struct that C functions
- * fill; all calls use the same struct. The thread rule of the called object applies.
+ * fill. All calls use the same struct. The thread rule of the called object applies.
  */
 final class VesperErrors {
     private static final long LIBRARY_ID = offset(ERROR, "library_id");
@@ -75,8 +75,8 @@ final class VesperErrors {
     }
 
     /**
-     * Converts a status number of {@code types.h}. Its numbers have the order of {@link Status} and
-     * begin with 1.
+     * Converts a status number of {@code types.h}. These numbers have the order of {@link Status}
+     * and begin with 1.
      */
     private static Status status(int number) {
         return number >= 1 && number <= Status.INTERNAL.ordinal() + 1

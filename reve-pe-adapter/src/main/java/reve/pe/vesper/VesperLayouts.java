@@ -122,7 +122,7 @@ final class VesperLayouts {
                             JAVA_INT.withName("touches"),
                             ADDRESS.withName("running"),
                             JAVA_INT.withName("limit_values"),
-                            JAVA_INT.withName("reserved"))
+                            JAVA_INT.withName("rest_without_fields"))
                     .withName("vesper_engine_config");
 
     static final StructLayout LAW_INFO =

@@ -3,7 +3,6 @@ package reve.pe.vesper;
 
 import static java.lang.foreign.ValueLayout.ADDRESS;
 import static java.lang.foreign.ValueLayout.JAVA_INT;
-import static java.lang.foreign.ValueLayout.JAVA_LONG;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.FunctionDescriptor;
@@ -14,9 +13,9 @@ import java.lang.foreign.SymbolLookup;
 import java.lang.invoke.MethodHandle;
 
 /**
- * Bindings of the C functions of {@code engine.h} that need no engine, one static method each, with
- * the same order of arguments. The methods return C's status numbers; {@link VesperErrors} converts
- * them to exceptions.
+ * Bindings of the C functions of {@code engine.h} that need neither an engine nor a library of
+ * laws, one static method each, with the same order of arguments. The methods return C's status
+ * numbers; {@link VesperErrors} converts them to exceptions.
  */
 @SuppressWarnings("restricted") // this class is the only one that looks up functions of the engine
 final class VesperLibrary {
@@ -29,40 +28,6 @@ final class VesperLibrary {
     private static final MethodHandle ABI_LAYOUT = function("vesper_abi_layout", ADDRESS, ADDRESS);
     private static final MethodHandle PROTOTYPE_STANDARD =
             function("vesper_prototype_standard", ADDRESS, ADDRESS);
-    private static final MethodHandle LIBRARY_PREPARE_BYTES =
-            function(
-                    "vesper_library_prepare_bytes",
-                    JAVA_INT,
-                    ADDRESS,
-                    ADDRESS,
-                    JAVA_LONG,
-                    ADDRESS,
-                    ADDRESS,
-                    ADDRESS);
-    private static final MethodHandle LIBRARY_PREPARE_TEXT =
-            function(
-                    "vesper_library_prepare_text",
-                    JAVA_INT,
-                    ADDRESS,
-                    ADDRESS,
-                    JAVA_LONG,
-                    ADDRESS,
-                    ADDRESS);
-    private static final MethodHandle TEXT_CHECK =
-            function(
-                    "vesper_text_check",
-                    JAVA_INT,
-                    ADDRESS,
-                    ADDRESS,
-                    ADDRESS,
-                    JAVA_LONG,
-                    ADDRESS,
-                    JAVA_LONG,
-                    ADDRESS);
-    private static final MethodHandle LIBRARY_DISCARD =
-            procedure("vesper_library_discard", ADDRESS);
-    private static final MethodHandle LIBRARY_NAME =
-            function("vesper_library_name", ADDRESS, ADDRESS);
 
     private VesperLibrary() {}
 
@@ -98,68 +63,6 @@ final class VesperLibrary {
         }
     }
 
-    static int libraryPrepareBytes(
-            MemorySegment config,
-            MemorySegment bytes,
-            MemorySegment source,
-            MemorySegment out,
-            MemorySegment error) {
-        try {
-            return (int)
-                    LIBRARY_PREPARE_BYTES.invokeExact(
-                            config, bytes, bytes.byteSize(), source, out, error);
-        } catch (Throwable t) {
-            throw rethrown(t);
-        }
-    }
-
-    static int libraryPrepareText(
-            MemorySegment source, MemorySegment text, MemorySegment out, MemorySegment error) {
-        try {
-            return (int)
-                    LIBRARY_PREPARE_TEXT.invokeExact(source, text, text.byteSize(), out, error);
-        } catch (Throwable t) {
-            throw rethrown(t);
-        }
-    }
-
-    static int textCheck(
-            MemorySegment prototype,
-            MemorySegment source,
-            MemorySegment text,
-            MemorySegment report,
-            MemorySegment error) {
-        try {
-            return (int)
-                    TEXT_CHECK.invokeExact(
-                            prototype,
-                            source,
-                            text,
-                            text.byteSize(),
-                            report,
-                            report.byteSize(),
-                            error);
-        } catch (Throwable t) {
-            throw rethrown(t);
-        }
-    }
-
-    static void libraryDiscard(MemorySegment prepared) {
-        try {
-            LIBRARY_DISCARD.invokeExact(prepared);
-        } catch (Throwable t) {
-            throw rethrown(t);
-        }
-    }
-
-    static MemorySegment libraryName(MemorySegment prepared) {
-        try {
-            return (MemorySegment) LIBRARY_NAME.invokeExact(prepared);
-        } catch (Throwable t) {
-            throw rethrown(t);
-        }
-    }
-
     /** Returns the handle of a C function that returns a value. */
     static MethodHandle function(String name, MemoryLayout result, MemoryLayout... arguments) {
         return LINKER.downcallHandle(
@@ -173,8 +76,8 @@ final class VesperLibrary {
     }
 
     /**
-     * Rethrows an exception that Java's binding threw, for example for a closed segment; C
-     * functions throw none.
+     * Rethrows an exception that Java's binding threw, for example for a closed segment. C
+     * functions throw no exceptions.
      */
     static RuntimeException rethrown(Throwable t) {
         if (t instanceof RuntimeException exception) {

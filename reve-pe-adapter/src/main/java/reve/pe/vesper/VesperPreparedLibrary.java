@@ -21,7 +21,7 @@ final class VesperPreparedLibrary implements PreparedLibrary {
     VesperPreparedLibrary(MemorySegment prepared, byte[] bytes, @Nullable String source) {
         this.prepared = prepared;
         this.source = source;
-        this.name = VesperStrings.read(VesperLibrary.libraryName(prepared));
+        this.name = VesperStrings.read(LibraryFunctions.libraryName(prepared));
         this.sha256 = LibraryFile.sha256(bytes);
         this.bytes = bytes;
     }
@@ -51,7 +51,10 @@ final class VesperPreparedLibrary implements PreparedLibrary {
         return source;
     }
 
-    /** Returns the handle for C; throws after an engine took it or the caller closed it. */
+    /**
+     * Returns the handle for C. Throws an exception if an engine has taken the library or the
+     * caller has closed it.
+     */
     synchronized MemorySegment handle() {
         if (prepared == null) {
             throw new IllegalStateException(
@@ -70,7 +73,7 @@ final class VesperPreparedLibrary implements PreparedLibrary {
     @Override
     public synchronized void close() {
         if (prepared != null) {
-            VesperLibrary.libraryDiscard(prepared);
+            LibraryFunctions.libraryDiscard(prepared);
             prepared = null;
         }
     }

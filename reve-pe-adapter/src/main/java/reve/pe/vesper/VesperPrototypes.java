@@ -224,8 +224,8 @@ final class VesperPrototypes {
     }
 
     /**
-     * Returns the elements of a C array of structs. Its stride is the struct_size of its first
-     * element.
+     * Returns the elements of a C array of structs. The distance between two elements is the
+     * struct_size of the first element.
      */
     private static List<MemorySegment> array(MemorySegment first, StructLayout layout, int count) {
         List<MemorySegment> elements = new ArrayList<>(count);

@@ -36,8 +36,8 @@ final class VesperProvider implements PhysicalPropertyProvider {
     private final MemorySegment found;
 
     /**
-     * Scopes of the bound arrays, without duplicates. Before C code accesses the arrays, this
-     * object checks that the scopes are alive.
+     * Scopes of the bound arrays, without duplicates. This object checks that the scopes are alive
+     * before C code accesses the arrays.
      */
     private MemorySegment.Scope[] lifetimes = {};
 
@@ -153,7 +153,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
         errors.check(EngineFunctions.providerTouch(provider, oneName, 1, errors.segment()));
     }
 
-    /** Throws if the client has closed memory that the engine still uses. */
+    /** Throws an exception if the client has closed memory that the engine still uses. */
     void checkArraysAlive() {
         if (!lifetimesKnown) {
             collectLifetimes();
@@ -192,7 +192,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
             long objectCount) {
         PropertyDescriptor property = slot.descriptor;
         if (property.type() == ScalarType.FIELD) {
-            return; // no arrays to check: C refuses the call
+            return; // C refuses the call, so there are no arrays to check
         }
         checkArray(
                 property.name(),

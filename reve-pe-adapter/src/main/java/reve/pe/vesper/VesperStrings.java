@@ -13,8 +13,8 @@ final class VesperStrings {
     private VesperStrings() {}
 
     /** Copies a string that C returned by address; empty for null. */
-    @SuppressWarnings("restricted") // safe: C guarantees a terminated string, but does not pass its
-    // length
+    // The restricted call is safe, because C guarantees a terminated string. Its length is unknown.
+    @SuppressWarnings("restricted")
     static String read(MemorySegment address) {
         return address.address() == 0
                 ? ""
@@ -49,7 +49,7 @@ final class VesperStrings {
         byte[] bytes = text.getBytes(StandardCharsets.UTF_8);
         int length = (int) Math.min(bytes.length, size - 1);
         while (length > 0 && length < bytes.length && (bytes[length] & 0xC0) == 0x80) {
-            length--; // never truncates inside a character
+            length--; // the text must not end inside a character
         }
         MemorySegment.copy(bytes, 0, struct, ValueLayout.JAVA_BYTE, offset, length);
         struct.set(ValueLayout.JAVA_BYTE, offset + length, (byte) 0);

@@ -2,6 +2,7 @@
 package reve.pe.adapter;
 
 import reve.pe.LedgerLine;
+import reve.pe.OwnColumn;
 import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
@@ -106,6 +107,11 @@ final class FailingEngine implements PhysicsEngine {
     @Override
     public void unloadPhysicsLaw(int libraryId) {
         engine.unloadPhysicsLaw(libraryId);
+    }
+
+    @Override
+    public List<double[]> ownValues(List<OwnColumn> columns, long row) {
+        return engine.ownValues(columns, row);
     }
 
     @Override

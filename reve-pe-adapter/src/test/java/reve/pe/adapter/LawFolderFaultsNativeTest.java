@@ -14,6 +14,7 @@ import reve.pe.NativeFiles;
 import reve.pe.PhysicsLaw;
 
 import java.io.IOException;
+import java.io.UncheckedIOException;
 import java.net.StandardProtocolFamily;
 import java.net.UnixDomainSocketAddress;
 import java.nio.ByteBuffer;
@@ -27,6 +28,8 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 import java.util.TreeMap;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.locks.LockSupport;
 
 /**
  * Files in a laws folder that are no laws, or that are not yet complete. Each causes one event, and
@@ -274,5 +277,67 @@ class LawFolderFaultsNativeTest {
         assertThat(loaded()).hasSize(2);
         assertThat(world.events("fault")).isEmpty();
         assertThat(world.loop.frame()).isEqualTo(frames);
+    }
+
+    /** Number of files in the storm. The fault model requires 10,000. */
+    private static final int STORM_FILES = Integer.getInteger("reve.test.storm.files", 400);
+
+    /** Time after the storm in which the last file must act; 5 s on an idle machine [s]. */
+    private static final int CALM_SECONDS = Integer.getInteger("reve.test.storm.seconds", 60);
+
+    /** Least frame rate as a percentage of the rate before the storm; 95 on an idle machine. */
+    private static final int LEAST_PERCENT = Integer.getInteger("reve.test.storm.percent", 20);
+
+    private static final int FILES_PER_MILLISECOND = 2; // each file is written and removed
+
+    @Test
+    void aStormOfFilesDelaysNoFrameAndTheLastFileActs() throws Exception {
+        laws.start();
+        Ticks ticks = new Ticks();
+        double before = 60 * ticks.second(world);
+        CompletableFuture<Void> storm =
+                CompletableFuture.runAsync(
+                        () -> {
+                            for (boolean write : new boolean[] {true, false}) {
+                                storm(write);
+                            }
+                        },
+                        task -> Thread.ofPlatform().daemon().start(task));
+        long start = System.nanoTime();
+        long made = 0;
+        while (!storm.isDone()) {
+            ticks.run(world);
+            made++;
+        }
+        storm.get();
+        double seconds = (System.nanoTime() - start) / 1e9;
+        assertThat(100 * made / seconds / before)
+                .as("% of the frame rate")
+                .isGreaterThan(LEAST_PERCENT);
+        Files.write(folder.resolve("wind.so"), wind());
+        long calm = System.nanoTime();
+        while (!loaded().equals(List.of("newton_motion", "wind"))) {
+            ticks.run(world);
+            assertThat((System.nanoTime() - calm) / 1e9).isLessThan(CALM_SECONDS);
+        }
+    }
+
+    private void storm(boolean write) {
+        for (int i = 0; i < STORM_FILES; i++) {
+            Path file = folder.resolve("storm_" + i + ".law");
+            try {
+                if (write) {
+                    Files.writeString(
+                            file, "law storm_" + i + "\n  each body: force += 1 N (0, 1, 0)\n");
+                } else {
+                    Files.delete(file);
+                }
+            } catch (IOException e) {
+                throw new UncheckedIOException(e);
+            }
+            if (i % FILES_PER_MILLISECOND == 0) {
+                LockSupport.parkNanos(1_000_000);
+            }
+        }
     }
 }

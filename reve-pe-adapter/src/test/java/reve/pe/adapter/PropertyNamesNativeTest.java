@@ -24,7 +24,7 @@ class PropertyNamesNativeTest {
     @ValueSource(strings = {"si-f64", "si-f32"})
     void everyStandardPropertyOfTheEngineIsOneOfReveInTypeAndUnit(String name) {
         Prototype engine = VesperEngine.standardPrototype(name);
-        WorldPrototype world = WorldPrototype.standard(name).withJoints();
+        WorldPrototype world = WorldPrototype.standard(name).withJoints().withGears();
         Prototype reve =
                 PropertyNames.prototype(world.extendedBy(world.propertiesOnDemand()), engine);
         assertThat(reve)

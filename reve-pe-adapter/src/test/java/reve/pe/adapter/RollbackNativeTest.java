@@ -9,6 +9,7 @@ import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
 
 import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
@@ -17,7 +18,10 @@ import reve.pe.PhysicsLaw;
 import reve.pe.SpringOrbit;
 import reve.pe.Status;
 
+import java.util.ArrayList;
+import java.util.List;
 import java.util.Map;
+import java.util.Random;
 
 class RollbackNativeTest {
     private static final int BAD_STEP = 22; // the third of frame 6
@@ -36,6 +40,50 @@ class RollbackNativeTest {
             }
             assertThat(spoilt.adapter.profile().redoneFrames()).isOne();
         }
+    }
+
+    /** Number of values that the law writes. Each value causes a repeated frame. */
+    private static final int EXTREMES = Integer.getInteger("reve.test.extremes", 60);
+
+    private static final List<String> WRITTEN =
+            List.of("position", "velocity", "orientation", "angularVelocity");
+
+    @Test
+    void aNumberThatIsNotFiniteNeverReachesTheStore() {
+        List<ItemDefinition> bodies = new ArrayList<>();
+        for (int i = 0; i < 10_000; i++) {
+            bodies.add(AdapterFixture.body("b" + i, 1, i, 2 * i, 0, 0, 1, 0));
+        }
+        Random random = new Random(1904);
+        try (AdapterFixture clean = inPlace(bodies).load("newton_motion", "wind");
+                AdapterFixture spoilt = inPlace(bodies).load("newton_motion", "wind")) {
+            for (int i = 1; i <= EXTREMES; i++) {
+                int place = random.nextInt(12 * bodies.size());
+                spoilt.adapter.laws().load(0, "writes_extreme", Map.of("place", (double) place));
+                clean.run(1);
+                spoilt.run(1);
+                assertThat(spoilt.adapter.stateHash())
+                        .as("place " + place)
+                        .isEqualTo(clean.adapter.stateHash());
+                assertThat(spoilt.events("fault")).hasSize(i);
+                assertThat(spoilt.events("fault").getLast().fields())
+                        .containsEntry("status", "LAW_MISBEHAVED")
+                        .containsEntry("property", WRITTEN.get(place / 3 % 4))
+                        .containsEntry("item", "b" + place / 12);
+                Laws laws = spoilt.adapter.laws();
+                laws.quarantined().forEach(out -> laws.release(out.sha256()));
+            }
+            assertThat(spoilt.adapter.profile().redoneFrames()).isEqualTo(EXTREMES);
+        }
+    }
+
+    private static AdapterFixture inPlace(List<ItemDefinition> items) {
+        return new AdapterFixture(
+                WorldPrototype.standard("si-f64"),
+                items,
+                new OffHeapArena(),
+                false,
+                engine -> engine);
     }
 
     /** The law with an error is the cause, even if acts and edits changed the world. */

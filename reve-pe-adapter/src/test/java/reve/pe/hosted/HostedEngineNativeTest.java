@@ -6,6 +6,7 @@ import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
 
@@ -26,6 +27,7 @@ import reve.pe.vesper.VesperConfig;
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
+import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
@@ -34,8 +36,10 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Random;
+import java.util.concurrent.TimeUnit;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicReference;
+import java.util.concurrent.locks.LockSupport;
 
 class HostedEngineNativeTest extends EngineContract {
     @Override
@@ -46,16 +50,22 @@ class HostedEngineNativeTest extends EngineContract {
     /** A kind of engine that runs in a process of its own, with shared memory. */
     private static final class Hosted implements EngineFixture.Home {
         private final Hosts hosts;
+        private final Duration frameLimit;
         private final Map<Long, SharedMemory> memories = new HashMap<>();
 
         Hosted(Hosts hosts) {
+            this(hosts, Duration.ofSeconds(10));
+        }
+
+        Hosted(Hosts hosts, Duration frameLimit) {
             this.hosts = hosts;
+            this.frameLimit = frameLimit;
         }
 
         @Override
         public PhysicsEngine engine(VesperConfig config, Prototype prototype) {
             return new HostedEngine(
-                    hosts, Duration.ofSeconds(10), config, prototype, ApartRule.NEVER, this::part);
+                    hosts, frameLimit, config, prototype, ApartRule.NEVER, this::part);
         }
 
         private SharedPart part(MemorySegment segment) {
@@ -382,6 +392,46 @@ class HostedEngineNativeTest extends EngineContract {
                 assertThat(orbit.engine.saveState()).isNotEqualTo(before);
             }
             assertThat(hosted.engine.saveState()).isEqualTo(inProcess.engine.saveState());
+        }
+    }
+
+    /** The program of such a process may lie on a disk that hangs. */
+    @Test
+    void aProcessThatNeverAnswersDelaysOneFrameInTenSeconds(@TempDir Path folder) throws Exception {
+        Path silent = Files.writeString(folder.resolve("silent"), "#!/bin/sh\nexec sleep 1000\n");
+        assertThat(silent.toFile().setExecutable(true)).isTrue();
+        Path[] program = {NativeFiles.program("vesper-host")};
+        try (Hosts hosts = new Hosts(() -> new HostProcess(program[0], 0), start -> {});
+                EngineFixture orbit =
+                        new EngineFixture(new Hosted(hosts, Duration.ofMillis(50))).springOrbit()) {
+            killHosts();
+            program[0] = silent;
+            assertThat(failedAdvance(orbit)).isBetween(0.9, 3.0);
+            assertThat(failedAdvance(orbit))
+                    .as("the next one is tried at once")
+                    .isBetween(0.9, 3.0);
+            for (int frame = 0; frame < 10; frame++) {
+                assertThat(failedAdvance(orbit)).isLessThan(0.5);
+            }
+            program[0] = NativeFiles.program("vesper-host");
+            long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(40);
+            while (orbit.engine.stepCount() == 0 && System.nanoTime() < end) {
+                failedAdvance(orbit);
+                LockSupport.parkNanos(TimeUnit.MILLISECONDS.toNanos(100));
+            }
+            assertThat(orbit.engine.stepCount()).isPositive();
+        }
+    }
+
+    /** Advances, and returns how long this took until it failed; 0 if it did not fail [s]. */
+    private static double failedAdvance(EngineFixture orbit) {
+        long began = System.nanoTime();
+        try {
+            orbit.engine.advance(SpringOrbit.DT, 1);
+            return 0;
+        } catch (IllegalStateException failed) {
+            assertThat(failed).hasMessageContaining("another one is started");
+            return (System.nanoTime() - began) * 1e-9;
         }
     }
 

@@ -32,8 +32,8 @@ public final class Product {
     }
 
     /**
-     * Returns the folder with libvesper.so, its programs, and {@code laws/}. The launcher passes
-     * it.
+     * Returns the folder that contains libvesper.so, the programs of the engine, and {@code laws/}.
+     * The launcher passes it.
      */
     public static Path nativeFolder() {
         return Path.of(System.getProperty("reve.native.path", "build/native"));

@@ -11,6 +11,7 @@ import reve.core.agent.net.Counters;
 import reve.core.agent.net.Descriptors;
 import reve.core.agent.net.EventLoop;
 import reve.core.agent.net.RateLimitedLog;
+import reve.core.agent.port.CarriedSession;
 import reve.core.agent.port.Elsewhere;
 import reve.core.agent.port.WorldPort;
 import reve.core.agent.protocol.AgentTimeouts;
@@ -34,10 +35,13 @@ import java.nio.charset.StandardCharsets;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.CopyOnWriteArrayList;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
+import java.util.concurrent.atomic.AtomicBoolean;
+import java.util.concurrent.atomic.AtomicReference;
 import java.util.stream.Stream;
 
 /**
@@ -54,6 +58,7 @@ public final class AgentServer implements AutoCloseable {
     private static final long CHECK_MILLIS = 100;
 
     private final AgentServerConfig config;
+    private volatile Elsewhere elsewhere = Elsewhere.NOWHERE;
     private final Counters counters = new Counters();
     private final RateLimitedLog log = new RateLimitedLog(10, "agents");
 
@@ -84,12 +89,34 @@ public final class AgentServer implements AutoCloseable {
     public static AgentServer start(
             AgentServerConfig config, List<WorldPort> ports, ServerProblems problems)
             throws IOException {
+        return start(config, ports, Map.of(), problems);
+    }
+
+    /**
+     * Starts the server, and continues sessions that another server has ended. The sessions wait
+     * for their clients as after a broken connection. For the thread that owns the worlds, before
+     * their first frames.
+     *
+     * @param ports the worlds to serve, as in {@link #start(AgentServerConfig, List,
+     *     ServerProblems)}
+     * @param carried the sessions, by the names of their worlds; the worlds have their bodies
+     * @param problems as in {@link #start(AgentServerConfig, List, ServerProblems)}
+     * @throws IOException like {@link #start(AgentServerConfig, List, ServerProblems)}
+     */
+    public static AgentServer start(
+            AgentServerConfig config,
+            List<WorldPort> ports,
+            Map<String, List<CarriedSession>> carried,
+            ServerProblems problems)
+            throws IOException {
         ServerSocketChannel listening = listen(config.address());
         try {
             Descriptors descriptors = Descriptors.ofProcess();
             var server =
                     new AgentServer(
                             config, ports, listening, openAudit(config), descriptors, problems);
+            // A client may ask for its session as soon as the loop runs.
+            carried.forEach(server::restore);
             server.loop.start();
             server.connections.start();
             return server;
@@ -131,10 +158,12 @@ public final class AgentServer implements AutoCloseable {
                         counters,
                         log,
                         new KeptSessions(config.limits().kept(), log),
-                        loop::wake);
-        // The world's thread runs the event loop while it waits only if this is the only world and
-        // the world has no fixed frame rate. In real time, or with several worlds, the frames must
-        // continue while agents are served.
+                        loop::wake,
+                        audit,
+                        () -> elsewhere.servers());
+        // The world's thread may run the event loop while it waits for agents. It does so only if
+        // this is the only world and the world has no fixed frame rate. Otherwise, serving agents
+        // on this thread could delay the next frame.
         boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
         LockStep.Waiting waiting = helps ? new LoopHelper(loop) : LockStep.Waiting.IDLE;
         ports.forEach(port -> worlds.add(new ServedWorld(services, port, waiting)));
@@ -199,10 +228,11 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
-     * Opens a connection for a client that another server of this process has accepted, such as a
-     * web page. The same rights, limits and audit record apply as to any other connection.
+     * Opens a connection for a client that another server of this process has accepted. An example
+     * is a web page, which the web server has accepted. The same rights, limits and audit record
+     * apply as to any other connection.
      *
-     * @param client address of the client, to which limits by address apply
+     * @param client address of the client; limits per address count this address
      * @param relay is notified when the session begins and when the connection ends
      * @return the client's end of the connection, in blocking mode: lines of JSON, without TLS. The
      *     caller closes it.
@@ -218,9 +248,9 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
-     * Returns the number of connections that another server of this process may have open. Each
-     * such connection takes up to three file descriptors. A quarter of all descriptors stays free
-     * for this server's own connections.
+     * Returns the number of connections that another server of this process may have open. The
+     * number is limited, because each such connection takes up to three file descriptors. A quarter
+     * of all descriptors stays free for this server's own connections.
      */
     public int roomForOtherServers() {
         return Math.clamp(descriptors.room() / 4, 1, config.limits().maxConnections());
@@ -229,16 +259,17 @@ public final class AgentServer implements AutoCloseable {
     /**
      * Takes a file descriptor for a connection of another server of this process.
      *
-     * @return false if only the reserve for store files and records is left
+     * @return false, without effect, if the remaining descriptors are reserved for store files and
+     *     records
      */
     public boolean takeDescriptor() {
         return descriptors.takeIfLeft(1);
     }
 
     /**
-     * Writes a message to the audit record, if the server keeps one. The client receives the
-     * content of this message in another form, for example as a web page's binary data. For any
-     * thread.
+     * Writes a message to the audit record, if the server keeps one. Another server of this process
+     * calls this method if it sends the content to its client in another form, for example as
+     * binary data to a web page. For any thread.
      *
      * @param message a JSON object
      * @return false if the message could not be recorded and must therefore not be sent
@@ -270,15 +301,19 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
-     * Holds the first frame of a world until this number of agents waits to join. All these agents
+     * Delays the first frame of a world until this number of agents waits to join. All these agents
      * then join in the same frame. Call this method before the world's loop runs.
      */
     public void expect(String world, int agents) {
         served(world).expectAgents(agents);
     }
 
-    /** Sends clients to the worlds of other servers from now on. For any thread. */
+    /**
+     * Sets the source of the worlds that other servers have. A client that asks for such a world is
+     * referred to its server. For any thread.
+     */
     public void sendTo(Elsewhere others) {
+        elsewhere = others;
         admission.sendTo(others);
     }
 
@@ -306,38 +341,100 @@ public final class AgentServer implements AutoCloseable {
      * @throws IllegalArgumentException if the server has a world of this name
      */
     public void add(WorldPort port) {
+        add(port, List.of());
+    }
+
+    /**
+     * Serves another world, and continues sessions that another server has ended. The sessions wait
+     * for their clients as after a broken connection. For the world's thread.
+     *
+     * @param carried the sessions; the world has their bodies
+     * @throws IllegalArgumentException if the server has a world of this name
+     */
+    public void add(WorldPort port, List<CarriedSession> carried) {
         synchronized (worlds) {
             if (worlds.stream().anyMatch(world -> world.name().equals(port.world()))) {
                 throw new IllegalArgumentException(
                         "the server has a world " + port.world() + " already");
             }
-            worlds.add(new ServedWorld(services, port, LockStep.Waiting.IDLE));
+            var served = new ServedWorld(services, port, LockStep.Waiting.IDLE);
+            served.restore(carried, config.security().tokens().map(TokenFile::current));
+            worlds.add(served);
         }
+    }
+
+    private void restore(String world, List<CarriedSession> carried) {
+        served(world).restore(carried, config.security().tokens().map(TokenFile::current));
+    }
+
+    /** Removes a world that ends, like {@link #remove(String, Optional)}. */
+    public void remove(String world) {
+        remove(world, Optional.empty());
     }
 
     /**
      * Removes a world that makes no more frames: sends {@code bye} to all its clients, and ends
-     * their sessions. After this method, the server no longer uses the world. For the world's
-     * thread.
+     * their sessions. The server does not use the world after this method has returned. For the
+     * world's thread.
+     *
+     * @param next HOST:PORT of the server that the clients shall ask for the world; empty if the
+     *     world ends
+     * @return the sessions that the next server can continue, in the order of their names
      */
-    public void remove(String world) {
+    public List<CarriedSession> remove(String world, Optional<String> next) {
         ServedWorld served = served(world);
+        var carried = new AtomicReference<List<CarriedSession>>(List.of());
+        onLoop(
+                () -> {
+                    try {
+                        carried.set(served.dismiss(next));
+                    } finally {
+                        worlds.remove(served);
+                    }
+                });
+        served.close();
+        return carried.get();
+    }
+
+    /**
+     * Ends a world like {@link #end} if it has no clients, and had none for a time. A client whose
+     * session waits for another connection counts. Waits for the event loop's thread.
+     *
+     * @return whether this call has ended the world; false if the server has no such world
+     */
+    public boolean endIfUnused(String world, Duration time) {
+        Optional<ServedWorld> found =
+                worlds.stream()
+                        .filter(served -> served.name().equals(world))
+                        .filter(served -> served.isUnused(time))
+                        .findFirst();
+        var isEnded = new AtomicBoolean();
+        found.ifPresent(served -> onLoop(() -> isEnded.set(served.endIfUnused(time))));
+        return isEnded.get();
+    }
+
+    /**
+     * Runs a task on the event loop's thread, and waits until the task or the loop has ended. An
+     * interrupt does not end the wait.
+     */
+    private void onLoop(Runnable task) {
         var done = new CountDownLatch(1);
         loop.later(
                 () -> {
-                    served.dismiss();
-                    worlds.remove(served);
-                    done.countDown();
+                    try {
+                        task.run();
+                    } finally {
+                        done.countDown();
+                    }
                 });
         boolean interrupted = false;
         while (done.getCount() > 0 && loop.isRunning()) {
             try {
                 done.await(CHECK_MILLIS, TimeUnit.MILLISECONDS);
             } catch (InterruptedException e) {
-                interrupted = true; // the world must not be freed while the loop may read it
+                interrupted = true; // a world must not be freed while the loop may read it
             }
         }
-        served.close();
         if (interrupted) {
             Thread.currentThread().interrupt();
         }

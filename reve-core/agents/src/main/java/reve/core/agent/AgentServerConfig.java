@@ -28,6 +28,8 @@ public record AgentServerConfig(
         AgentSecurity security) {
 
     /**
+     * Checks that a server is protected if other machines can reach it.
+     *
      * @throws IllegalArgumentException if other machines can reach the address and there are no
      *     tokens or no TLS
      */
@@ -70,8 +72,8 @@ public record AgentServerConfig(
     }
 
     /**
-     * Returns a copy with another limit on the time by which agents in lock-step may delay others.
-     * If the argument is empty, there is no limit.
+     * Returns a copy with another limit on the time by which agents in lock-step may delay other
+     * agents. An empty argument removes the limit.
      */
     public AgentServerConfig withWaiting(Optional<Duration> allowance) {
         return with(timeouts.deadline(), allowance);

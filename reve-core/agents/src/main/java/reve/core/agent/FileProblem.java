@@ -18,7 +18,7 @@ final class FileProblem {
 
     /**
      * @param problem returns a message about the present problem; empty if there is none
-     * @param solved returns the message that a problem has ended
+     * @param solved returns the message for the operator when a problem has ended
      */
     FileProblem(
             String source,
@@ -31,7 +31,10 @@ final class FileProblem {
         this.listener = listener;
     }
 
-    /** Reports a change. Called periodically by one thread at a time. */
+    /**
+     * Reports to the operator if the problem has begun, changed or ended since the last call.
+     * Called periodically by one thread at a time.
+     */
     void check() {
         Optional<String> now = problem.get();
         if (!now.equals(reported)) {

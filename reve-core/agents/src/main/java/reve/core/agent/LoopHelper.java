@@ -7,7 +7,10 @@ import reve.core.frame.FrameClock;
 
 import java.util.function.BooleanSupplier;
 
-/** Runs the event loop on a world's thread while the world waits for agents in lock-step. */
+/**
+ * Runs the server's event loop on a world's thread while the world waits for agents in lock-step.
+ * The thread would be idle otherwise.
+ */
 record LoopHelper(EventLoop loop) implements LockStep.Waiting {
 
     @Override

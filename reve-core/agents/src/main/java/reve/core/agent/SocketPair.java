@@ -22,13 +22,19 @@ record SocketPair(SocketChannel inner, SocketChannel outer) {
      */
     private static final int ATTEMPTS = 64;
 
-    /** Number of file descriptors that are open while the pair is opened. */
+    /**
+     * Number of file descriptors that {@link #open} needs at once: the two sockets and the server
+     * socket that connects them.
+     */
     static final int DESCRIPTORS = 3;
 
     /** Size of the receive buffer of the client's end [bytes]. */
     private static final int RECEIVE_BYTES = 64 * 1024;
 
-    /** Opens the pair on the loopback address. Refuses connections of other processes. */
+    /**
+     * Opens the pair on the loopback address. Refuses connections of other processes, which could
+     * otherwise take the place of the client's end.
+     */
     static SocketPair open() throws IOException {
         try (ServerSocketChannel listening = ServerSocketChannel.open()) {
             listening.bind(new InetSocketAddress(InetAddress.ofLiteral("127.0.0.1"), 0), 1);

@@ -23,6 +23,7 @@ import java.net.Socket;
 import java.nio.charset.StandardCharsets;
 import java.time.Duration;
 import java.util.ArrayList;
+import java.util.Collections;
 import java.util.HexFormat;
 import java.util.List;
 import java.util.Map;
@@ -90,6 +91,24 @@ class AgentLimitsTest {
             ada.sync();
             ada.expect("ping");
             ada.expectBye("idle");
+        }
+    }
+
+    /** A world with long texts in many items costs only the clients that ask for all of them. */
+    @Test
+    void aPerceptionOfTooManyBytesEndsTheConnection() throws IOException {
+        List<String> texts = Collections.nCopies(60, "z".repeat(1000));
+        try (AgentRoom room = new AgentRoom(AgentRoom.config(NEVER, NEVER, NEVER, NEVER));
+                TestClient greedy = room.join("greedy");
+                TestClient ada = room.join("ada")) {
+            for (int i = 0; i < 1200; i++) {
+                room.world.add(ItemDefinition.named("item " + i).symbol("a", texts).build());
+            }
+            room.step();
+            greedy.say("{'t':'perceive','id':1}").sync();
+            room.step();
+            greedy.skipToBye("too-large");
+            ada.sync();
         }
     }
 

@@ -7,6 +7,7 @@ import reve.core.access.Operand;
 import reve.core.agent.auth.AgentSecurity;
 import reve.core.agent.net.Connections;
 import reve.core.agent.port.Cameras;
+import reve.core.agent.port.SessionNote;
 import reve.core.agent.port.WorldPort;
 import reve.core.agent.protocol.AgentLimits;
 import reve.core.agent.protocol.AgentTimeouts;
@@ -55,10 +56,14 @@ public final class AgentRoom implements AutoCloseable {
     public final FrameBus bus = new FrameBus();
     final CommandQueue commands;
     public final FrameLoop loop;
+    public final WorldPort port;
     public final AgentServer server;
 
     /** Problems with the server's files. Any thread may use this queue. */
     public final Queue<String> problems = new ConcurrentLinkedQueue<>();
+
+    /** The notes about the sessions of the world. Any thread may use this queue. */
+    public final Queue<SessionNote> notes = new ConcurrentLinkedQueue<>();
 
     /** Any thread may read and set this field. */
     volatile Cameras cameras = Cameras.none();
@@ -92,7 +97,7 @@ public final class AgentRoom implements AutoCloseable {
                 "snapshots",
                 event -> snapshots.publish(event.frame(), event.timeSeconds()));
         loop = new FrameLoop(world, bus, new Timing(60, 1), Pacing.FAST);
-        var port =
+        port =
                 new WorldPort(
                         world.name(),
                         60,
@@ -102,7 +107,8 @@ public final class AgentRoom implements AutoCloseable {
                         snapshots,
                         loop,
                         new RoomControl(world, loop),
-                        (body, camera, answer) -> cameras.take(body, camera, answer));
+                        (body, camera, answer) -> cameras.take(body, camera, answer),
+                        notes::add);
         server =
                 AgentServer.start(
                         config,

@@ -15,6 +15,7 @@ import org.junit.jupiter.params.provider.ValueSource;
 import reve.core.agent.protocol.Vectors;
 import reve.core.file.AgentPolicy;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Level;
 import reve.core.world.Shape;
 
 import tools.jackson.databind.JsonNode;
@@ -511,6 +512,25 @@ class AgentServerTest {
             room.step();
             assertThat(duck.expectBye("name-taken").get("hint").stringValue())
                     .contains("another name");
+        }
+    }
+
+    /** An agent with the name of a part would prevent a change to its level. */
+    @Test
+    void anAgentCannotHaveTheNameOfAPartOfALevel() throws IOException {
+        ItemDefinition core = ItemDefinition.named("core").physics("mass", 1).build();
+        Level whole = new Level("whole", false, List.of(core), Optional.empty());
+        Level parts = new Level("parts", true, List.of(core), Optional.empty());
+        room.world.add(
+                ItemDefinition.named("drop")
+                        .physics("mass", 1)
+                        .symbol("level", "whole")
+                        .levels(List.of(whole, parts))
+                        .build());
+        try (TestClient drop = room.connect()) {
+            drop.say("{'t':'hello','protocol':1,'name':'drop.core'}").sync();
+            room.step();
+            drop.expectBye("name-taken");
         }
     }
 

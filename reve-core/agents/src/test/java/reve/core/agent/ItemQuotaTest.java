@@ -9,16 +9,21 @@ import org.junit.jupiter.api.Test;
 
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
+import reve.core.access.Operand;
 import reve.core.access.Subject;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Parameter;
 import reve.core.world.Shape;
+import reve.core.world.SymbolBytes;
 
 import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.util.List;
 import java.util.Map;
+import java.util.stream.Collectors;
+import java.util.stream.IntStream;
+import java.util.stream.Stream;
 
 /** The limit of items of agents' actions in a world, over the wire. */
 class ItemQuotaTest {
@@ -39,6 +44,13 @@ class ItemQuotaTest {
                                             List.of(new Effect.Remove(Subject.ITEM))))
                             .build(),
                     Map.of());
+
+    private static final Parameter TEXT = Parameter.text("text", "What the board says.");
+
+    /** Number of symbols that one act sets. */
+    private static final int SYMBOLS = 8;
+
+    private static final int BOARDS = 400;
 
     private AgentRoom room;
     private int id;
@@ -72,12 +84,26 @@ class ItemQuotaTest {
                                                 new Effect.Remove(Subject.argument(OLD)),
                                                 LEAF,
                                                 LEAF)));
+        var boards =
+                IntStream.range(0, BOARDS)
+                        .mapToObj(i -> ItemDefinition.named("board " + i).action(post()).build());
         room =
                 new AgentRoom(
                         AgentRoom.CONFIG,
                         AgentRoom.making().withItems(ITEMS, WORLD_ITEMS),
                         64,
-                        List.of(tree.build()));
+                        Stream.concat(Stream.of(tree.build()), boards).toList());
+    }
+
+    private static DeclaredAction post() {
+        return new DeclaredAction(
+                "post",
+                "Sets many symbols to one text.",
+                List.of(TEXT),
+                IntStream.range(0, SYMBOLS)
+                        .<Effect>mapToObj(
+                                i -> new Effect.SetSymbol("s" + i, new Operand.Argument(TEXT)))
+                        .toList());
     }
 
     @AfterEach
@@ -146,6 +172,103 @@ class ItemQuotaTest {
                                             + " your actions created are in the world; remove some of"
                                             + " them first'}"));
         }
+    }
+
+    /** JSON needs six bytes for each control character. */
+    @Test
+    void textsOfActionsMakeNoWorldThatIsTooLargeToPerceive() throws IOException {
+        String text = "\\u0001".repeat(1024);
+        try (TestClient ada = room.join("ada")) {
+            int posted = 0;
+            while (act(ada, "board " + posted, "post", "'text':'" + text + "'").isEmpty()) {
+                posted++;
+            }
+            assertThat(posted).isBetween(330, 345);
+            assertThat(room.world.symbolBytes()).isBetween(14L << 20, SymbolBytes.MOST);
+            assertThat(act(ada, "board 390", "post", "'text':'" + text + "'"))
+                    .isEqualTo("symbols-too-large");
+            assertEditsAreRefused(text);
+            assertThat(act(ada, "board 390", "post", "'text':'short'")).isEmpty();
+            assertThat(act(ada, "board 0", "post", "'text':'short'")).isEmpty();
+            assertThat(act(ada, "board 390", "post", "'text':'" + text + "'")).isEmpty();
+            assertThat(room.world.symbolBytes())
+                    .isEqualTo(room.world.items().stream().mapToLong(SymbolBytes::of).sum());
+        }
+        try (TestClient eve =
+                room.connect()
+                        .say("{'t':'hello','protocol':1,'name':'eve','role':'observer'}")
+                        .sync()) {
+            room.step();
+            eve.say("{'t':'perceive','id':1}").sync();
+            room.step();
+            assertThat(eve.skipTo("perception").get("items").size()).isGreaterThan(BOARDS);
+        }
+    }
+
+    /** Requires that no message of the role control gives an item 43 long symbols. */
+    private void assertEditsAreRefused(String text) throws IOException {
+        long before = room.world.symbolBytes();
+        String item =
+                "'semantic':{"
+                        + IntStream.range(0, 43)
+                                .mapToObj(i -> "'t" + i + "':'" + text.substring(0, 6 * 200) + "'")
+                                .collect(Collectors.joining(","))
+                        + "}";
+        try (TestClient boss =
+                room.connect()
+                        .say("{'t':'hello','protocol':1,'name':'boss','role':'control'}")
+                        .sync()) {
+            room.step();
+            int edits = 0;
+            String edit =
+                    "{'t':'edit','id':%d,'item':'tree','property':'semantic.t%d','value':'%s'}";
+            while (code(boss, edit.formatted(edits + 1, edits, text)).isEmpty()) {
+                edits++;
+            }
+            assertThat(code(boss, edit.formatted(199, edits, text))).isEqualTo("edit-refused");
+            assertThat(code(boss, "{'t':'change','id':200,'item':'board 30','to':{" + item + "}}"))
+                    .isEqualTo("edit-refused");
+            assertThat(
+                            code(
+                                    boss,
+                                    "{'t':'add','id':201,'items':[{'name':'more','semantic':{'t':'"
+                                            + text
+                                            + "'}}]}"))
+                    .isEqualTo("edit-refused");
+            String shorter =
+                    "{'t':'change','item':'board 0','to':{'semantic':{'s0':'x'}}},".repeat(30);
+            String longer = "{'name':'more %d','semantic':{'t':'" + text + "'}}";
+            assertThat(
+                            code(
+                                    boss,
+                                    "{'t':'batch','id':202,'changes':["
+                                            + shorter
+                                            + "{'t':'add','items':["
+                                            + longer.formatted(1)
+                                            + ","
+                                            + longer.formatted(2)
+                                            + "]}]}"))
+                    .as("a symbol that is shortened again and again gives no room")
+                    .isEqualTo("edit-refused");
+            String none =
+                    IntStream.range(0, edits)
+                            .mapToObj(i -> "'t" + i + "':null")
+                            .collect(Collectors.joining(","));
+            assertThat(
+                            code(
+                                    boss,
+                                    "{'t':'change','id':300,'item':'tree','to':{'semantic':{"
+                                            + none
+                                            + "}}}"))
+                    .isEmpty();
+        }
+        assertThat(room.world.symbolBytes()).isEqualTo(before);
+    }
+
+    private String code(TestClient client, String message) throws IOException {
+        client.say(message).sync();
+        room.step();
+        return client.skipTo("result").path("code").asString("");
     }
 
     @Test

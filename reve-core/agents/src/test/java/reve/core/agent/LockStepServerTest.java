@@ -217,6 +217,24 @@ class LockStepServerTest {
     }
 
     @Test
+    void aQueryAfterAChangeIsAnsweredFromTheFrameThatContainsTheChange() throws IOException {
+        try (TestClient ada = join("ada", ",'deadline':10");
+                TestClient boss = room.connect()) {
+            boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
+            run();
+            boss.say(
+                    "{'t':'edit','id':1,'item':'duck','property':'semantic.wound','value':'deep'}");
+            assertThat(boss.expect("result").get("frame").longValue()).isEqualTo(2);
+            boss.say("{'t':'search','id':2,'text':'deep'}").sync();
+            assertThat(room.loop.frame()).as("the world waits").isEqualTo(1);
+            ada.say("{'t':'ready'}");
+            JsonNode found = boss.skipTo("report");
+            assertThat(found.get("frame").longValue()).isEqualTo(2);
+            assertThat(found.at("/content/count").intValue()).isEqualTo(1);
+        }
+    }
+
+    @Test
     void whatIsSaidToAPausedWorldWaitsForItsNextFrame() throws IOException {
         try (TestClient ada = join("ada", ",'deadline':10");
                 TestClient boss = room.connect()) {

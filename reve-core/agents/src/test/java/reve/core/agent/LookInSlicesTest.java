@@ -142,7 +142,13 @@ class LookInSlicesTest {
         }
 
         @Override
-        public Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory all) {
+        public boolean needsSight() {
+            return false;
+        }
+
+        @Override
+        public Optional<BitSet> hear(
+                WorldEvent event, EventSubjects subjects, Observatory all, boolean searches) {
             return Optional.empty();
         }
 

@@ -105,6 +105,75 @@ class LookTest {
         assertThat(asked).isEmpty();
     }
 
+    private TestClient watcher(String role) throws IOException {
+        TestClient client = room.connect();
+        client.say("{'t':'hello','protocol':1,'name':'eve','role':'" + role + "'}");
+        client.expect("welcome");
+        return client;
+    }
+
+    @Test
+    void theRoleControlLooksThroughTheCameraOfAnyBody() throws IOException {
+        try (TestClient boss = watcher("control")) {
+            boss.say("{'t':'look','id':1,'sensor':'eye','item':'ada'}").sync().sync();
+            asked.remove().taken(photo());
+            JsonNode image = boss.skipTo("image");
+            assertThat(image.get("id").intValue()).isEqualTo(1);
+            assertThat(image.get("colour").stringValue()).isEqualTo("/wAAAP8A");
+
+            // The interval of the camera applies to each client that looks through it.
+            room.step();
+            boss.say("{'t':'look','id':2,'sensor':'eye','item':'ada'}");
+            JsonNode early = boss.skipTo("error");
+            assertThat(early.get("id").intValue()).isEqualTo(2);
+            assertThat(early.get("code").stringValue()).isEqualTo("not-yet");
+            assertThat(lookAndGet(7).get("frame").longValue()).isEqualTo(room.loop.frame());
+
+            boss.say("{'t':'look','id':3,'sensor':'ear','item':'ada'}");
+            JsonNode none = boss.skipTo("error");
+            assertThat(none.get("code").stringValue()).isEqualTo("no-such-camera");
+            assertThat(none.get("hint").stringValue()).isEqualTo("its cameras are \"eye\"");
+            boss.say("{'t':'look','id':4,'sensor':'eye','item':'swan'}");
+            assertThat(boss.skipTo("error").get("message").stringValue())
+                    .isEqualTo("the world has no item \"swan\"");
+            boss.say("{'t':'look','id':5,'sensor':'eye'}");
+            assertThat(boss.skipTo("error").get("code").stringValue()).isEqualTo("no-such-camera");
+        }
+        assertThat(asked).isEmpty();
+    }
+
+    @Test
+    void otherRolesUseTheCamerasOfTheirOwnBodyOnly() throws IOException {
+        ada.say("{'t':'look','id':1,'sensor':'eye','item':'ada'}").sync().sync();
+        asked.remove().taken(photo());
+        assertThat(ada.expect("image").get("id").intValue()).isEqualTo(1);
+        try (TestClient bob = room.join("bob");
+                TestClient eve = watcher("observer")) {
+            bob.say("{'t':'look','id':1,'sensor':'eye','item':'ada'}");
+            JsonNode refused = bob.skipTo("error");
+            assertThat(refused.get("code").stringValue()).isEqualTo("not-permitted");
+            assertThat(refused.get("message").stringValue()).startsWith("agent bob may use");
+            eve.say("{'t':'look','id':1,'sensor':'eye','item':'ada'}");
+            assertThat(eve.skipTo("error").get("code").stringValue()).isEqualTo("not-permitted");
+        }
+        assertThat(asked).isEmpty();
+    }
+
+    @Test
+    void theWelcomeAndTheReportListTheCamerasOfABody() throws IOException {
+        try (TestClient bob = room.connect();
+                TestClient boss = watcher("control")) {
+            bob.say("{'t':'hello','protocol':1,'name':'bob'}").sync();
+            room.step();
+            assertThat(bob.expect("welcome").get("cameras").toString()).isEqualTo("[\"eye\"]");
+            boss.say("{'t':'state','id':1}").sync();
+            room.step();
+            JsonNode clients = boss.skipTo("report").at("/content/clients");
+            assertThat(clients.valueStream().map(client -> client.path("cameras").toString()))
+                    .containsExactly("[\"eye\"]", "[\"eye\"]", "");
+        }
+    }
+
     @Test
     void oneLookAtATime() throws IOException {
         ada.say("{'t':'look','id':1,'sensor':'eye'}").say("{'t':'look','id':2,'sensor':'eye'}");

@@ -50,7 +50,7 @@ import java.util.TreeSet;
 class RightsModelTest {
 
     /** Number of operations. A long run uses a million. */
-    private static final int OPERATIONS = Integer.getInteger("reve.abuse.operations", 10_000);
+    private static final int OPERATIONS = Integer.getInteger("reve.abuse.operations", 4_000);
 
     private static final Parameter IMPULSE =
             Parameter.number("impulse", 3, Unit.parse("N*s"), "How hard.");

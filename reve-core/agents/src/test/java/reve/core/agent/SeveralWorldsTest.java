@@ -9,6 +9,8 @@ import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 
 import reve.core.agent.port.Cameras;
+import reve.core.agent.port.ClusterPort;
+import reve.core.agent.port.Elsewhere;
 import reve.core.agent.port.WorldPort;
 import reve.core.derive.DerivedColumns;
 import reve.core.frame.CommandQueue;
@@ -25,8 +27,12 @@ import reve.core.world.WorldPrototype;
 import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
+import java.time.Duration;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.CopyOnWriteArrayList;
+import java.util.concurrent.TimeUnit;
 
 /** Two worlds behind one port, stepped by hand independently. */
 class SeveralWorldsTest {
@@ -187,6 +193,179 @@ class SeveralWorldsTest {
                 .endsWith("\"lake\" or \"pond\" or \"sea\" or \"well\"");
         try (TestClient _ = join("ada", pond)) { // this server has it, whatever others say
             assertThat(pond.world.find("ada")).isPresent();
+        }
+    }
+
+    @Test
+    void aSessionKnowsTheOtherServers() throws IOException {
+        server.sendTo(
+                new Elsewhere() {
+                    @Override
+                    public Map<String, String> worlds() {
+                        return Map.of();
+                    }
+
+                    @Override
+                    public List<String> servers() {
+                        return List.of("10.0.0.2:7777", "10.0.0.3:7777");
+                    }
+                });
+        String hello = "{'t':'hello','protocol':1,'name':'eye','role':'observer','world':'pond'";
+        try (TestClient eye = new TestClient(server.address())) {
+            JsonNode servers =
+                    eye.say(hello + ",'graceSeconds':5}").expect("welcome").at("/session/servers");
+            assertThat(servers.valueStream().map(JsonNode::stringValue))
+                    .containsExactly("10.0.0.2:7777", "10.0.0.3:7777");
+        }
+        try (TestClient other = new TestClient(server.address())) {
+            JsonNode welcome = other.say(hello.replace("eye", "other") + "}").expect("welcome");
+            assertThat(welcome.has("session")).as("without a grace").isFalse();
+        }
+    }
+
+    /** A server that does not know the other worlds yet refuses no client for good. */
+    @Test
+    void aServerThatHasNotJoinedItsClusterAsksToTryAgain() throws IOException {
+        server.sendTo(Elsewhere.UNKNOWN);
+        assertThat(refused("dew", "world-starting").has("address")).isFalse();
+        for (int i = 0; i < 12; i++) { // more than wrong sessions are permitted
+            try (TestClient client = new TestClient(server.address())) {
+                client.say(
+                                "{'t':'hello','protocol':1,'name':'ada','world':'dew','resume':"
+                                        + "{'session':'"
+                                        + "0".repeat(32)
+                                        + "','frame':1}}")
+                        .expectBye("world-starting");
+            }
+        }
+        try (TestClient client = new TestClient(server.address())) {
+            client.say("{'t':'hello','protocol':1,'name':'ada'}").expectBye("world-starting");
+        }
+        try (TestClient _ = join("ada", pond)) { // a world that it has is open
+            assertThat(pond.world.find("ada")).isPresent();
+        }
+    }
+
+    /** The answer comes instead of a session: no world is joined, and none wakes. */
+    @Test
+    void aControlClientAsksForTheClusterInsteadOfJoining() throws IOException {
+        String hello = "{'t':'hello','protocol':1,'name':'op','id':7,'role':'control','ask':";
+        try (TestClient alone = new TestClient(server.address())) {
+            alone.say(hello + "'cluster'}").expectBye("unsupported");
+        }
+        server.sendTo(Elsewhere.UNKNOWN);
+        try (TestClient early = new TestClient(server.address())) {
+            early.say(hello + "'cluster'}").expectBye("world-starting");
+        }
+        var wanted = new CopyOnWriteArrayList<String>();
+        ClusterPort cluster = new OneNode();
+        server.sendTo(
+                new Elsewhere() {
+                    @Override
+                    public Map<String, String> worlds() {
+                        return Map.of("well", "");
+                    }
+
+                    @Override
+                    public Optional<ClusterPort> cluster() {
+                        return Optional.of(cluster);
+                    }
+
+                    @Override
+                    public void wanted(String world) {
+                        wanted.add(world);
+                    }
+                });
+        try (TestClient op = new TestClient(server.address())) {
+            JsonNode result = op.say(hello + "'cluster','world':'well'}").expect("result");
+            assertThat(result.get("id").intValue()).isEqualTo(7);
+            assertThat(result.at("/value/cluster").stringValue()).isEqualTo("lab");
+            op.expectBye("answered");
+        }
+        assertThat(wanted).isEmpty();
+        try (TestClient op = new TestClient(server.address())) {
+            op.say(hello + "'weather'}").expectBye("bad-question");
+        }
+        try (TestClient agent = new TestClient(server.address())) {
+            agent.say(hello.replace("control", "agent") + "'cluster'}").expectBye("bad-question");
+        }
+    }
+
+    private static final class OneNode implements ClusterPort {
+        @Override
+        public Map<String, Object> state() {
+            return Map.of("cluster", "lab");
+        }
+
+        @Override
+        public Map<String, Object> move(String world, String node) {
+            throw new AssertionError("not asked for");
+        }
+
+        @Override
+        public Map<String, Object> drain(String node, boolean isDrained) {
+            throw new AssertionError("not asked for");
+        }
+
+        @Override
+        public Map<String, Object> add(String text, boolean isAsleep) {
+            throw new AssertionError("not asked for");
+        }
+    }
+
+    /** A world that sleeps wakes by this; a world that is known elsewhere needs no waking. */
+    @Test
+    void theOtherServersLearnThatAClientWantsAWorldThatNoServerRuns() throws IOException {
+        var wanted = new CopyOnWriteArrayList<String>();
+        server.sendTo(
+                new Elsewhere() {
+                    @Override
+                    public Map<String, String> worlds() {
+                        return Map.of("sea", "10.0.0.2:7777", "well", "");
+                    }
+
+                    @Override
+                    public void wanted(String world) {
+                        wanted.add(world);
+                    }
+                });
+        refused("sea", "moved");
+        refused("dew", "no-such-world");
+        assertThat(wanted).isEmpty();
+        refused("well", "world-starting");
+        refused("well", "world-starting");
+        assertThat(wanted).containsExactly("well", "well");
+    }
+
+    @Test
+    void onlyAWorldWithoutClientsEndsAsUnused() throws Exception {
+        assertThat(server.endIfUnused("pond", Duration.ofHours(1))).as("it is new").isFalse();
+        assertThat(server.endIfUnused("sea", Duration.ZERO)).as("no such world").isFalse();
+        TestClient ada = new TestClient(server.address());
+        ada.say("{'t':'hello','protocol':1,'name':'ada','world':'pond','graceSeconds':60}").sync();
+        pond.loop.step();
+        String token = ada.expect("welcome").at("/session/token").stringValue();
+        assertThat(server.endIfUnused("pond", Duration.ZERO)).as("ada is there").isFalse();
+        ada.close(); // its session waits for another connection
+        try (TestClient bob = new TestClient(server.address())) {
+            bob.say(
+                            "{'t':'hello','protocol':1,'name':'ada','world':'pond','resume':{'session':'"
+                                    + token
+                                    + "','frame':1}}")
+                    .expect("welcome");
+            assertThat(server.endIfUnused("pond", Duration.ZERO)).as("ada is back").isFalse();
+            bob.say("{'t':'bye'}").skipToBye("goodbye");
+        }
+        long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(30);
+        while (!server.endIfUnused("pond", Duration.ZERO)) {
+            assertThat(System.nanoTime()).as("the world does not end").isLessThan(end);
+            pond.loop.step();
+        }
+        assertThat(server.endIfUnused("pond", Duration.ZERO)).as("it has ended").isFalse();
+        refused("pond", "no-such-world");
+        assertThat(server.endIfUnused("lake", Duration.ofHours(1))).isFalse();
+        try (TestClient _ = join("ada", lake)) {
+            assertThat(lake.world.find("ada")).isPresent();
         }
     }
 

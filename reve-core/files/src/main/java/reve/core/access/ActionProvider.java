@@ -8,10 +8,10 @@ import reve.core.world.Parameter;
 import java.util.List;
 
 /**
- * An action written in Java. World files refer to it by name: {@code lift: {java: NAME}}. {@link
- * java.util.ServiceLoader} finds the providers on the class path. A jar lists its providers in
- * {@code META-INF/services/reve.core.access.ActionProvider}. All items and worlds share one
- * instance.
+ * An action written in Java. World files refer to it by name: {@code lift: {java: NAME}}. A plugin
+ * lists its providers in {@code META-INF/services/reve.core.access.ActionProvider}. All items and
+ * worlds of a process share one instance of a plugin. Each world calls it on its own thread,
+ * possibly at the same time, so an instance must not store data of a world.
  */
 public interface ActionProvider {
     /**
@@ -29,8 +29,8 @@ public interface ActionProvider {
     }
 
     /**
-     * Decides the effects of a call. After this method returns, the world applies either all of
-     * them or none. Runs on the world's thread.
+     * Decides the effects of a call. The world applies either all of these effects or none after
+     * this method has returned. Runs on the world's thread.
      *
      * <p>The method may read the world, but must not change it. It must return the same effects for
      * the same world and call. Any exception refuses the action, and the world stays unchanged. The

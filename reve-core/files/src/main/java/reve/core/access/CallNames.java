@@ -11,7 +11,10 @@ import reve.core.world.Parameter;
 import java.util.ArrayList;
 import java.util.List;
 
-/** Provider of the values of the names in an action's expressions, in one call. */
+/**
+ * Source of the values of names. The names occur in the expressions of an action, and their values
+ * belong to one call of the action.
+ */
 final class CallNames {
     private CallNames() {}
 

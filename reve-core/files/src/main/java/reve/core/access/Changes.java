@@ -10,10 +10,12 @@ import reve.core.world.Forces;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
+import reve.core.world.LevelChange;
 import reve.core.world.Possible;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.SemanticAspect;
+import reve.core.world.SymbolBytes;
 import reve.core.world.WorldEvent;
 
 import java.util.ArrayList;
@@ -51,6 +53,7 @@ final class Changes {
     private final List<ItemDefinition> created = new ArrayList<>();
     private final Set<Item> removed = new LinkedHashSet<>();
     private long eventBytes;
+    private long symbolBytes;
     private int forces;
     private final List<Runnable> all = new ArrayList<>();
     private final List<Runnable> last = new ArrayList<>();
@@ -102,9 +105,14 @@ final class Changes {
         var changes = new Changes(call);
         for (Effect effect : effects) {
             Runnable change = changes.prepare(effect);
-            (effect instanceof Effect.Remove ? changes.last : changes.all).add(change);
+            boolean isLast = effect instanceof Effect.Remove || changes.isLevel(effect);
+            (isLast ? changes.last : changes.all).add(change);
         }
+        changes.requireLevelAlone(effects);
         call.quota().require(call.world(), changes.created.size(), changes.removed);
+        if (call.quota().agent() != null) {
+            SymbolBytes.require(call.world(), changes.symbolGrowth(), "symbols-too-large");
+        }
         attempt("cannot-create", () -> call.world().requireAddable(changes.created));
         call.events().require(call.quota().agent(), call.frame(), changes.eventBytes);
         call.forces().require(call.quota().agent(), call.frame(), changes.forces);
@@ -212,11 +220,63 @@ final class Changes {
 
     private Runnable symbol(Item item, Effect.SetSymbol effect) throws ActionRefused {
         Object value = symbolValue(item.name(), effect.symbol(), effect.to());
+        if (item.isLevel(effect.symbol())) {
+            call.world().activity().spend(LevelChange.steps(item, value));
+            eventBytes += LevelChange.EVENT_BYTES;
+            attempt("not-a-level", () -> LevelChange.prepare(call.world(), item, value));
+            return () -> LevelChange.prepare(call.world(), item, value).make(call.frame());
+        }
+        symbolBytes += SymbolBytes.growth(item, effect.symbol(), value);
         return () -> item.semantic().set(effect.symbol(), value);
     }
 
+    /** Returns by how much all changes enlarge the symbols of the world [bytes]. */
+    private long symbolGrowth() {
+        long growth = symbolBytes;
+        for (ItemDefinition item : created) {
+            growth += SymbolBytes.of(item.symbols());
+        }
+        for (Item item : removed) {
+            growth -= SymbolBytes.of(item);
+        }
+        return growth;
+    }
+
+    /** Returns whether an effect changes the level of an item, which may remove other items. */
+    private boolean isLevel(Effect effect) throws ActionRefused {
+        return effect instanceof Effect.SetSymbol set && effect.of().in(call).isLevel(set.symbol());
+    }
+
+    /**
+     * Refuses effects that could make a change of a level impossible after it was prepared, or that
+     * need an item which this change removes.
+     */
+    private void requireLevelAlone(List<Effect> effects) throws ActionRefused {
+        int levels = 0;
+        boolean others = false;
+        for (Effect effect : effects) {
+            levels += isLevel(effect) ? 1 : 0;
+            others |=
+                    !(effect instanceof Effect.SetSymbol
+                            || effect instanceof Effect.SetColour
+                            || effect instanceof Effect.Impulse
+                            || effect instanceof Effect.Raise);
+        }
+        if (levels > 1 || levels == 1 && others) {
+            throw new ActionRefused(
+                    "not-a-level",
+                    "besides one level, an action can change only symbols, colours and velocities"
+                            + " (impulse), and raise events; use two actions");
+        }
+    }
+
     private Runnable attach(Item child, Item parent) throws ActionRefused {
-        attempt("cannot-attach", () -> call.world().requireAttachable(child.id(), parent.id()));
+        attempt(
+                "cannot-attach",
+                () -> {
+                    LevelChange.requireOwnParent(child);
+                    call.world().requireAttachable(child.id(), parent.id());
+                });
         return () -> call.world().attach(child.id(), parent.id());
     }
 
@@ -224,6 +284,7 @@ final class Changes {
         if (item.parent().isEmpty()) {
             throw new ActionRefused("not-attached", item.name() + " is not attached to anything");
         }
+        attempt("cannot-detach", () -> LevelChange.requireOwnParent(item));
         return () -> call.world().detach(item.id());
     }
 
@@ -299,7 +360,7 @@ final class Changes {
     }
 
     /**
-     * Returns a change that first records the item as changed by an act. The record shows a
+     * Returns a change that first records the item as changed by an act. This record names a
      * possible cause if a law fails at the item later.
      */
     private Runnable suspect(Item item, Runnable change) {
@@ -327,16 +388,8 @@ final class Changes {
                                         item,
                                         symbol,
                                         inItsUnit(symbol, to, value)));
-        call.world().activity().spend(STEPS_PER_CHARACTER * characters(checked[0]));
+        call.world().activity().spend(STEPS_PER_CHARACTER * SemanticAspect.characters(checked[0]));
         return checked[0];
-    }
-
-    private static long characters(Object value) {
-        return switch (value) {
-            case String text -> text.length();
-            case List<?> list -> list.stream().mapToLong(Changes::characters).sum();
-            default -> 0;
-        };
     }
 
     /**

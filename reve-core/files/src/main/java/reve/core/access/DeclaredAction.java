@@ -17,6 +17,8 @@ public record DeclaredAction(
         implements PerformableAction {
 
     /**
+     * Checks that the effects do not contradict each other.
+     *
      * @throws IllegalArgumentException if two effects change the same value
      */
     public DeclaredAction {

@@ -38,7 +38,7 @@ public sealed interface Effect {
     /**
      * Exerts a force on the item, in addition to the forces of laws.
      *
-     * @param seconds duration [s], rounded to whole frames; the force acts for at least one frame
+     * @param seconds duration of the force [s], rounded to whole frames, at least one frame
      */
     record Force(Subject of, Operand force, double seconds) implements Effect {
         /** Unit of the effect's value. */
@@ -172,7 +172,7 @@ public sealed interface Effect {
 
     /**
      * Publishes an event with the fields {@code item} and {@code action}, and with further fields.
-     * If an agent acts, it also has the field {@code actor}.
+     * The event also has the field {@code actor} if an agent acts.
      *
      * @param with further fields: texts, numbers and truth values by name
      */
@@ -199,8 +199,8 @@ public sealed interface Effect {
     }
 
     /**
-     * Name of the value that attaching, detaching and removing change. All three effects have the
-     * same name, so that one action contains at most one of them.
+     * Name for the value that the effects Attach, Detach and Remove change. Two effects of one
+     * action must not change the same value, so an action contains at most one of these three.
      */
     String STRUCTURE = "what is attached or removed";
 }

@@ -5,24 +5,13 @@ import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Parameter;
 import reve.core.world.PerformableAction;
+import reve.core.world.ProviderFaults;
 
 import java.util.List;
-import java.util.ServiceLoader;
 
 /** An action whose effects an {@link ActionProvider} decides. Immutable. */
 public record ProvidedAction(String name, String doc, Terms terms, ActionProvider provider)
         implements PerformableAction {
-
-    /**
-     * Returns all providers on the class path, in the order of the class path.
-     *
-     * @throws java.util.ServiceConfigurationError if one cannot be loaded
-     */
-    public static List<ActionProvider> providers() {
-        return ServiceLoader.load(ActionProvider.class).stream()
-                .map(ServiceLoader.Provider::get)
-                .toList();
-    }
 
     @Override
     public List<Parameter> parameters() {
@@ -42,9 +31,21 @@ public record ProvidedAction(String name, String doc, Terms terms, ActionProvide
             List<Effect> effects = decide(call);
             Changes.requireCompatible(name, effects);
             changes = Changes.prepare(call, effects);
-        } catch (RuntimeException | LinkageError | StackOverflowError failed) {
+        } catch (RuntimeException | Error failed) {
+            ProviderFaults.requireBearable(failed);
+            call.world()
+                    .providerFaults()
+                    .report(
+                            call.frame(),
+                            "ACT",
+                            "action " + provider.name(),
+                            provider,
+                            failed,
+                            "the act was refused (reported once)");
             throw new ActionRefused(
                     "action-failed", "action " + provider.name() + " failed", failed);
+        } finally {
+            ProviderFaults.clearInterrupt();
         }
         changes.make();
     }

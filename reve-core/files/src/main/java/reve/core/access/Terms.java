@@ -19,7 +19,7 @@ import java.util.List;
  * @param conditions expressions that must all be true
  */
 public record Terms(List<String> needs, List<Expression> conditions) {
-    /** Terms without conditions and capabilities, which every call meets. */
+    /** Terms without conditions and capabilities. Every call meets them. */
     public static final Terms NONE = new Terms(List.of(), List.of());
 
     /** Copies the lists. */
@@ -84,8 +84,8 @@ public record Terms(List<String> needs, List<Expression> conditions) {
     }
 
     /**
-     * Describes the values of the names in a condition. An example is {@code physics.temperature is
-     * 380.0, semantic.lit is missing}.
+     * Returns a text for messages that contains the values of the names in a condition. An example
+     * is {@code physics.temperature is 380.0, semantic.lit is missing}.
      */
     private static String found(Expression condition, Bindings names) {
         List<String> found = new ArrayList<>();

@@ -21,7 +21,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import java.util.ServiceConfigurationError;
 
 /**
  * Reader of the actions in the access aspects of items. It refuses actions that can never succeed.
@@ -36,6 +35,7 @@ final class ActionReader {
     private final Definitions definitions;
     private final Problems problems;
     private final Quantities quantities;
+    private final ProviderReader providers;
 
     /**
      * Scopes of expressions by key. The actions of many items share a scope, so that equal
@@ -43,11 +43,16 @@ final class ActionReader {
      */
     private final Map<ScopeKey, Scope> scopes = new HashMap<>();
 
-    private final Allowance expressions = new Allowance(MAX_EXPRESSIONS);
+    private Allowance expressions = new Allowance(MAX_EXPRESSIONS);
 
     /** Reads the definitions of items that actions create. */
     interface Definitions {
         Optional<ItemDefinition> read(Node node) throws WorldFileException;
+    }
+
+    /** Takes the expressions of all following actions from an allowance that others share. */
+    void share(Allowance left) {
+        expressions = left;
     }
 
     private record ScopeKey(String kind, List<Parameter> parameters) {}
@@ -57,20 +62,21 @@ final class ActionReader {
         this.definitions = definitions;
         this.problems = problems;
         this.quantities = new Quantities(problems);
+        this.providers = new ProviderReader(problems);
     }
 
     /** The item whose action is read. */
     record Owner(String name, String kind, boolean hasPhysics) {}
 
     /**
-     * Reads the action in a node whose key is its name. If the action is wrong, records the
-     * problems and returns empty.
+     * Reads the action in a node whose key is its name. Records the problems and returns empty if
+     * the action is wrong.
      */
     Optional<Action> read(Node node, Owner owner) throws WorldFileException {
         if (!node.isMapping()) {
             return Optional.empty();
         }
-        Optional<Node> java = node.get("java");
+        Optional<Node> java = node.get(ProviderReader.JAVA);
         if (java.isPresent() == node.get("effects").isPresent()) {
             if (!problems.isMisspelt(node)) {
                 problems.addAtKey(node, "an action has either `effects` or `java`");
@@ -106,33 +112,8 @@ final class ActionReader {
                                 problems.addAtKey(
                                         parameters,
                                         "an action in Java declares its parameters itself"));
-        List<ActionProvider> providers;
-        try {
-            providers = ProvidedAction.providers();
-        } catch (ServiceConfigurationError broken) {
-            problems.add(
-                    java,
-                    "java: the actions on the class path cannot be read: " + broken.getMessage());
-            return Optional.empty();
-        }
-        Optional<ActionProvider> provider =
-                providers.stream()
-                        .filter(each -> each.name().equals(java.text().orElse("")))
-                        .findFirst();
+        Optional<ActionProvider> provider = providers.action(java);
         if (provider.isEmpty()) {
-            List<String> names = providers.stream().map(ActionProvider::name).toList();
-            java.text()
-                    .ifPresent(
-                            name ->
-                                    problems.add(
-                                            java,
-                                            "java: no action `"
-                                                    + Node.shorten(name)
-                                                    + "` is on the class path; there "
-                                                    + (names.isEmpty()
-                                                            ? "is none"
-                                                            : "are " + String.join(", ", names))
-                                                    + problems.suggestion(name, names)));
             return Optional.empty();
         }
         Map<String, Optional<Parameter>> parameters = new LinkedHashMap<>();
@@ -180,8 +161,8 @@ final class ActionReader {
     }
 
     /**
-     * Reads the parameters by name. If the declaration of a parameter is wrong, records the problem
-     * and returns an empty Optional for this parameter.
+     * Reads the parameters by name. The Optional is empty for a parameter with a wrong declaration,
+     * which is recorded as a problem.
      */
     private Map<String, Optional<Parameter>> parameters(Node action) {
         Map<String, Optional<Parameter>> parameters = new LinkedHashMap<>();

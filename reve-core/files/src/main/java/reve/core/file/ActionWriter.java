@@ -17,17 +17,27 @@ import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.function.BiConsumer;
 import java.util.function.Function;
 
 /** Encoder of actions as trees (maps and lists), in the form that {@link ActionReader} reads. */
 final class ActionWriter {
     private final Function<ItemDefinition, Map<String, Object>> definitions;
 
+    private final BiConsumer<List<Parameter>, String> expressions;
+
+    /** The parameters of the action that is being written. */
+    private List<Parameter> parameters = List.of();
+
     /**
      * @param definitions encodes the items that actions create
+     * @param expressions receives each expression, with the parameters of its action
      */
-    ActionWriter(Function<ItemDefinition, Map<String, Object>> definitions) {
+    ActionWriter(
+            Function<ItemDefinition, Map<String, Object>> definitions,
+            BiConsumer<List<Parameter>, String> expressions) {
         this.definitions = definitions;
+        this.expressions = expressions;
     }
 
     /**
@@ -36,6 +46,16 @@ final class ActionWriter {
      * @throws IllegalArgumentException naming the action if a world file cannot declare it
      */
     Map<String, Object> tree(Action action) {
+        List<Parameter> outer = parameters; // those of an action that creates the item of this one
+        parameters = action.parameters();
+        try {
+            return treeOf(action);
+        } finally {
+            parameters = outer;
+        }
+    }
+
+    private Map<String, Object> treeOf(Action action) {
         Map<String, Object> tree = new LinkedHashMap<>();
         if (!action.doc().isEmpty()) {
             tree.put("doc", action.doc());
@@ -43,12 +63,12 @@ final class ActionWriter {
         switch (action) {
             case DeclaredAction declared -> {
                 if (!declared.parameters().isEmpty()) {
-                    Map<String, Object> parameters = new LinkedHashMap<>();
+                    Map<String, Object> fields = new LinkedHashMap<>();
                     declared.parameters()
                             .forEach(
                                     parameter ->
-                                            parameters.put(parameter.name(), parameter(parameter)));
-                    tree.put("parameters", parameters);
+                                            fields.put(parameter.name(), parameter(parameter)));
+                    tree.put("parameters", fields);
                 }
                 putTerms(tree, declared.terms());
                 tree.put("effects", declared.effects().stream().map(this::effect).toList());
@@ -68,12 +88,12 @@ final class ActionWriter {
         return tree;
     }
 
-    private static void putTerms(Map<String, Object> tree, Terms terms) {
+    private void putTerms(Map<String, Object> tree, Terms terms) {
         if (!terms.needs().isEmpty()) {
             tree.put("needs", terms.needs());
         }
         if (!terms.conditions().isEmpty()) {
-            tree.put("when", terms.conditions().stream().map(Expression::text).toList());
+            tree.put("when", terms.conditions().stream().map(this::text).toList());
         }
     }
 
@@ -139,12 +159,12 @@ final class ActionWriter {
         return tree;
     }
 
-    private static void putSet(Map<String, Object> tree, String what, Operand to) {
+    private void putSet(Map<String, Object> tree, String what, Operand to) {
         tree.put("set", what);
         tree.put("to", operand(to));
     }
 
-    private static void putWith(Map<String, Object> tree, Map<String, Operand> with) {
+    private void putWith(Map<String, Object> tree, Map<String, Operand> with) {
         if (!with.isEmpty()) {
             Map<String, Object> values = new LinkedHashMap<>();
             with.forEach((name, value) -> values.put(name, operand(value)));
@@ -152,10 +172,15 @@ final class ActionWriter {
         }
     }
 
-    private static Object operand(Operand operand) {
+    private String text(Expression expression) {
+        expressions.accept(parameters, expression.text());
+        return expression.text();
+    }
+
+    private Object operand(Operand operand) {
         return switch (operand) {
             case Operand.Argument argument -> "$" + argument.parameter().name();
-            case Operand.Computed computed -> "$" + computed.expression().text();
+            case Operand.Computed computed -> "$" + text(computed.expression());
             case Operand.Numbers numbers -> numbers(numbers.values());
             case Operand.Symbol symbol -> ItemWriter.symbol(symbol.value());
         };

@@ -3,13 +3,20 @@ package reve.core.file;
 
 /** The remaining amount of a limited resource, for example bytes. */
 final class Allowance {
+    private final long most;
     private long left;
 
     Allowance(long most) {
+        this.most = most;
         left = most;
     }
 
-    /** Takes an amount and returns true. If less is left, takes nothing and returns false. */
+    /** Returns the amount at the beginning. */
+    long most() {
+        return most;
+    }
+
+    /** Takes an amount and returns true. Takes nothing and returns false if less is left. */
     boolean take(long amount) {
         if (amount > left) {
             return false;

@@ -21,7 +21,7 @@ import java.util.Set;
 
 /**
  * Check of combinations of an item's values, for example of material and shape. Each single value
- * was checked before.
+ * has already been checked.
  */
 final class BodyCheck {
     /** Maximum absolute coordinate [m]. The limit keeps the cubes of distances finite. */
@@ -45,8 +45,10 @@ final class BodyCheck {
     private final Set<String> refused = new HashSet<>();
 
     /**
-     * Lists of actions that were checked, by identity. Several items may share a list. The bits say
-     * for which items the list was checked: movable or not, with a physics aspect or not.
+     * Lists of actions that were checked, by identity. Several items may share a list. The value
+     * contains one bit for each kind of item for which the list was checked. Items are of the same
+     * kind if they agree in two properties: whether they are movable, and whether they have a
+     * physics aspect.
      */
     private final Map<List<Action>, Integer> checked = new IdentityHashMap<>();
 
@@ -164,6 +166,7 @@ final class BodyCheck {
                     && !moves
                     && !getsMass
                     && item.hasPhysics()
+                    && item.levels().isEmpty()
                     && effect.of().equals(Subject.ITEM)) {
                 Node push = node.get("force").or(() -> node.get("impulse")).orElse(node);
                 doubts.warn(

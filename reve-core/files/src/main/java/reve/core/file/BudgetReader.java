@@ -21,7 +21,7 @@ final class BudgetReader {
         this.problems = problems;
     }
 
-    /** Returns the budget. If it is wrong, records a problem and returns empty. */
+    /** Returns the budget. Records a problem and returns empty if it is wrong. */
     Optional<TimeBudget> read(Node node) {
         Optional<Node> time = node.isMapping() ? node.get("time") : Optional.of(node);
         return time.flatMap(given -> quantities.number(given, SECOND))

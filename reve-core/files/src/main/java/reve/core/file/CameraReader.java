@@ -31,7 +31,10 @@ final class CameraReader {
         this.problems = problems;
     }
 
-    /** Returns the camera for pictures for which no named camera is selected. */
+    /**
+     * Returns the camera under the key {@code camera}. It is used for pictures for which no named
+     * camera is selected.
+     */
     Optional<CameraDescription> read(Node node) {
         return view(node, node, null, true, false);
     }
@@ -125,7 +128,7 @@ final class CameraReader {
     /**
      * Returns a view.
      *
-     * @param camera has the values that the node lacks
+     * @param camera camera that provides the values that the node lacks
      * @param otherwise default of the target; null if the node must have a target
      * @param isFixed whether eye and target are places in the world, so that they can be compared
      * @param tell whether to report missing values; the schema check reports them for {@code

@@ -4,6 +4,7 @@ package reve.core.file;
 import reve.core.mesh.MassProperties;
 import reve.core.unit.Unit;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Mesh;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
@@ -13,8 +14,9 @@ import java.util.List;
 import java.util.Locale;
 
 /**
- * Reader of the key {@code density}. From density and shape, it computes the mass and inertia of a
- * body, and the property {@code radius} of a sphere.
+ * Reader of the density of a body, from the key {@code density} or from its substance. From density
+ * and shape, it computes the mass and inertia of a body, and the property {@code radius} of a
+ * sphere.
  */
 final class DensityReader {
     private static final Unit DENSITY = Unit.parse("kg/m^3");
@@ -53,25 +55,70 @@ final class DensityReader {
                 return;
             }
         }
-        Shape shape = item.build().shape();
         new Quantities(problems)
                 .number(density, DENSITY)
                 .ifPresent(
                         value -> {
                             try {
                                 requirePositive(value);
-                                MassProperties solid = MassProperties.of(shape, value);
-                                requireOwnAxes(shape, solid);
-                                set(density, item, "mass", solid.mass());
-                                set(density, item, "inertia", solid.moments());
-                                if (shape instanceof Shape.Sphere sphere
-                                        && aspect.get("radius").isEmpty()) {
-                                    set(density, item, "radius", sphere.radius());
-                                }
+                                compute(density, value, aspect, item);
                             } catch (IllegalArgumentException refused) {
                                 problems.add(density, "density: " + refused.getMessage());
                             }
                         });
+    }
+
+    /**
+     * Computes mass and inertia from the density of a substance. The aspect may state the inertia.
+     * A plane or terrain gets the mass 0, because it has no volume, and is therefore immovable.
+     *
+     * @param name node with the name of the substance
+     * @param item like in {@link #read}
+     */
+    void read(Node name, Substances.Substance substance, Node aspect, ItemDefinition.Builder item) {
+        if (isSurface(item.build().shape())) {
+            return; // the mass is 0, as in each new row
+        }
+        if (substance.density().isEmpty()) {
+            problems.add(
+                    name,
+                    name.label()
+                            + ": the substance `"
+                            + substance.name()
+                            + "` has no density; state it under `substances`, or state the"
+                            + " `mass` of this item");
+            return;
+        }
+        try {
+            compute(name, substance.density().getAsDouble(), aspect, item);
+        } catch (IllegalArgumentException refused) {
+            problems.add(
+                    name,
+                    name.label()
+                            + ": no mass follows from the density of "
+                            + substance.name()
+                            + ": "
+                            + refused.getMessage()
+                            + "; or state the `mass`, which is 0 for an immovable body");
+        }
+    }
+
+    private static boolean isSurface(Shape shape) {
+        return shape instanceof Shape.Plane
+                || shape instanceof Mesh mesh && mesh.relief().isPresent();
+    }
+
+    private void compute(Node node, double density, Node aspect, ItemDefinition.Builder item) {
+        Shape shape = item.build().shape();
+        MassProperties solid = MassProperties.of(shape, density);
+        requireOwnAxes(shape, solid);
+        set(node, item, "mass", solid.mass());
+        if (aspect.get("inertia").isEmpty()) {
+            set(node, item, "inertia", solid.moments());
+        }
+        if (shape instanceof Shape.Sphere sphere && aspect.get("radius").isEmpty()) {
+            set(node, item, "radius", sphere.radius());
+        }
     }
 
     private void set(Node node, ItemDefinition.Builder item, String name, double... values) {

@@ -6,9 +6,10 @@ package reve.core.file;
  * no body can have. Laws may produce such values, but a designer should not write them.
  *
  * <ul>
- *   <li>REFUSED: the file is refused. For files of designers.
- *   <li>WARNED: a warning reports the value. For files saved from a running world.
- *   <li>IGNORED: the value is accepted. For items from a store.
+ *   <li>REFUSED: the file is refused. This treatment is for files of designers.
+ *   <li>WARNED: a warning reports the value. This treatment is for files saved from a running
+ *       world.
+ *   <li>IGNORED: the value is accepted. This treatment is for items from a store.
  * </ul>
  */
 enum Doubts {

@@ -20,6 +20,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.Consumer;
 
 /**
  * Reader of edits, which are changes of a running world. Their texts are parts of world files in
@@ -28,9 +29,6 @@ import java.util.Set;
 public final class EditReader {
     private static final Set<String> CHANGEABLE =
             Set.of("name", "parent", "physical", "physics", "semantic", "access");
-    private static final Set<String> SHAPE =
-            Set.of("shape", "radius", "size", "vertices", "triangles");
-
     private final WorldPrototype prototype;
 
     /** Creates a reader for a world of this prototype. */
@@ -39,11 +37,18 @@ public final class EditReader {
     }
 
     /**
-     * The numbers of items, values and formulas that the changes of one message may still add. For
-     * one thread.
+     * The numbers of items, values, formulas and expressions of actions that the changes of one
+     * message may still add. For one thread.
      */
     public static final class Room {
+        /**
+         * Maximum number of different expressions in the actions of one message. The world waits
+         * while they are compiled, which takes about a millisecond each.
+         */
+        static final int MAX_EXPRESSIONS = 250;
+
         private final Expansion.Limits limits = Expansion.Limits.ofMessage();
+        private final Allowance expressions = new Allowance(MAX_EXPRESSIONS);
     }
 
     /**
@@ -68,10 +73,14 @@ public final class EditReader {
         WorldSource source =
                 new WorldSource(part, List.of(part), new SourceFiles(WorldFolder.none(), "add"));
         var expansion = new Expansion(source, room.limits, problems);
-        ItemReader reader = reader(expansion::complete, problems);
+        PhysicsReader physics = physics(problems);
+        ItemReader reader = reader(expansion::complete, physics, room, problems);
         reader.names().permitOthers();
-        List<ItemDefinition> items = reader.readAll(source.all("items"), expansion);
+        List<ItemDefinition> items =
+                new ArrayList<>(reader.readAll(source.all("items"), expansion));
         problems.throwIfAny();
+        room.limits.requireCharacters(items, problems);
+        items.addAll(Substances.shipped().rowsWithAny(physics.usedSubstances()));
         return new WorldEdit.Add(items);
     }
 
@@ -84,6 +93,16 @@ public final class EditReader {
      * @throws WorldFileException with all problems of the text
      */
     public WorldEdit change(String item, String kind, String text) throws WorldFileException {
+        return change(item, kind, text, new Room());
+    }
+
+    /**
+     * Reads a change of an item, which is one of several changes of a message.
+     *
+     * @param room remaining limits of the message
+     */
+    public WorldEdit change(String item, String kind, String text, Room room)
+            throws WorldFileException {
         var problems = new Problems("change");
         Node given = YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
         problems.throwIfAny();
@@ -91,8 +110,8 @@ public final class EditReader {
         List<String> cleared = new ArrayList<>();
         Node values = split(given, set, cleared, problems);
         if (set.remove("parent")) {
-            // The parent is last, because an item with a mass cannot be attached: a new mass of 0
-            // must be set before.
+            // The parent is the last value that is set. An item with a mass cannot be attached, so
+            // a new mass of 0 must be set before the parent.
             set.add("parent");
         }
         problems.throwIfAny();
@@ -107,7 +126,8 @@ public final class EditReader {
         }
         SchemaCheck.checkItem(named, problems);
         problems.throwIfAny();
-        ItemDefinition definition = reader(node -> node, problems).readChange(named, kind);
+        ItemDefinition definition =
+                reader(node -> node, physics(problems), room, problems).readChange(named, kind);
         problems.throwIfAny();
         return new WorldEdit.Change(item, definition, set, cleared);
     }
@@ -153,7 +173,7 @@ public final class EditReader {
             }
             left.put(value.key(), value);
             String what =
-                    aspect.equals("physical") && SHAPE.contains(value.key())
+                    aspect.equals("physical") && PhysicalReader.SHAPE_KEYS.contains(value.key())
                             ? "physical.shape"
                             : key;
             if (key.equals("physics.density")) {
@@ -182,15 +202,23 @@ public final class EditReader {
         }
     }
 
-    private ItemReader reader(ItemReader.Completion completion, Problems problems) {
-        return new ItemReader(
-                prototype,
-                new PhysicsReader(prototype, Set.of(), Doubts.REFUSED, problems),
-                new Assets(WorldFolder.none()),
-                (node, path) -> path,
-                completion,
-                Doubts.REFUSED,
-                problems);
+    private PhysicsReader physics(Problems problems) {
+        return new PhysicsReader(prototype, Set.of(), Doubts.REFUSED, problems);
+    }
+
+    private ItemReader reader(
+            ItemReader.Completion completion, PhysicsReader physics, Room room, Problems problems) {
+        var reader =
+                new ItemReader(
+                        prototype,
+                        physics,
+                        new Assets(WorldFolder.none()),
+                        (node, path) -> path,
+                        completion,
+                        Doubts.REFUSED,
+                        problems);
+        reader.shareExpressions(room.expressions);
+        return reader;
     }
 
     /** Refuses too many rules before any of them is compiled, which takes most of the time. */
@@ -253,8 +281,57 @@ public final class EditReader {
     }
 
     private static ActionRefused refused(String rule, String reason) {
-        return new ActionRefused(
-                WorldEdit.REFUSED, "rule " + Visible.shortened(rule) + ": " + reason);
+        return new ActionRefused(WorldEdit.REFUSED, named(rule) + reason);
+    }
+
+    private static String named(String rule) {
+        return "rule " + Visible.shortened(rule) + ": ";
+    }
+
+    /**
+     * Returns the rules of a world file after the changes that an earlier run of the world made.
+     * Omits a changed rule that does not fit the world, for example because its plugin is missing.
+     *
+     * @param problems receives one message for each omitted rule
+     */
+    public List<Rule> rules(List<Rule> rules, RuleChanges changes, Consumer<String> problems) {
+        Map<String, Rule> now = new LinkedHashMap<>();
+        rules.forEach(rule -> now.put(rule.symbol(), rule));
+        Map<String, Scope> scopes = new HashMap<>();
+        for (RuleChanges.Change change : changes.changes()) {
+            String symbol = change.symbol();
+            if (change.rule().isEmpty()) {
+                now.remove(symbol);
+                continue;
+            }
+            try {
+                Rule changed = rule(symbol, change.rule().get(), scopes);
+                if (change.isLast()) {
+                    now.remove(symbol);
+                }
+                now.put(symbol, changed);
+            } catch (WorldFileException invalid) {
+                problems.accept(omitted(symbol, invalid.problems().getFirst().message()));
+            }
+        }
+        Set<String> changed = changes.symbols();
+        for (RuleReader.Misplaced misplaced : RuleReader.misplaced(List.copyOf(now.values()))) {
+            Rule wrong =
+                    changed.contains(misplaced.rule().symbol())
+                            ? misplaced.rule()
+                            : misplaced.later();
+            if (now.remove(wrong.symbol(), wrong)) {
+                problems.accept(omitted(wrong.symbol(), misplaced.message()));
+            }
+        }
+        return List.copyOf(now.values());
+    }
+
+    private static String omitted(String symbol, String reason) {
+        return named(symbol)
+                + reason
+                + "; the rule was changed while the world ran, and the world continues without this"
+                + " change";
     }
 
     private Rule rule(String name, String text, Map<String, Scope> scopes)

@@ -13,6 +13,7 @@ import reve.core.world.ParameterType;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.StandardSymbols;
+import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 
 import java.util.LinkedHashMap;
@@ -27,7 +28,7 @@ final class EffectReader {
                     "impulse", "force", "set", "symbol", "attach", "detach", "create", "remove",
                     "raise");
 
-    /** Keys that are valid only in some kinds of effects, with these kinds. */
+    /** For each key that is valid in some kinds of effects only, the list of these kinds. */
     private static final Map<String, List<String>> COMPANIONS =
             Map.of(
                     "to",
@@ -38,37 +39,6 @@ final class EffectReader {
                     List.of("create", "raise"),
                     "item",
                     List.of("impulse", "force", "set", "symbol", "attach", "detach", "remove"));
-
-    /** Types of events that the server itself sends or prints. Actions must not raise them. */
-    private static final List<String> OWN_EVENTS =
-            List.of(
-                    "joined",
-                    "left",
-                    "acted",
-                    "law-loaded",
-                    "law-unloaded",
-                    "law-shadow",
-                    "fault",
-                    "over-budget",
-                    "missed",
-                    "waiting",
-                    "ready",
-                    "standby",
-                    "cluster",
-                    "snapshot",
-                    "snapshot-failed",
-                    "saved",
-                    "rewound",
-                    "stalled",
-                    "recovered",
-                    "late",
-                    "away",
-                    "back",
-                    "end",
-                    "detached",
-                    "removed",
-                    "spoke",
-                    "heard");
 
     private static final List<String> OWN_FIELDS = List.of("item", "action", "actor");
     private static final String PHYSICAL = "physical.";
@@ -133,8 +103,8 @@ final class EffectReader {
     }
 
     /**
-     * Returns an owner for a subject (actor or argument) that is known only when the action is
-     * called. This owner is a body with all properties of bodies.
+     * Returns a substitute for the item of a subject (actor or argument). The real item is known
+     * only when the action is called, so the substitute is a body with all properties of bodies.
      */
     private static Owner someBody(Subject subject) {
         return new Owner(subject.name(), WorldPrototype.BODY, true);
@@ -281,9 +251,7 @@ final class EffectReader {
         return physics.prototype().realType();
     }
 
-    /**
-     * Returns a numeric property by name. If there is none, records a problem and returns empty.
-     */
+    /** Returns a numeric property by name. Records a problem and returns empty if there is none. */
     private Optional<PropertyDescriptor> property(Node where, String name, Owner itemOwner) {
         return physics.find(where, name, itemOwner.kind())
                 .filter(
@@ -297,7 +265,17 @@ final class EffectReader {
                                                 + " refers to an item, which an action cannot"
                                                 + " change");
                             }
-                            return property.type() != ScalarType.REF;
+                            if (property.accumulated()) {
+                                problems.add(
+                                        where,
+                                        where.label()
+                                                + ": "
+                                                + property.name()
+                                                + " is the sum of what laws add in each step, so an"
+                                                + " action cannot set it; set a property that a law"
+                                                + " adds to it");
+                            }
+                            return property.type() != ScalarType.REF && !property.accumulated();
                         });
     }
 
@@ -306,10 +284,16 @@ final class EffectReader {
     }
 
     private boolean requirePhysics(Node node, Owner itemOwner) {
-        if (!itemOwner.hasPhysics()) {
-            problems.addAtKey(node, "the item has no `physics`, so this action could never work");
+        String problem = "the item has no `physics`, so this action could never work";
+        if (itemOwner.hasPhysics()) {
+            return true;
         }
-        return itemOwner.hasPhysics();
+        if (physics.doubts() == Doubts.REFUSED) {
+            problems.addAtKey(node, problem);
+            return false;
+        }
+        physics.doubts().refuse(node, problem, problems); // it has lost its physics while it ran
+        return true;
     }
 
     private boolean requireBody(Node node, Owner itemOwner) {
@@ -388,15 +372,18 @@ final class EffectReader {
 
     private Optional<Effect> raise(Node node, Node what) {
         Optional<String> event = what.text();
-        if (event.filter(OWN_EVENTS::contains).isPresent()) {
+        if (event.filter(WorldEvent.OF_THE_SERVER::contains).isPresent()) {
             problems.add(
                     what,
                     "raise: the event "
                             + event.get()
                             + " is the server's own; choose a name other than "
-                            + String.join(", ", OWN_EVENTS.subList(0, OWN_EVENTS.size() - 1))
+                            + String.join(
+                                    ", ",
+                                    WorldEvent.OF_THE_SERVER.subList(
+                                            0, WorldEvent.OF_THE_SERVER.size() - 1))
                             + " and "
-                            + OWN_EVENTS.getLast());
+                            + WorldEvent.OF_THE_SERVER.getLast());
             return Optional.empty();
         }
         Map<String, Operand> with = new LinkedHashMap<>();

@@ -77,7 +77,7 @@ final class Escapes {
         return Optional.empty();
     }
 
-    /** Returns the code point that an escape stands for; -1 if it stands for none. */
+    /** Returns the code point that an escape represents; -1 if the escape is invalid. */
     private static long code(Matcher escape) {
         String digits = escape.group(1) != null ? escape.group(1) : escape.group(2);
         return digits == null ? -1 : Long.parseLong(digits, 16);

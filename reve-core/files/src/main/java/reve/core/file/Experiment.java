@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
+import reve.core.mesh.AssetException;
 import reve.core.mesh.Assets;
 import reve.core.mesh.WorldFolder;
 import reve.core.unit.Unit;
@@ -40,8 +41,7 @@ public final class Experiment {
     private final Path file;
     private final String shown;
     private final Node root;
-    private final Path worldFile;
-    private final String worldShown;
+    private final WorldPlace world;
     private final WorldSource source;
     private final SweepSpace space;
     private final double deadlineSeconds;
@@ -49,34 +49,77 @@ public final class Experiment {
     /** Files that runs have read so far, by their names relative to the world's folder. */
     private final SortedMap<String, Path> read;
 
+    /** Files that commands of agents have named so far, by their names. */
+    private final SortedMap<String, Path> programs = new ConcurrentSkipListMap<>();
+
+    /** Measures of the first run. */
+    private final List<Measure> firstMeasures;
+
+    /**
+     * The world file of an experiment.
+     *
+     * @param shown name for messages
+     * @param pack the pack from which the world file was unpacked, if the world is a pack
+     */
+    private record WorldPlace(Path file, String shown, Optional<Path> pack) {}
+
     private Experiment(
             Path file,
             String shown,
             Node root,
-            Path worldFile,
-            String worldShown,
+            WorldPlace world,
             WorldSource source,
             SweepSpace space,
             double deadlineSeconds,
-            SortedMap<String, Path> read) {
+            SortedMap<String, Path> read)
+            throws WorldFileException {
         this.file = file;
         this.shown = shown;
         this.root = root;
-        this.worldFile = worldFile;
-        this.worldShown = worldShown;
+        this.world = world;
         this.source = source;
         this.space = space;
         this.deadlineSeconds = deadlineSeconds;
         this.read = read;
+        this.firstMeasures = plan(0).measures();
+    }
+
+    /** A function that unpacks a pack (a world in one file). */
+    @FunctionalInterface
+    public interface Unpacking {
+        /**
+         * Returns a folder with the files of a pack. The caller does not change the folder, and
+         * reads it as long as the experiment runs.
+         *
+         * @throws PackException if the pack is damaged or exceeds the limits of packs
+         */
+        Path unpack(Path pack) throws IOException;
     }
 
     /**
-     * Reads and checks an experiment with its world.
+     * Reads and checks an experiment with its world, which is not a pack.
      *
      * @throws WorldFileException with all problems, by line and column
      * @throws IOException if the system cannot read a file
      */
     public static Experiment load(Path file) throws WorldFileException, IOException {
+        return load(
+                file,
+                pack -> {
+                    throw new PackException(
+                            pack + ": is a pack, expected a world file; unpack it first");
+                });
+    }
+
+    /**
+     * Reads and checks an experiment with its world.
+     *
+     * @param unpacking unpacks the world if it is a pack
+     * @throws WorldFileException with all problems, by line and column
+     * @throws IOException if the system cannot read a file
+     */
+    public static Experiment load(Path file, Unpacking unpacking)
+            throws WorldFileException, IOException {
         String shown = file.toString();
         var problems = new Problems(shown);
         var folder = new WorldFolder(file.toAbsolutePath().getParent());
@@ -90,24 +133,37 @@ public final class Experiment {
         problems.throwIfAny();
         SweepSpace space = SweepSpace.read(root, problems);
         double deadline = deadline(root, problems);
-        Optional<SourceFiles.Source> world = files.find(root.get("world").orElseThrow(), problems);
+        Node worldNode = root.get("world").orElseThrow();
+        Optional<SourceFiles.Source> found = files.find(worldNode, problems);
         problems.throwIfAny();
-        Path worldFile = world.orElseThrow().path();
-        String worldShown = world.get().name();
+        WorldPlace world = worldPlace(worldNode, found.orElseThrow(), unpacking, problems);
+        problems.throwIfAny();
         SortedMap<String, Path> read = new ConcurrentSkipListMap<>();
         WorldSource source =
                 WorldSource.read(
-                        worldFile,
+                        world.file,
                         new WorldFolder(
-                                worldFile.getParent(),
-                                name -> read.put(name, worldFile.resolveSibling(name))),
-                        problems.of(worldShown));
+                                world.file.getParent(),
+                                name -> read.put(name, world.file.resolveSibling(name))),
+                        problems.of(world.shown));
         problems.throwIfAny();
-        var experiment =
-                new Experiment(
-                        file, shown, root, worldFile, worldShown, source, space, deadline, read);
-        experiment.plan(0);
-        return experiment;
+        return new Experiment(file, shown, root, world, source, space, deadline, read);
+    }
+
+    private static WorldPlace worldPlace(
+            Node node, SourceFiles.Source found, Unpacking unpacking, Problems problems)
+            throws IOException {
+        if (WorldPack.isPack(found.path())) {
+            try {
+                return new WorldPlace(
+                        unpacking.unpack(found.path()).resolve(WorldFile.NAME),
+                        Path.of(found.name()).resolve(WorldFile.NAME).toString(),
+                        Optional.of(found.path()));
+            } catch (PackException unfit) {
+                problems.add(node, "world: " + unfit.getMessage());
+            }
+        }
+        return new WorldPlace(found.path(), found.name(), Optional.empty());
     }
 
     private static double deadline(Node root, Problems problems) {
@@ -138,14 +194,19 @@ public final class Experiment {
         return parent == null ? Path.of("/") : parent;
     }
 
-    /** Returns the folder of the world file. */
+    /** Returns the folder of the world file; for a pack, the folder with its files. */
     public Path worldFolder() {
-        return worldFile.getParent();
+        return world.file.getParent();
     }
 
     /** Returns the name of the experiment. */
     public String name() {
         return root.get("name").flatMap(Node::text).orElseThrow();
+    }
+
+    /** Returns the description for people; empty if the file has none. */
+    public String doc() {
+        return root.get("doc").flatMap(Node::text).orElse("");
     }
 
     /** Returns the number of runs. */
@@ -198,14 +259,80 @@ public final class Experiment {
     }
 
     /**
-     * Returns the files that the experiment has read so far. Their names are relative to the folder
-     * of the experiment or of the world.
+     * Returns the files that the experiment has read so far, and the files in its folder that
+     * commands of agents have named. Their names are relative to the folder of the experiment or of
+     * the world. A pack is one file.
      */
     public SortedMap<String, Path> inputs() {
-        SortedMap<String, Path> inputs = new TreeMap<>(read);
+        SortedMap<String, Path> inputs = new TreeMap<>(programs);
+        if (world.pack.isEmpty()) {
+            inputs.putAll(read);
+        }
         inputs.put(String.valueOf(file.getFileName()), file);
-        inputs.put(String.valueOf(worldFile.getFileName()), worldFile);
+        Path shared = world.pack.orElse(world.file);
+        inputs.put(String.valueOf(shared.getFileName()), shared);
         return Collections.unmodifiableSortedMap(inputs);
+    }
+
+    /**
+     * Returns the file that a run of this experiment would have read under a name of {@link
+     * #inputs}; empty if there is no such file.
+     */
+    public Optional<Path> findInput(String name) {
+        Path known = inputs().get(name);
+        if (known != null) {
+            return Optional.of(known);
+        }
+        Optional<Path> ofWorld =
+                world.pack.isPresent() ? Optional.empty() : find(worldFolder(), name);
+        return ofWorld.or(() -> find(folder(), name));
+    }
+
+    private static Optional<Path> find(Path folder, String name) {
+        try {
+            return Optional.of(new WorldFolder(folder).find(name));
+        } catch (AssetException none) {
+            return Optional.empty();
+        }
+    }
+
+    /**
+     * Adds a file to {@link #inputs} that a run has read in an earlier process.
+     *
+     * @param name a name for which {@link #findInput} has found a file
+     */
+    public void addInput(String name) {
+        findInput(name)
+                .ifPresent(
+                        found ->
+                                (find(folder(), name).filter(found::equals).isPresent()
+                                                ? programs
+                                                : read)
+                                        .putIfAbsent(name, found));
+    }
+
+    /** Returns the SI unit of a variable; empty if its values have no unit in the file. */
+    public Optional<Unit> variableUnit(String variable) {
+        return space.unit(variable);
+    }
+
+    /**
+     * Returns the unit in which plots show the measurements during a run; empty if it is not known.
+     *
+     * @param measure index in {@link #measures}
+     */
+    public Optional<Unit> measurementUnit(int measure) {
+        return firstMeasures.get(measure).unit();
+    }
+
+    /**
+     * Returns the unit in which plots show the value of a measure for the table of runs; empty if
+     * it is not known.
+     *
+     * @param measure index in {@link #measures}
+     */
+    public Optional<Unit> valueUnit(int measure) {
+        return firstMeasures.get(measure).unitOfRuns();
     }
 
     /**
@@ -225,43 +352,50 @@ public final class Experiment {
      */
     public RunPlan plan(int run) throws WorldFileException {
         RunPoint point = space.point(run);
-        var problems = new Problems(worldShown);
+        var problems = new Problems(world.shown);
         var folder =
                 new WorldFolder(
-                        worldFile.getParent(),
-                        name -> read.put(name, worldFile.resolveSibling(name)));
+                        worldFolder(), name -> read.put(name, world.file.resolveSibling(name)));
         List<Node> sets = new ArrayList<>();
         root.get("set").ifPresent(set -> sets.add(evaluated(set, point, problems)));
         space.caseOf(run).ifPresent(set -> sets.add(evaluated(set, point, problems)));
         problems.throwIfAny();
-        WorldDescription world =
+        WorldDescription description =
                 new WorldReader(new Assets(folder), problems)
                         .read(
                                 Overrides.apply(
                                         source,
                                         sets,
-                                        new SourceFiles(folder, worldShown),
+                                        new SourceFiles(folder, world.shown),
                                         point.seed(),
                                         problems));
         var own = problems.of(shown);
-        long frames = frames(world, point, own);
+        long frames = frames(description, point, own);
         own.throwIfAny();
         List<LawStep> steps =
-                new LawStepReader(world, frames, own)
+                new LawStepReader(description, frames, own)
                         .readAll(
                                 root.get("schedule")
                                         .map(node -> evaluatedChanges(node, point, own))
                                         .orElse(List.of()));
         List<Measure> measures =
-                new MeasureReader(world, every().isPresent(), own)
+                new MeasureReader(description, every().isPresent(), own)
                         .readAll(
                                 root.get("measures").orElseThrow().children(),
                                 expected(point, own));
         requireRoom(frames, own);
-        requireAgents(world, own);
-        agentNodes().forEach(agent -> evaluated(agent, point, 1, own));
+        requireAgents(description, own);
+        agentNodes().forEach(agent -> addPrograms(evaluated(agent, point, 1, own)));
         own.throwIfAny();
-        return new RunPlan(point, world, frames, steps, measures, programs(point));
+        return new RunPlan(point, description, frames, steps, measures, programs(point));
+    }
+
+    /** Adds the files in the experiment's folder that the command of an agent names. */
+    private void addPrograms(Node agent) {
+        for (Node node : agent.get("command").map(Node::children).orElse(List.of())) {
+            String word = word(node);
+            find(folder(), word).ifPresent(program -> programs.put(word, program));
+        }
     }
 
     private long frames(WorldDescription world, RunPoint point, Problems problems) {
@@ -343,7 +477,8 @@ public final class Experiment {
     }
 
     /**
-     * Returns an argument of a program. If the argument is only a formula, its value is a number.
+     * Returns an argument of a program. The value of an argument that is only a formula is a
+     * number.
      */
     private static String word(Node node) {
         return node.text()

@@ -37,7 +37,7 @@ final class Formula {
     private static final Map<String, DoubleBinaryOperator> FUNCTIONS_OF_TWO =
             Map.of("min", Math::min, "max", Math::max, "atan2", StrictMath::atan2);
 
-    /** A part of a formula that has a value in each repetition. */
+    /** A part of a formula. It has one value in each repetition. */
     private interface Term {
         double[] value(double[] variables, long number);
     }

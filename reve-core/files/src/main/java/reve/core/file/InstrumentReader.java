@@ -17,7 +17,8 @@ final class InstrumentReader {
     static final String LIDAR = "lidar";
     static final String CONTACT_FORCE = "contactForce";
     static final String OWN_AXES = "body";
-    private static final List<String> KEYS = List.of(IMU, LIDAR, CONTACT_FORCE);
+    private static final List<String> KEYS =
+            List.of(IMU, LIDAR, CONTACT_FORCE, ProviderReader.JAVA);
 
     private static final Unit ACCELERATION = Unit.parse("m/s^2");
     private static final Unit METRE = Unit.parse("m");
@@ -26,10 +27,12 @@ final class InstrumentReader {
 
     private final Problems problems;
     private final Quantities quantities;
+    private final ProviderReader providers;
 
     InstrumentReader(Problems problems, Quantities quantities) {
         this.problems = problems;
         this.quantities = quantities;
+        this.providers = new ProviderReader(problems);
     }
 
     /** Returns the key of a sensor's instrument; empty if the sensor has no instrument. */
@@ -52,11 +55,17 @@ final class InstrumentReader {
         return properties;
     }
 
-    /** Reads an instrument. If it is invalid, records a problem and returns empty. */
+    /** Reads an instrument. Records a problem and returns empty if it is invalid. */
     Optional<Instrument> read(Node node) {
         return switch (node.key()) {
             case LIDAR -> readLidar(node);
             case CONTACT_FORCE -> Optional.of(new Instrument.ContactForce(isOwn(node)));
+            case ProviderReader.JAVA ->
+                    providers
+                            .sensor(node)
+                            .flatMap(
+                                    provider ->
+                                            checked(node, () -> Instrument.Provided.by(provider)));
             default -> readImu(node);
         };
     }
@@ -100,7 +109,10 @@ final class InstrumentReader {
         return given.isEmpty() ? Optional.of(0.0) : quantities.number(given.get(), unit);
     }
 
-    /** Returns a whole number; 1 if it is missing or wrong. The schema check reports it. */
+    /**
+     * Returns the whole number under a key; 1 if the number is missing or wrong. The schema check
+     * has already reported a wrong number.
+     */
     private static int count(Node instrument, String key) {
         return instrument.get(key).flatMap(Node::number).map(Double::intValue).orElse(1);
     }
@@ -129,7 +141,10 @@ final class InstrumentReader {
         return checked(node.get(), () -> new Errors(deviation.get(), error[0], error[1], error[2]));
     }
 
-    /** Records a refusal at the key that its message begins with, or at the node. */
+    /**
+     * Returns the created value. Records the reason and returns empty if its creation is refused.
+     * The problem has the position of the key with which the message begins, or of the node.
+     */
     private <T> Optional<T> checked(Node node, Supplier<? extends T> made) {
         try {
             return Optional.of(made.get());

@@ -29,6 +29,8 @@ final class InstrumentWriter {
                 }
                 sensor.put(InstrumentReader.CONTACT_FORCE, tree);
             }
+            case Instrument.Provided provided ->
+                    sensor.put(ProviderReader.JAVA, provided.gauge().name());
             case Instrument.Lidar lidar -> {
                 tree.put("rays", YamlWriter.Numeral.of(lidar.columns()));
                 tree.put("angle", YamlWriter.Numeral.of(lidar.width()));

@@ -4,6 +4,7 @@ package reve.core.file;
 import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
+import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;
@@ -19,7 +20,7 @@ import java.util.Set;
 final class ItemMentions {
     private final Problems problems;
 
-    /** Items by name. If several items have the same name, only the first one is included. */
+    /** Items by name. Only the first of several items with the same name is included. */
     private final Map<String, Entry> byName = new LinkedHashMap<>();
 
     private final List<Mention> mentions = new ArrayList<>();
@@ -29,6 +30,12 @@ final class ItemMentions {
 
     /** References to parents, by the name of the attached item. */
     private final Map<String, Node> parents = new LinkedHashMap<>();
+
+    /** Names of the items whose physics other items cannot refer to, because it may leave. */
+    private final Set<String> changing = new HashSet<>();
+
+    /** For each part of a level, the item with this level. */
+    private final Map<String, String> parts = new HashMap<>();
 
     /** The data of an item that are necessary to check references to it. */
     private record Entry(Node name, String kind, boolean hasPhysics) {}
@@ -55,6 +62,24 @@ final class ItemMentions {
                                 + Node.shorten(text)
                                 + "`, first "
                                 + Problems.place(first.name, name));
+    }
+
+    /** Refuses references to the physics of an item, because it has levels with parts. */
+    void addChanging(String item) {
+        changing.add(item);
+    }
+
+    /**
+     * Adds a part of a level of an item. Other items cannot refer to it.
+     *
+     * @param name node of the item's name
+     * @param part full name of the part
+     */
+    void addPart(Node name, String part, String kind) {
+        String owner = name.text().orElse("");
+        if (!owner.equals(parts.put(part, owner))) {
+            add(name.withValue(part), kind, true);
+        }
     }
 
     /** Adds a reference, which is resolved when all items are known. */
@@ -126,6 +151,8 @@ final class ItemMentions {
     }
 
     /**
+     * Resolves one reference.
+     *
      * @return false if no item meets the requirements; this is then recorded as a problem
      */
     private boolean resolve(Mention mention) {
@@ -154,6 +181,26 @@ final class ItemMentions {
                             + entry.kind
                             + ", expected a "
                             + mention.kind);
+        }
+        if (parts.containsKey(name)) {
+            return refuse(
+                    target,
+                    target.label()
+                            + ": `"
+                            + name
+                            + "` is a part of a level of `"
+                            + parts.get(name)
+                            + "`, which leaves with this level; only parts of the same level can"
+                            + " refer to it");
+        }
+        if (mention.needsPhysics && changing.contains(name)) {
+            return refuse(
+                    target,
+                    target.label()
+                            + ": `"
+                            + name
+                            + "` has a level with parts, so it does not always have physics;"
+                            + " expected an item whose levels have no parts");
         }
         return !mention.needsPhysics
                 || entry.hasPhysics

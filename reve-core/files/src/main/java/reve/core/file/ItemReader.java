@@ -4,6 +4,7 @@ package reve.core.file;
 import reve.core.mesh.Assets;
 import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Level;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.SemanticAspect;
 import reve.core.world.SymbolDescriptor;
@@ -25,7 +26,8 @@ import java.util.function.Consumer;
 import java.util.function.Function;
 
 /**
- * Reader of items with their four aspects. After the items, it reads the references between them.
+ * Reader of items with their four aspects. It reads the references between items after all items
+ * were read.
  */
 final class ItemReader {
     private final WorldPrototype prototype;
@@ -61,8 +63,13 @@ final class ItemReader {
     private final DensityReader densities;
     private final ActionReader actions;
     private final SensorReader sensors;
-    private final ItemMentions names;
+    private final LevelReader levels;
+
+    /** The names of the items, or of the parts of the level that is being read. */
+    private ItemMentions names;
+
     private final BodyCheck bodies;
+    private final ClassValues classes;
 
     /** Creates the builder of an item from its name. Throws an exception if the name is invalid. */
     private final Function<String, ItemDefinition.Builder> beginning;
@@ -76,6 +83,11 @@ final class ItemReader {
     private final Allowance work = new Allowance(MAX_READ);
     private final List<Places.Place> places = new ArrayList<>();
     private int createdDepth;
+    private Optional<Expansion> expansion = Optional.empty();
+    private boolean isInLevel;
+
+    /** Whether the reader reads a change of an item, in which a substance determines no mass. */
+    private boolean isChange;
 
     /** Reads one aspect of an item. */
     private interface AspectReading {
@@ -83,8 +95,8 @@ final class ItemReader {
     }
 
     /**
-     * The key of a shared aspect. It contains the node of the prefab, and the data of the item that
-     * determine how the node is read.
+     * The key of a shared aspect. It contains the node of the prefab. It also contains the data of
+     * the item on which the reading of this node depends.
      */
     private record SharedAspect(Node aspect, String kind, boolean hasPhysics) {}
 
@@ -114,34 +126,171 @@ final class ItemReader {
         this.densities = new DensityReader(prototype, physics, problems);
         this.actions = new ActionReader(physics, this::readCreated, problems);
         this.sensors = new SensorReader(problems);
+        this.levels = new LevelReader(prototype, this::readApart, doubts, problems);
         this.bodies = new BodyCheck(doubts, problems);
+        this.classes = new ClassValues(prototype, problems);
         this.beginning = doubts == Doubts.IGNORED ? ItemDefinition::kept : ItemDefinition::named;
+    }
+
+    /** Takes the expressions of all actions from an allowance that other readers share. */
+    void shareExpressions(Allowance left) {
+        actions.share(left);
     }
 
     /** Returns all valid items under the key {@code items}. */
     List<ItemDefinition> readAll(List<Node> nodes, Expansion expansion) throws WorldFileException {
         List<ItemDefinition> items = new ArrayList<>();
+        this.expansion = Optional.of(expansion);
         var sink =
-                new Expansion.Sink() {
-                    @Override
-                    public void accept(Node item) throws WorldFileException {
-                        Optional<ItemDefinition> read = read(item);
-                        read.ifPresent(items::add);
-                        read.ifPresent(_ -> places.add(Places.Place.of(item)));
-                    }
-
-                    @Override
-                    public void accept(Template item, Repetition repetition)
-                            throws WorldFileException {
-                        readRepeated(item, repetition, items);
-                    }
-                };
+                sink(
+                        expansion,
+                        (item, placement) -> readInto(items, item, placement),
+                        (item, repetition) -> readRepeated(item, repetition, items));
         expansion.requireRoom(nodes);
         for (Node node : nodes) {
             expansion.expand(node, sink);
         }
         names.resolve();
         return items;
+    }
+
+    /** A receiver of the repetitions of an item. */
+    private interface Repeating {
+        void accept(Template item, Repetition repetition) throws WorldFileException;
+    }
+
+    /** Returns a receiver of expanded items that passes on the parts of groups one by one. */
+    private Expansion.Sink sink(Expansion from, GroupReader.Sink single, Repeating repeated) {
+        var groups = new GroupReader(prototype, from, physical, problems, single);
+        return new Expansion.Sink() {
+            @Override
+            public void accept(Node item) throws WorldFileException {
+                if (GroupReader.isGroup(item) && !LevelReader.hasLevels(item)) {
+                    groups.read(item);
+                } else {
+                    single.accept(item, Placement.NONE);
+                }
+            }
+
+            @Override
+            public void accept(Template item, Repetition repetition) throws WorldFileException {
+                repeated.accept(item, repetition);
+            }
+        };
+    }
+
+    private void readInto(List<ItemDefinition> items, Node item, Placement placement)
+            throws WorldFileException {
+        List<ItemDefinition> read =
+                LevelReader.hasLevels(item)
+                        ? readWithLevels(item, placement)
+                        : read(item, placement, hasPhysics(item)).stream().toList();
+        items.addAll(read);
+        read.forEach(_ -> places.add(Places.Place.of(item)));
+    }
+
+    /** Reads an item with levels, and the parts of the level that it begins with. */
+    private List<ItemDefinition> readWithLevels(Node item, Placement placement)
+            throws WorldFileException {
+        if (isInLevel) {
+            problems.addAtKey(
+                    item.get(LevelReader.LEVELS).orElseThrow(),
+                    "levels: a part of a level cannot have levels itself");
+            return List.of();
+        }
+        levels.refuseOtherKeys(item);
+        Optional<Node> name = item.get("name").filter(node -> node.text().isPresent());
+        List<Level> all = levels.read(item, name.flatMap(Node::text).orElse("unnamed"));
+        boolean isComplete = LevelReader.isComplete(item);
+        boolean isSingle = all.stream().noneMatch(Level::isGroup);
+        Optional<ItemDefinition> read =
+                read(
+                        item,
+                        isComplete ? placement : Placement.NONE,
+                        hasPhysics(item) || !isComplete);
+        Optional<Level> active = levels.active(item, all);
+        if (read.isEmpty() || active.isEmpty() || name.isEmpty()) {
+            return List.of();
+        }
+        ItemDefinition whole = withLevels(item, read.get(), all, active.get());
+        ItemDefinition body =
+                all.stream()
+                        .filter(level -> !level.isGroup())
+                        .findFirst()
+                        .map(level -> LevelReader.begin(whole, level).getFirst())
+                        .orElse(whole);
+        bodies.check(item, body);
+        if (isComplete) {
+            return List.of(whole);
+        }
+        if (!isSingle) {
+            names.addChanging(whole.name());
+        }
+        for (Level level : all) {
+            for (ItemDefinition part :
+                    level.isGroup() ? level.items() : List.<ItemDefinition>of()) {
+                names.addPart(name.get(), Level.prefix(whole.name()) + part.name(), part.kind());
+            }
+        }
+        Placement place = placement.of(Placement.of(whole));
+        ItemDefinition atOrigin =
+                whole.copy(whole.name()).at(0, 0, 0).orientation(0, 0, 0, 1).build();
+        return LevelReader.begin(atOrigin, active.get()).stream().map(place::placed).toList();
+    }
+
+    private ItemDefinition withLevels(
+            Node item, ItemDefinition read, List<Level> all, Level active) {
+        ItemDefinition.Builder whole = read.copy(read.name()).levels(all);
+        try {
+            whole.symbol(
+                    Level.SYMBOL,
+                    SemanticAspect.requireSettable(
+                            prototype, read.name(), Level.SYMBOL, active.name()));
+        } catch (IllegalArgumentException refused) {
+            problems.addAtKey(item.get(LevelReader.LEVELS).orElseThrow(), refused.getMessage());
+        }
+        return whole.build();
+    }
+
+    /** Reads the content of a level, whose parts refer to each other only. */
+    private List<ItemDefinition> readApart(Node content) throws WorldFileException {
+        ItemMentions others = names;
+        boolean wasInLevel = isInLevel;
+        names = new ItemMentions(problems);
+        isInLevel = true;
+        try {
+            Expansion from = expansion.orElse(null);
+            if (from == null) {
+                from = Expansion.withoutPrefabs(content, problems);
+            }
+            List<ItemDefinition> items = new ArrayList<>();
+            var sink =
+                    sink(
+                            from,
+                            (item, placement) -> {
+                                if (LevelReader.hasLevels(item)) {
+                                    readWithLevels(item, placement);
+                                } else {
+                                    read(item, placement, hasPhysics(item)).ifPresent(items::add);
+                                }
+                            },
+                            (item, _) ->
+                                    problems.add(
+                                            content,
+                                            "`repeat` does not belong to a level; write it into one"
+                                                    + " of its parts"));
+            Node complete = from.complete(content);
+            levels.check(complete);
+            if (!GroupReader.isGroup(complete)) {
+                from.requireValues(complete);
+            }
+            from.expand(complete, sink);
+            names.resolve();
+            return items;
+        } finally {
+            names = others;
+            isInLevel = wasInLevel;
+        }
     }
 
     /** Returns the position in the file of each item that {@link #readAll} has returned. */
@@ -158,7 +307,8 @@ final class ItemReader {
      * Returns the template of the bodies that are created for agents. The caller renames each body.
      */
     ItemDefinition readTemplate(Node description) throws WorldFileException {
-        Node template = completion.complete(description);
+        Node template = classes.complete(completion.complete(description), WorldPrototype.BODY);
+        refuseGroup(template, "body: is like a group of items, expected one item");
         ItemDefinition.Builder item = ItemDefinition.named("agent");
         kind(template)
                 .filter(kind -> !kind.equals(WorldPrototype.BODY))
@@ -183,12 +333,16 @@ final class ItemReader {
             item.get().kind(kind.get());
             node.get("parent").ifPresent(parent -> readParent(parent, kind.get(), item.get()));
             readAspects(node, kind.get(), true, item.get());
+            if (LevelReader.hasLevels(node)) {
+                item.get().levels(levels.read(node, item.get().name()));
+            }
         }
         return item.map(ItemDefinition.Builder::build);
     }
 
     /** Reads the new values of an item. Does not check references to other items. */
     ItemDefinition readChange(Node node, String kind) throws WorldFileException {
+        isChange = true;
         try {
             ItemDefinition.Builder item =
                     beginning.apply(node.get("name").flatMap(Node::text).orElse(""));
@@ -233,8 +387,10 @@ final class ItemReader {
     }
 
     private Optional<ItemDefinition> readCreatedHere(Node description) throws WorldFileException {
-        Node node = completion.complete(description);
-        Optional<String> kind = kind(node);
+        Node described = completion.complete(description);
+        refuseGroup(described, "create: is a group of items, expected one item");
+        Optional<String> kind = kind(described);
+        Node node = classes.complete(described, kind.orElse(""));
         Optional<String> name = node.get("name").flatMap(Node::text);
         if (kind.isEmpty() || name.isEmpty()) {
             return Optional.empty();
@@ -265,9 +421,19 @@ final class ItemReader {
         }
     }
 
+    private void refuseGroup(Node item, String message) {
+        if (GroupReader.isGroup(item)) {
+            problems.add(item, message);
+        } else if (LevelReader.hasLevels(item)) {
+            problems.add(
+                    item,
+                    item.label() + ": has levels, which only items of the world file can have");
+        }
+    }
+
     /**
-     * Reads the first repetition of an item completely. If possible, reads only the differing
-     * values of the other repetitions.
+     * Reads the first repetition of an item completely. Reads only the differing values of the
+     * other repetitions if possible.
      */
     private void readRepeated(Template template, Repetition repetition, List<ItemDefinition> items)
             throws WorldFileException {
@@ -279,18 +445,30 @@ final class ItemReader {
                 share(items.size());
             } else {
                 Node node = template.make(values, n);
-                Optional<ItemDefinition> item = read(node);
+                Optional<ItemDefinition> item = read(node, Placement.NONE, hasPhysics(node));
                 item.ifPresent(items::add);
                 item.ifPresent(_ -> places.add(Places.Place.of(node)));
                 List<Template.Made> parts = template.makeParts(values, n);
                 repeated =
                         item.map(first -> new RepeatedItem(node, first))
-                                .filter(first -> first.differsInSingleValues(parts));
+                                .filter(first -> first.differsInSingleValues(parts))
+                                .filter(_ -> !classes.areDeclared() || !differInClass(parts));
             }
         }
     }
 
-    /** Gives the last repetition the file position of the repetition before it. */
+    private static boolean differInClass(List<Template.Made> values) {
+        return values.stream()
+                .anyMatch(
+                        made ->
+                                made.aspect().equals("semantic")
+                                        && made.value().key().equals("class"));
+    }
+
+    /**
+     * Gives the last repetition the same file position as the repetition before it, so that all
+     * repetitions share one object.
+     */
     private void share(int count) {
         if (places.size() < count) {
             places.add(places.getLast());
@@ -327,23 +505,34 @@ final class ItemReader {
         return read;
     }
 
-    /** Reads an item. Its content is checked even if its name is wrong. */
-    private Optional<ItemDefinition> read(Node node) throws WorldFileException {
-        Optional<String> kind = kind(node);
+    /**
+     * Reads an item. Its content is checked even if its name is wrong.
+     *
+     * @param placement the place of the item's group
+     * @param hasPhysics whether other items can refer to the item's physics
+     */
+    private Optional<ItemDefinition> read(Node description, Placement placement, boolean hasPhysics)
+            throws WorldFileException {
+        Optional<String> kind = kind(description);
+        Node node = classes.complete(description, kind.orElse(""));
         Optional<ItemDefinition.Builder> named =
-                node.get("name").flatMap(name -> named(name, kind.orElse(""), hasPhysics(node)));
+                node.get("name").flatMap(name -> named(name, kind.orElse(""), hasPhysics));
         ItemDefinition.Builder item = named.orElseGet(() -> ItemDefinition.named("unnamed"));
         if (kind.isPresent()) {
             item.kind(kind.get());
             node.get("parent").ifPresent(parent -> readParent(parent, kind.get(), item));
-            readAspects(node, kind.get(), hasPhysics(node), item);
+            // An item whose present level has parts may have physics at another one.
+            readAspects(node, kind.get(), hasPhysics || LevelReader.hasLevels(node), item);
             requireReferences(node, kind.get());
         }
-        Optional<ItemDefinition> read = named.map(ItemDefinition.Builder::build);
+        Optional<ItemDefinition> read =
+                named.map(ItemDefinition.Builder::build).map(placement::placed);
         read.ifPresent(
                 complete -> {
                     refuseMassOfChild(node, complete);
-                    bodies.check(node, complete);
+                    if (!LevelReader.hasLevels(node)) {
+                        bodies.check(node, complete);
+                    }
                 });
         return read;
     }
@@ -370,8 +559,8 @@ final class ItemReader {
     }
 
     /**
-     * Returns the kind of an item. If items cannot have this kind, records a problem and returns
-     * empty.
+     * Returns the kind of an item. Records a problem and returns empty if items cannot have this
+     * kind.
      */
     private Optional<String> kind(Node item) {
         Optional<Node> node = item.get("kind");
@@ -427,6 +616,7 @@ final class ItemReader {
     private void readAspects(
             Node node, String kind, boolean hasPhysics, ItemDefinition.Builder item)
             throws WorldFileException {
+        classes.check(node, kind);
         Optional<Node> place = node.get("physical");
         if (place.isPresent() && kind.equals(WorldPrototype.BODY)) {
             read(
@@ -455,7 +645,7 @@ final class ItemReader {
                     item::symbolsOf);
         }
         Optional<Node> properties = node.get("physics");
-        if (properties.isPresent() && physics.density(properties.get(), kind).isEmpty()) {
+        if (properties.isPresent() && !physics.needsShape(properties.get(), kind)) {
             read(
                     node,
                     properties.get(),
@@ -465,7 +655,8 @@ final class ItemReader {
                     (aspect, into) -> readPhysics(aspect, kind, into),
                     item::physicsOf);
         } else if (properties.isPresent()) {
-            // This follows the shape, because a density needs the shape to compute the mass.
+            // The physics aspect is read after the shape, because the mass is computed from a
+            // density and the shape.
             readPhysics(properties.get(), kind, item);
         }
         if (node.get("capabilities").isPresent()) {
@@ -513,20 +704,20 @@ final class ItemReader {
             problems.addAtKey(voice, "only items of kind body have a `voice`, this is a " + kind);
             return;
         }
-        item.get("access")
-                .flatMap(access -> access.get(Voice.SAY))
-                .ifPresent(
-                        action ->
-                                problems.addAtKey(
-                                        action,
-                                        "say: an item with a `voice` has an action of this name; "
-                                                + "rename this action, or leave out the voice"));
+        Optional<Node> say = item.get("access").flatMap(access -> access.get(Voice.SAY));
+        if (say.isPresent()) {
+            problems.addAtKey(
+                    say.get(),
+                    "say: an item with a `voice` has an action of this name; rename this action, or"
+                            + " leave out the voice");
+            return;
+        }
         sensors.readVoice(voice).ifPresent(into::voice);
     }
 
     /**
-     * Reads an aspect. If items take the aspect unchanged from a prefab, it is read for the first
-     * of these items only.
+     * Reads an aspect. An aspect that items take unchanged from a prefab is read for the first of
+     * these items only.
      */
     private void read(
             Node node,
@@ -573,8 +764,8 @@ final class ItemReader {
     }
 
     /**
-     * Reads the actions of an item. If items take the actions unchanged from a prefab, they are
-     * read once for all of these items.
+     * Reads the actions of an item. Actions that items take unchanged from a prefab are read once
+     * for all of these items.
      */
     private void readActions(
             Node access, String kind, boolean hasPhysics, ItemDefinition.Builder item)
@@ -604,7 +795,7 @@ final class ItemReader {
             try {
                 capability.text().ifPresent(item::capability);
             } catch (IllegalArgumentException noName) {
-                // the schema check has reported the problem
+                // No problem is recorded here, because the schema check has already reported it.
             }
         }
     }
@@ -620,7 +811,7 @@ final class ItemReader {
     }
 
     private void readSymbol(Node symbol, ItemDefinition.Builder item) {
-        symbolValue(symbol)
+        symbolValue(symbol, prototype, problems)
                 .ifPresent(
                         value -> {
                             try {
@@ -635,10 +826,10 @@ final class ItemReader {
     }
 
     /**
-     * Reads the value of a symbol. If the symbol has a declared unit, the number may be given in
+     * Reads the value of a symbol. The number of a symbol with a declared unit may be given in
      * another unit, as for a property.
      */
-    private Optional<Object> symbolValue(Node symbol) {
+    static Optional<Object> symbolValue(Node symbol, WorldPrototype prototype, Problems problems) {
         Optional<SymbolDescriptor> number =
                 prototype
                         .symbol(symbol.key())
@@ -655,6 +846,11 @@ final class ItemReader {
         physics.read(aspect, kind, sink(item, numbers::put));
         item.physics(numbers);
         physics.density(aspect, kind).ifPresent(value -> densities.read(value, aspect, item));
+        Optional<Node> name = physics.massySubstance(aspect, kind).filter(_ -> !isChange);
+        if (name.isPresent() && item.build().parent().isEmpty()) {
+            physics.substance(name.get())
+                    .ifPresent(substance -> densities.read(name.get(), substance, aspect, item));
+        }
     }
 
     private PhysicsReader.Sink sink(
@@ -690,6 +886,17 @@ final class ItemReader {
         requireReferences(aspect::get, aspect, kind);
     }
 
+    /** Returns what a reference property of an item holds. */
+    private static String expected(PropertyDescriptor property) {
+        if (!property.doc().isEmpty()) {
+            return property.doc();
+        }
+        String kind = property.refersTo().orElseThrow();
+        return property.components() == 1
+                ? "the name of an item of kind " + kind
+                : property.components() + " names of items of kind " + kind;
+    }
+
     private void requireReferences(
             Function<String, Optional<Node>> values, Node aspect, String kind) {
         Set<String> targets = new HashSet<>();
@@ -698,7 +905,7 @@ final class ItemReader {
             if (given.isEmpty()) {
                 problems.addAtKey(
                         aspect,
-                        "a " + kind + " needs `" + property.name() + "`: " + property.doc());
+                        "a " + kind + " needs `" + property.name() + "`: " + expected(property));
                 continue;
             }
             for (Node mention :

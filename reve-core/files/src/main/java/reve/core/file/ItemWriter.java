@@ -3,11 +3,15 @@ package reve.core.file;
 
 import reve.core.world.Action;
 import reve.core.world.Colour;
+import reve.core.world.ItemClass;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Level;
 import reve.core.world.Likeness;
 import reve.core.world.Material;
 import reve.core.world.Mesh;
+import reve.core.world.Parameter;
 import reve.core.world.PropertyDescriptor;
+import reve.core.world.Relief;
 import reve.core.world.ScalarType;
 import reve.core.world.Sensor;
 import reve.core.world.Shape;
@@ -22,7 +26,9 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Locale;
 import java.util.Map;
+import java.util.Set;
 import java.util.TreeMap;
+import java.util.function.BiConsumer;
 
 /**
  * Writer of items as text in the form of a world file. The same item always gives the same text.
@@ -35,11 +41,34 @@ public final class ItemWriter {
 
     private final WorldPrototype prototype;
 
+    /** Whether numbers are written with full precision even if columns of the world round them. */
+    private final boolean isExact;
+
+    /** Receives the expressions of actions that are written, with the parameters of the action. */
+    private final BiConsumer<List<Parameter>, String> expressions;
+
     /**
      * @param prototype prototype of the world that contains the items
      */
     public ItemWriter(WorldPrototype prototype) {
+        this(prototype, false, (_, _) -> {});
+    }
+
+    /**
+     * @param expressions receives the expressions of actions that are written, with the parameters
+     *     of the action; called on the thread that writes
+     */
+    ItemWriter(WorldPrototype prototype, BiConsumer<List<Parameter>, String> expressions) {
+        this(prototype, false, expressions);
+    }
+
+    private ItemWriter(
+            WorldPrototype prototype,
+            boolean isExact,
+            BiConsumer<List<Parameter>, String> expressions) {
         this.prototype = prototype;
+        this.isExact = isExact;
+        this.expressions = expressions;
     }
 
     /**
@@ -67,6 +96,7 @@ public final class ItemWriter {
         putCapabilities(tree, item.capabilities());
         putIfAny(tree, "sensors", sensors(item.sensors()));
         item.voice().ifPresent(voice -> tree.put("voice", voice(voice)));
+        putIfAny(tree, LevelReader.LEVELS, levels(item.levels()));
         return YamlWriter.write(tree);
     }
 
@@ -104,6 +134,38 @@ public final class ItemWriter {
         putIfAny(tree, "physics", physics(item));
         putIfAny(tree, "sensors", sensors(item.sensors()));
         item.voice().ifPresent(voice -> tree.put("voice", voice(voice)));
+        putIfAny(tree, LevelReader.LEVELS, levels(item.levels()));
+    }
+
+    /**
+     * Returns the tree of the levels of an item. Their numbers have full precision, so that the
+     * parts of a level have the same bits before and after the item is stored.
+     */
+    private Map<String, Object> levels(List<Level> levels) {
+        var exact = new ItemWriter(prototype, true, expressions);
+        Map<String, Object> all = new LinkedHashMap<>();
+        for (Level level : levels) {
+            Map<String, Object> tree = new LinkedHashMap<>();
+            if (level.isGroup()) {
+                Map<String, Object> parts = new LinkedHashMap<>();
+                level.items().forEach(part -> parts.put(part.name(), exact.part(part)));
+                tree.put(GroupReader.PARTS, parts);
+            } else {
+                tree.putAll(exact.template(level.items().getFirst()));
+            }
+            level.when().ifPresent(when -> tree.put(LevelReader.WHEN, when.text()));
+            all.put(level.name(), tree);
+        }
+        return all;
+    }
+
+    private Map<String, Object> part(ItemDefinition item) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        if (!item.kind().equals(WorldPrototype.BODY)) {
+            tree.put("kind", item.kind());
+        }
+        putAspects(tree, item);
+        return tree;
     }
 
     /** Returns the tree of a voice. Omits default values. */
@@ -194,9 +256,10 @@ public final class ItemWriter {
         if (!item.colour().equals(Colour.defaultOf(item.shape(), item.material()))) {
             aspect.put("colour", hex(item.colour()));
         }
-        // A column rounds its values, but a pose relative to a parent is stored with full
-        // precision.
-        ScalarType real = item.parent().isPresent() ? ScalarType.F64 : prototype.realType();
+        // A pose relative to a parent is written with full precision, because it is not stored in a
+        // column. Columns round their values to the real type of the world.
+        ScalarType real =
+                isExact || item.parent().isPresent() ? ScalarType.F64 : prototype.realType();
         if (!isZero(item.location())) {
             aspect.put("location", numbers(real, item.location()));
         }
@@ -238,6 +301,12 @@ public final class ItemWriter {
                 tree.put("radius", YamlWriter.Numeral.of(cylinder.radius()));
                 tree.put("height", YamlWriter.Numeral.of(cylinder.height()));
             }
+            case Shape.Ellipsoid round -> {
+                tree.put("shape", "ellipsoid");
+                tree.put("size", numbers(ScalarType.F64, round.x(), round.y(), round.z()));
+            }
+            case Mesh mesh when mesh.relief().isPresent() && mesh.file().isPresent() ->
+                    putTerrain(tree, mesh);
             case Mesh mesh -> {
                 tree.put("shape", "mesh");
                 if (mesh.file().isPresent()) {
@@ -257,6 +326,19 @@ public final class ItemWriter {
             }
         }
         return tree;
+    }
+
+    private static void putTerrain(Map<String, Object> tree, Mesh mesh) {
+        Relief relief = mesh.relief().orElseThrow();
+        tree.put("shape", "terrain");
+        tree.put("size", numbers(ScalarType.F64, relief.x(), relief.z()));
+        tree.put("file", mesh.file().orElseThrow());
+        relief.range()
+                .ifPresent(
+                        range ->
+                                tree.put(
+                                        "heightRange",
+                                        numbers(ScalarType.F64, range.least(), range.greatest())));
     }
 
     private static Map<String, Object> material(String item, Material material) {
@@ -295,7 +377,7 @@ public final class ItemWriter {
         return corners;
     }
 
-    private static Map<String, Object> symbols(Map<String, Object> symbols) {
+    static Map<String, Object> symbols(Map<String, Object> symbols) {
         Map<String, Object> aspect = new TreeMap<>();
         symbols.forEach((name, value) -> aspect.put(name, symbol(value)));
         return aspect;
@@ -317,7 +399,7 @@ public final class ItemWriter {
         Map<String, Object> aspect = new LinkedHashMap<>();
         for (Action action : actions) {
             try {
-                aspect.put(action.name(), new ActionWriter(this::tree).tree(action));
+                aspect.put(action.name(), new ActionWriter(this::tree, expressions).tree(action));
             } catch (IllegalArgumentException refused) {
                 throw new IllegalArgumentException("item " + item + ": " + refused.getMessage());
             }
@@ -326,8 +408,8 @@ public final class ItemWriter {
     }
 
     /**
-     * Returns the physics properties that are not 0, in the order of the prototype. If all are 0,
-     * returns the first property of the kind, so that the item keeps a physics aspect.
+     * Returns the physics properties that are not 0, in the order of the prototype. Returns the
+     * first property of the kind if all properties are 0, so that the item keeps a physics aspect.
      */
     private Map<String, Object> physics(ItemDefinition item) {
         Map<String, Object> aspect = new LinkedHashMap<>();
@@ -344,13 +426,42 @@ public final class ItemWriter {
                     .filter(values -> !isZero(values))
                     .ifPresent(
                             values ->
-                                    aspect.put(property.name(), quantity(property.type(), values)));
+                                    aspect.put(
+                                            property.name(),
+                                            quantity(
+                                                    isExact ? ScalarType.F64 : property.type(),
+                                                    values)));
+        }
+        if (item.hasPhysics()) {
+            putZeros(aspect, item, properties);
         }
         if (aspect.isEmpty() && item.hasPhysics()) {
             PropertyDescriptor first = properties.getFirst();
             aspect.put(first.name(), quantity(first.type(), new double[first.components()]));
         }
         return aspect;
+    }
+
+    /**
+     * Explicitly writes the properties that are 0 and for which the item's class has another
+     * initial value.
+     */
+    private void putZeros(
+            Map<String, Object> aspect, ItemDefinition item, List<PropertyDescriptor> properties) {
+        if (!(item.symbols().get("class") instanceof String itemClass)) {
+            return;
+        }
+        Set<String> initial = prototype.classes().properties(itemClass).keySet();
+        for (PropertyDescriptor property : properties) {
+            boolean isMass =
+                    property.name().equals(WorldPrototype.MASS)
+                            && initial.contains(ItemClass.DENSITY);
+            if (isMass || initial.contains(property.name())) {
+                aspect.putIfAbsent(
+                        property.name(),
+                        quantity(property.type(), new double[property.components()]));
+            }
+        }
     }
 
     /** Returns whether all values are +0, the initial value of columns. */

@@ -6,6 +6,7 @@ import reve.core.unit.Unit;
 
 import java.util.Collections;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
@@ -50,5 +51,17 @@ public record LawReference(
     /** Creates a reference that is not in a file. */
     public LawReference(String name, Map<String, Double> parameters, String place) {
         this(name, Optional.empty(), parameters, Optional.empty(), place, Map.of());
+    }
+
+    /**
+     * Returns the names of the parameters that a value sets. A vector parameter {@code w} of a law
+     * as text has the three parameters {@code w_x}, {@code w_y} and {@code w_z}.
+     *
+     * @param numbers how many numbers the value has: 1, or 3 of a vector
+     */
+    public static List<String> parameterNames(String parameter, int numbers) {
+        return numbers == 1
+                ? List.of(parameter)
+                : List.of(parameter + "_x", parameter + "_y", parameter + "_z");
     }
 }

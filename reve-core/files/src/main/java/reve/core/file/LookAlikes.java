@@ -18,9 +18,9 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Warnings about names that look alike. Such names have equal skeletons by Unicode Technical
- * Standard 39. Names of ASCII characters are compared directly. The library ICU is loaded only for
- * a world with other characters.
+ * Warnings about names that look alike. Such names have equal skeletons. A skeleton is a simplified
+ * form of a name, as defined by Unicode Technical Standard 39. Names of ASCII characters are
+ * compared directly. The library ICU is loaded only for a world with other characters.
  */
 final class LookAlikes {
     private static final Pattern WORD = Pattern.compile("[\\p{L}\\p{M}]+");

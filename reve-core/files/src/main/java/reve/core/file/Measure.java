@@ -2,6 +2,7 @@
 package reve.core.file;
 
 import reve.core.rule.Expression;
+import reve.core.unit.Unit;
 
 import java.util.Optional;
 import java.util.OptionalDouble;
@@ -13,6 +14,7 @@ import java.util.OptionalDouble;
  * @param take the way in which the measurements of a run become one value
  * @param expected the expected value of this run, if the file states one
  * @param tolerance maximum relative error of the value; empty if any error is accepted
+ * @param unit the unit in which plots show the measured values; empty if it is not known
  */
 public record Measure(
         String name,
@@ -20,7 +22,17 @@ public record Measure(
         Source source,
         Take take,
         OptionalDouble expected,
-        OptionalDouble tolerance) {
+        OptionalDouble tolerance,
+        Optional<Unit> unit) {
+    private static final Unit SECOND = Unit.parse("s");
+
+    /**
+     * Returns the unit in which plots show the value of a run; empty if it is not known. It differs
+     * from {@link #unit} if the value is a period.
+     */
+    public Optional<Unit> unitOfRuns() {
+        return take == Take.PERIOD ? Optional.of(SECOND) : unit;
+    }
 
     /** The origin of a value. */
     public sealed interface Source {}
@@ -61,22 +73,29 @@ public record Measure(
     /** A column of the ledger. */
     public enum LedgerValue {
         /** Change of momentum [kg*m/s]. */
-        MOMENTUM("momentum"),
+        MOMENTUM("momentum", "kg*m/s"),
         /** Change of angular momentum about the origin [kg*m^2/s]. */
-        ANGULAR_MOMENTUM("angularMomentum"),
+        ANGULAR_MOMENTUM("angularMomentum", "kg*m^2/s"),
         /** Change of kinetic energy [J]. */
-        ENERGY("energy"),
+        ENERGY("energy", "J"),
         /** Potential energy [J]. */
-        POTENTIAL_ENERGY("potentialEnergy"),
+        POTENTIAL_ENERGY("potentialEnergy", "J"),
         /** Change of potential energy [J]. */
-        POTENTIAL_CHANGE("potentialChange"),
+        POTENTIAL_CHANGE("potentialChange", "J"),
         /** Sum of the changes of kinetic and potential energy [J]. */
-        ENERGY_BALANCE("energyBalance");
+        ENERGY_BALANCE("energyBalance", "J");
 
         private final String key;
+        private final Unit unit;
 
-        LedgerValue(String key) {
+        LedgerValue(String key, String unit) {
             this.key = key;
+            this.unit = Unit.parse(unit);
+        }
+
+        /** Returns the unit of the numbers. */
+        public Unit unit() {
+            return unit;
         }
 
         /** Returns the name in files and messages. */

@@ -23,6 +23,8 @@ final class MeasureReader {
     private static final List<String> SOURCES =
             List.of("of", "sum", "mean", "min", "max", "ledger", "energy");
 
+    private static final Unit JOULE = Unit.parse("J");
+
     private final WorldDescription world;
     private final boolean sampled;
     private final Problems problems;
@@ -68,10 +70,10 @@ final class MeasureReader {
                     node.get("tolerance").get(),
                     "tolerance: limits the error of a value, and `expected` is missing");
         }
+        Optional<Quantities.Quantity> expectedQuantity =
+                expected.flatMap(each -> quantities.quantity(each));
         OptionalDouble expectedNumber =
-                expected.flatMap(each -> quantities.quantity(each)).stream()
-                        .mapToDouble(Quantities.Quantity::value)
-                        .findFirst();
+                expectedQuantity.stream().mapToDouble(Quantities.Quantity::value).findFirst();
         OptionalDouble tolerance =
                 node
                         .get("tolerance")
@@ -82,15 +84,65 @@ final class MeasureReader {
                         .findFirst();
         boolean needsNumber = take != Measure.Take.END || expected.isPresent();
         source.ifPresent(each -> requireNumber(node, each, needsNumber));
-        return source.map(
-                found ->
-                        new Measure(
-                                node.key(),
-                                Problems.keyPlace(node),
-                                found,
-                                take,
-                                expectedNumber,
-                                tolerance));
+        if (source.isEmpty()) {
+            return Optional.empty();
+        }
+        Optional<Unit> ofExpected = expectedQuantity.flatMap(Quantities.Quantity::unit);
+        Measure measure =
+                new Measure(
+                        node.key(),
+                        Problems.keyPlace(node),
+                        source.get(),
+                        take,
+                        expectedNumber,
+                        tolerance,
+                        unit(node, source.get())
+                                .or(
+                                        () ->
+                                                take == Measure.Take.PERIOD
+                                                        ? Optional.empty()
+                                                        : ofExpected.map(Unit::si)));
+        requireSame(
+                node.get("expected").orElse(node), "expected", ofExpected, measure.unitOfRuns());
+        return Optional.of(measure);
+    }
+
+    /**
+     * Returns the unit in which plots show the measured values: the unit in the file, or the SI
+     * unit of the source.
+     */
+    private Optional<Unit> unit(Node node, Measure.Source source) {
+        Optional<Unit> known =
+                switch (source) {
+                    case Measure.OfItem of -> of.expression().unit();
+                    case Measure.OfKind of -> of.expression().unit();
+                    case Measure.OfLedger of -> Optional.of(of.value().unit());
+                    case Measure.Energy _ -> Optional.of(JOULE);
+                };
+        Optional<Node> given = node.get("unit");
+        if (given.flatMap(Node::text).isEmpty()) {
+            return known;
+        }
+        try {
+            Optional<Unit> unit = given.flatMap(Node::text).map(Unit::parse);
+            requireSame(given.get(), "unit", unit, known);
+            return unit;
+        } catch (IllegalArgumentException noUnit) {
+            problems.add(given.get(), "unit: " + noUnit.getMessage());
+            return known;
+        }
+    }
+
+    private void requireSame(Node node, String key, Optional<Unit> found, Optional<Unit> known) {
+        if (found.isPresent() && known.isPresent() && !found.get().sameDimension(known.get())) {
+            problems.add(
+                    node,
+                    key
+                            + ": unit "
+                            + found.get()
+                            + " does not fit the measured value, which is in "
+                            + known.get());
+        }
     }
 
     private boolean isTolerance(Node node, double value) {

@@ -38,9 +38,9 @@ public record NamedCamera(
     }
 
     /**
-     * Returns the view at a time. It is the view of a key at the time of this key. Between keys, a
-     * smooth curve passes through all of them. Before the first key and after the last one, the
-     * camera rests. The view ignores {@code follow} and {@code lookAt}.
+     * Returns the view at a time. It is the view of a key at the time of this key. A smooth curve
+     * passes through the views of all keys. The camera rests before the first key and after the
+     * last key. The view ignores {@code follow} and {@code lookAt}.
      *
      * <p>The curve consists of cubic Hermite splines. The slope at a key is the slope of the line
      * between its neighbours, and 0 at both ends.

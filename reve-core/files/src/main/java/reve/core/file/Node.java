@@ -141,7 +141,7 @@ final class Node {
     /** The position of a key or list element whose value is not read yet. */
     record Slot(Node parent, Object key, int keyLine, int keyColumn) {
         /**
-         * Creates the node as soon as the parser reaches its value.
+         * Creates the node of this key or element. Called as soon as the parser reaches the value.
          *
          * @param value a new LinkedHashMap or ArrayList for a mapping or list, otherwise the scalar
          *     value
@@ -158,8 +158,8 @@ final class Node {
     }
 
     /**
-     * Returns whether this value was written in the mapping of {@code owner} itself and not in a
-     * prefab.
+     * Returns whether the file contains this value in the mapping of {@code owner} itself, and not
+     * in a prefab of the owner.
      */
     boolean isWrittenIn(Node owner) {
         return parent != null && parent.parent == owner.parent && parent.key.equals(owner.key);

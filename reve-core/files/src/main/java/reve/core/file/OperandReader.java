@@ -73,8 +73,8 @@ final class OperandReader {
     }
 
     /**
-     * Reads a value of {@code count} numbers in a unit. Columns of this type must be able to hold
-     * the numbers.
+     * Reads a value of {@code count} numbers in a unit. The numbers must be in the range of this
+     * type of column.
      */
     Optional<Operand> numbers(Node node, int count, Unit unit, ScalarType type) {
         return numbers(node, count, unit, values -> physics.fits(node, type, values));
@@ -163,14 +163,18 @@ final class OperandReader {
                 : node.scalar().map(OperandReader::widened).map(OperandReader::constant);
     }
 
-    /** Reads an expression. The text does not contain the {@code $} before the expression. */
+    /**
+     * Reads an expression.
+     *
+     * @param text the expression without the {@code $} before it
+     */
     Optional<Expression> expression(Node node, String text, int begin, ExpressionType expected) {
         if (!scope.knows(text) && !expressions.take(1)) {
             problems.add(
                     node,
                     node.label()
-                            + ": the actions of the world have more than "
-                            + ActionReader.MAX_EXPRESSIONS
+                            + ": the actions have more than "
+                            + expressions.most()
                             + " different expressions, which is the limit: "
                             + "let actions share conditions and values, as those of a prefab do");
             return Optional.empty();

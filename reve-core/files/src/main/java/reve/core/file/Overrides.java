@@ -93,8 +93,8 @@ final class Overrides {
     private record Step(Object key, Node child, String rest) {}
 
     /**
-     * Returns the step to a child. If the path begins with the names of several children, uses the
-     * longest name.
+     * Returns the step to a child. The path may begin with the names of several children, because
+     * names may contain dots. The longest of these names is used.
      */
     private static Optional<Step> step(Node node, String path) {
         Step longest = null;
@@ -183,7 +183,10 @@ final class Overrides {
         return list.withValue(elements);
     }
 
-    /** Converts an element that is only a name into a mapping with this name. */
+    /**
+     * Converts an element of a list that is only a name into a mapping with this name, so that
+     * values can be added to it.
+     */
     private static Node named(Node element) {
         Map<String, Node> fields = new LinkedHashMap<>();
         Node mapping = element.withValue(fields);

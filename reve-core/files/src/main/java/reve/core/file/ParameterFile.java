@@ -3,8 +3,10 @@ package reve.core.file;
 
 import reve.core.world.WorldPrototype;
 
+import java.util.Arrays;
 import java.util.Collection;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
@@ -34,7 +36,7 @@ public final class ParameterFile {
                 new PhysicsReader(
                         WorldPrototype.standard("si-f64"), Set.of(), Doubts.REFUSED, problems);
         for (Node value : root.children()) {
-            if (value.text().isEmpty() && value.number().isEmpty()) {
+            if (value.text().isEmpty() && value.number().isEmpty() && !value.isList()) {
                 problems.add(
                         value, value.label() + ": expected a number with a unit, such as `3 kg/s`");
             }
@@ -68,17 +70,21 @@ public final class ParameterFile {
             if (problems.full()) {
                 break;
             }
-            quantities
-                    .quantity(node)
-                    .filter(read -> physics.isWorkable(node, read.value()))
-                    .ifPresent(
-                            quantity -> {
-                                values.put(node.key(), quantity.value());
-                                mentions.put(
-                                        node.key(),
-                                        new LawReference.Mention(
-                                                Problems.keyPlace(node), quantity.unit()));
-                            });
+            Optional<Quantities.NumberOrVector> read = quantities.numberOrVector(node);
+            if (read.isEmpty()) {
+                continue;
+            }
+            double[] numbers = read.get().values();
+            if (!Arrays.stream(numbers).allMatch(value -> physics.isWorkable(node, value))) {
+                continue;
+            }
+            List<String> names = LawReference.parameterNames(node.key(), numbers.length);
+            for (int i = 0; i < numbers.length; i++) {
+                values.put(names.get(i), numbers[i]);
+                mentions.put(
+                        names.get(i),
+                        new LawReference.Mention(Problems.keyPlace(node), read.get().unit()));
+            }
         }
         return new LawReference(name, text, values, Optional.empty(), place, mentions);
     }

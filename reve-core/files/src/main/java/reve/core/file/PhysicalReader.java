@@ -9,6 +9,7 @@ import reve.core.world.Colour;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Material;
 import reve.core.world.Mesh;
+import reve.core.world.Relief;
 import reve.core.world.ScalarType;
 import reve.core.world.Shape;
 import reve.core.world.Texture;
@@ -37,12 +38,31 @@ final class PhysicalReader {
                     new LinkedHashSet<>(List.of("radius", "height")),
                     "cylinder",
                     new LinkedHashSet<>(List.of("radius", "height")),
+                    "ellipsoid",
+                    Set.of("size"),
                     "terrain",
                     new LinkedHashSet<>(List.of("size", "heights")),
                     "mesh",
                     new LinkedHashSet<>(List.of("vertices", "triangles")));
-    private static final List<String> SHAPE_KEYS =
-            List.of("radius", "height", "size", "heights", "vertices", "triangles", "file");
+
+    /** Keys that a file replaces. */
+    private static final Set<String> OF_MESHES = Set.of("heights", "vertices", "triangles");
+
+    /** Shapes that a file may contain. */
+    private static final Set<String> MESHES = Set.of("mesh", "terrain");
+
+    /** The keys that describe a shape. */
+    static final List<String> SHAPE_KEYS =
+            List.of(
+                    "shape",
+                    "radius",
+                    "height",
+                    "size",
+                    "heights",
+                    "vertices",
+                    "triangles",
+                    "file",
+                    "heightRange");
 
     private final WorldPrototype prototype;
     private final PhysicsReader physics;
@@ -147,13 +167,12 @@ final class PhysicalReader {
     private void shape(Node aspect, ItemDefinition.Builder item) {
         Optional<Node> node = aspect.get("shape");
         String name = node.flatMap(Node::text).orElse("");
-        boolean fromFile = name.equals("mesh") && aspect.get("file").isPresent();
-        Set<String> wanted = fromFile ? Set.of("file") : KEYS_BY_SHAPE.getOrDefault(name, Set.of());
+        Set<String> wanted = keys(name, aspect);
         if (node.isPresent() && wanted.isEmpty()) {
             return; // the shape is unknown, which the schema check has reported
         }
         boolean complete = true;
-        for (String key : SHAPE_KEYS) {
+        for (String key : SHAPE_KEYS.subList(1, SHAPE_KEYS.size())) {
             Optional<Node> value = aspect.get(key);
             if (value.isPresent() && !wanted.contains(key)) {
                 problems.addAtKey(
@@ -179,7 +198,8 @@ final class PhysicalReader {
                                 + " needs `"
                                 + key
                                 + "`"
-                                + (name.equals("mesh") ? " (or a `file`)" : ""));
+                                + (key.equals("heightRange") ? " for an image" : "")
+                                + (OF_MESHES.contains(key) ? " (or a `file`)" : ""));
             }
         }
         if (complete && node.isPresent() && !problems.isMisspelt(aspect)) {
@@ -193,6 +213,27 @@ final class PhysicalReader {
         }
     }
 
+    /** Returns whether a physical aspect has a shape with all of its keys. */
+    static boolean hasWholeShape(Node physical) {
+        Set<String> keys = keys(physical.get("shape").flatMap(Node::text).orElse(""), physical);
+        return !keys.isEmpty() && keys.stream().allMatch(key -> physical.get(key).isPresent());
+    }
+
+    /** Returns the keys of a shape. Those of meshes and terrains depend on the file. */
+    private static Set<String> keys(String shape, Node aspect) {
+        Optional<String> file = aspect.get("file").map(node -> node.text().orElse(""));
+        if (file.isEmpty() || !MESHES.contains(shape)) {
+            return KEYS_BY_SHAPE.getOrDefault(shape, Set.of());
+        }
+        if (shape.equals("mesh")) {
+            return Set.of("file");
+        }
+        return new LinkedHashSet<>(
+                Assets.isImageOfHeights(file.get())
+                        ? List.of("size", "file", "heightRange")
+                        : List.of("size", "file"));
+    }
+
     private Optional<Shape> form(String name, Node aspect) {
         return switch (name) {
             case "sphere" -> lengths(aspect, "radius", 1).map(radius -> Shape.sphere(radius[0]));
@@ -201,7 +242,13 @@ final class PhysicalReader {
             case "plane" -> lengths(aspect, "size", 2).map(size -> Shape.plane(size[0], size[1]));
             case "capsule" -> round(aspect, Shape::capsule);
             case "cylinder" -> round(aspect, Shape::cylinder);
-            case "terrain" -> terrain(aspect);
+            case "ellipsoid" ->
+                    lengths(aspect, "size", 3)
+                            .map(size -> Shape.ellipsoid(size[0], size[1], size[2]));
+            case "terrain" ->
+                    aspect.get("file").isPresent()
+                            ? relief(aspect, aspect.get("file").get())
+                            : terrain(aspect);
             default ->
                     aspect.get("file").isPresent()
                             ? file(aspect.get("file").get())
@@ -268,23 +315,42 @@ final class PhysicalReader {
                 vertices[next++] = (float) (size.get()[1] * ((double) j / (rows.size() - 1) - 0.5));
             }
         }
-        return Optional.of(Shape.mesh(vertices, cells(rows.size(), columns)));
+        return Optional.of(
+                Mesh.builder(vertices, Relief.triangles(rows.size(), columns))
+                        .relief(new Relief(size.get()[0], size.get()[1], Optional.empty()))
+                        .build());
     }
 
-    /** Returns the triangles of a grid, counter-clockwise as seen from above. */
-    private static int[] cells(int rows, int columns) {
-        int[] triangles = new int[6 * (rows - 1) * (columns - 1)];
-        int next = 0;
-        for (int j = 0; j + 1 < rows; j++) {
-            for (int i = 0; i + 1 < columns; i++) {
-                int a = j * columns + i;
-                int c = a + columns;
-                for (int corner : new int[] {a, c, a + 1, a + 1, c, c + 1}) {
-                    triangles[next++] = corner;
-                }
-            }
+    /** Returns the mesh of a terrain whose heights are in a file. */
+    private Optional<Shape> relief(Node aspect, Node file) {
+        Optional<double[]> size = lengths(aspect, "size", 2);
+        Optional<Node> stated = aspect.get("heightRange");
+        Optional<double[]> heights =
+                stated.flatMap(
+                        node ->
+                                quantities
+                                        .numbers(node, 2, METRE)
+                                        .filter(
+                                                metres ->
+                                                        physics.fits(
+                                                                node, ScalarType.F32, metres)));
+        if (size.isEmpty() || stated.isPresent() && heights.isEmpty()) {
+            return Optional.empty();
         }
-        return triangles;
+        Optional<Relief.Range> range = Optional.empty();
+        try {
+            range = heights.map(metres -> new Relief.Range(metres[0], metres[1]));
+        } catch (IllegalArgumentException refused) {
+            problems.add(stated.orElseThrow(), refused.getMessage());
+            return Optional.empty();
+        }
+        var measures = new Relief(size.get()[0], size.get()[1], range);
+        return file.text()
+                .flatMap(
+                        path ->
+                                load(
+                                        file,
+                                        () -> assets.terrain(pathOf.apply(file, path), measures)));
     }
 
     private Optional<double[]> lengths(Node aspect, String key, int count) {

@@ -13,6 +13,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.TreeSet;
 
 /** Reader of physics aspects. The prototype defines the properties with their types and units. */
 final class PhysicsReader {
@@ -21,7 +22,7 @@ final class PhysicsReader {
      * from 1.
      */
     private static final List<String> JOINT_TYPES =
-            List.of("fixed", "ball", "hinge", "slider", "distance");
+            List.of("fixed", "ball", "hinge", "slider", "distance", "rope", "six-axis");
 
     /** The highest number of a contact layer. A column has one bit for each layer. */
     private static final int MAX_LAYER = 31;
@@ -31,18 +32,38 @@ final class PhysicsReader {
     private final Doubts doubts;
     private final Problems problems;
     private final Quantities quantities;
+    private final Substances substances;
+    private final Set<Integer> usedSubstances = new TreeSet<>();
+    private final boolean hasSubstances;
+
+    /** Creates a reader that knows the shipped substances only. */
+    PhysicsReader(
+            WorldPrototype prototype, Set<String> misdeclared, Doubts doubts, Problems problems) {
+        this(prototype, misdeclared, Substances.shipped(), doubts, problems);
+    }
 
     /**
      * @param misdeclared names of properties whose declaration was refused. Later uses of these
      *     properties cause no further problems
      */
     PhysicsReader(
-            WorldPrototype prototype, Set<String> misdeclared, Doubts doubts, Problems problems) {
+            WorldPrototype prototype,
+            Set<String> misdeclared,
+            Substances substances,
+            Doubts doubts,
+            Problems problems) {
+        this.substances = substances;
+        this.hasSubstances = prototype.hasSubstances();
         this.doubts = doubts;
         this.prototype = prototype;
         this.misdeclared = misdeclared;
         this.problems = problems;
         this.quantities = new Quantities(problems);
+    }
+
+    /** Returns how questionable values are treated. */
+    Doubts doubts() {
+        return doubts;
     }
 
     WorldPrototype prototype() {
@@ -82,6 +103,7 @@ final class PhysicsReader {
                                         .ifPresent(targets -> sink.references(property, targets));
                             } else {
                                 numbers(value, property)
+                                        .filter(numbers -> mayBegin(value, property, numbers))
                                         .ifPresent(
                                                 numbers -> sink.numbers(property.name(), numbers));
                             }
@@ -94,6 +116,34 @@ final class PhysicsReader {
      */
     Optional<Node> density(Node aspect, String kind) {
         return aspect.get("density").filter(value -> isDensity(value, kind));
+    }
+
+    /**
+     * Returns the name of the substance of a body, from whose density the mass follows. Returns
+     * empty if the aspect states the mass or a density.
+     */
+    Optional<Node> massySubstance(Node aspect, String kind) {
+        return kind.equals(WorldPrototype.BODY) && hasSubstances
+                ? aspect.get(WorldPrototype.SUBSTANCE)
+                        .filter(value -> value.text().isPresent())
+                        .filter(_ -> aspect.get("mass").isEmpty())
+                        .filter(_ -> density(aspect, kind).isEmpty())
+                : Optional.empty();
+    }
+
+    /** Returns whether the mass that follows from an aspect depends on the shape of the item. */
+    boolean needsShape(Node aspect, String kind) {
+        return density(aspect, kind).isPresent() || massySubstance(aspect, kind).isPresent();
+    }
+
+    /** Returns the substance of a name; empty if there is none. */
+    Optional<Substances.Substance> substance(Node name) {
+        return name.text().flatMap(substances::find);
+    }
+
+    /** Returns the codes of the substances that the read items name, in ascending order. */
+    Set<Integer> usedSubstances() {
+        return usedSubstances;
     }
 
     private boolean isDensity(Node value, String kind) {
@@ -145,8 +195,8 @@ final class PhysicsReader {
     }
 
     /**
-     * Returns the property of a kind and name. If it is unknown, records a problem and returns
-     * empty.
+     * Returns the property of a kind and name. Records a problem and returns empty if it is
+     * unknown.
      *
      * @param where node whose key or value contains the name, for messages
      */
@@ -169,8 +219,8 @@ final class PhysicsReader {
     }
 
     /**
-     * Reads the value of a numeric property in its unit. If the value does not fit, records a
-     * problem and returns empty.
+     * Reads the value of a numeric property in its unit. Records a problem and returns empty if the
+     * value does not fit.
      */
     Optional<double[]> numbers(Node node, PropertyDescriptor property) {
         if (isJointType(property) && node.text().isPresent()) {
@@ -179,9 +229,62 @@ final class PhysicsReader {
         if (property.name().equals("passesLayers") && node.isList()) {
             return layers(node, property);
         }
-        return quantities
-                .numbers(node, property.components(), property.unit())
-                .filter(values -> fits(node, property, values));
+        if (isSubstance(property) && node.text().isPresent()) {
+            return substanceCode(node);
+        }
+        Optional<double[]> numbers =
+                quantities
+                        .numbers(node, property.components(), property.unit())
+                        .filter(values -> fits(node, property, values));
+        return isOwnContact(property) && doubts == Doubts.REFUSED
+                ? numbers.map(values -> new double[] {Substances.stated(values[0])})
+                : numbers;
+    }
+
+    private boolean isSubstance(PropertyDescriptor property) {
+        return property.kind().equals(WorldPrototype.BODY)
+                && property.name().equals(WorldPrototype.SUBSTANCE)
+                && hasSubstances;
+    }
+
+    /** Returns whether the value 0 of this property means that the value is not set. */
+    private boolean isOwnContact(PropertyDescriptor property) {
+        return hasSubstances
+                && property.kind().equals(WorldPrototype.BODY)
+                && property.components() == 1
+                && switch (property.name()) {
+                    case "friction", "restitution" -> true;
+                    case "rollingFriction" -> isOfPairs(WorldPrototype.PAIR_ROLLING_FRICTION);
+                    case "spinFriction" -> isOfPairs(WorldPrototype.PAIR_SPIN_FRICTION);
+                    default -> false;
+                };
+    }
+
+    private boolean isOfPairs(String property) {
+        return prototype.find(WorldPrototype.SUBSTANCE_PAIR, property).isPresent();
+    }
+
+    /** Reads the name of a substance, and returns its code. */
+    private Optional<double[]> substanceCode(Node node) {
+        Optional<Substances.Substance> found = substance(node);
+        if (found.isEmpty()) {
+            List<String> known = substances.all().stream().map(Substances.Substance::name).toList();
+            String suggestion = problems.suggestion(node.text().orElseThrow(), known);
+            problems.add(
+                    node,
+                    node.label()
+                            + ": there is no substance `"
+                            + Node.shorten(node.text().orElseThrow())
+                            + "`"
+                            + (suggestion.isEmpty()
+                                    ? "; known are "
+                                            + Node.list(known)
+                                            + "; others are described under `substances`"
+                                    : suggestion));
+            return Optional.empty();
+        }
+        usedSubstances.add(found.get().code());
+        return Optional.of(new double[] {found.get().code()});
     }
 
     /** Reads a list of layer numbers. The result has one bit for each layer. */
@@ -226,6 +329,27 @@ final class PhysicsReader {
             return Optional.empty();
         }
         return Optional.of(new double[] {code + 1});
+    }
+
+    /**
+     * Returns whether an item may begin with these numbers. Records a problem if a designer sets a
+     * sum of what laws add. A saved world contains the sums of its last step.
+     */
+    private boolean mayBegin(Node node, PropertyDescriptor property, double[] values) {
+        boolean refused =
+                property.accumulated()
+                        && doubts == Doubts.REFUSED
+                        && Arrays.stream(values).anyMatch(value -> value != 0);
+        if (refused) {
+            problems.add(
+                    node,
+                    node.label()
+                            + ": found "
+                            + node.describe()
+                            + ", expected no value, because it is the sum of what laws add in each"
+                            + " step; set a property that a law adds to it");
+        }
+        return !refused;
     }
 
     /**

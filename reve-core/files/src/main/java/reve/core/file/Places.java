@@ -16,11 +16,15 @@ public final class Places {
     /** The aspects in which each value has a position. */
     private static final List<String> ASPECTS = List.of("physical", "physics");
 
-    private static final Places NONE = new Places("", List.of(), Map.of());
+    /** Other values of items that have a position. */
+    private static final List<String> KEYS = List.of("sensors", "voice");
+
+    private static final Places NONE = new Places("", List.of(), Map.of(), Optional.empty());
 
     private final String file;
     private final List<Place> items;
     private final Map<String, Place> constants;
+    private final Optional<Place> template;
 
     /**
      * The position of an item and of the values in its aspects. Repetitions of an item share one
@@ -51,6 +55,10 @@ public final class Places {
                     }
                 }
             }
+            for (String key : KEYS) {
+                node.get(key).ifPresent(values::add);
+                node.get(key).ifPresent(_ -> keys.add(key));
+            }
             return new Place(
                     node.file(),
                     node.line(),
@@ -77,10 +85,15 @@ public final class Places {
         }
     }
 
-    private Places(String file, List<Place> items, Map<String, Place> constants) {
+    private Places(
+            String file,
+            List<Place> items,
+            Map<String, Place> constants,
+            Optional<Place> template) {
         this.file = file;
         this.items = List.copyOf(items);
         this.constants = Map.copyOf(constants);
+        this.template = template;
     }
 
     /** Returns empty positions, for a world that was not read from a file. */
@@ -89,14 +102,16 @@ public final class Places {
     }
 
     /**
-     * Returns the places in the text of a file at which items and constants are written.
+     * Returns the positions of items and constants in the text of a file.
      *
-     * @param items the place in the text of each item of the description
+     * @param items the positions of the items of the description, in the same order
+     * @param template the template of agents' bodies, if there is one
      */
-    static Places of(String file, List<Place> items, List<Node> constants) {
+    static Places of(
+            String file, List<Place> items, List<Node> constants, Optional<Node> template) {
         Map<String, Place> byName = new HashMap<>();
         constants.forEach(node -> byName.put(node.key(), Place.of(node)));
-        return new Places(file, items, byName);
+        return new Places(file, items, byName, template.map(Place::of));
     }
 
     /**
@@ -108,6 +123,15 @@ public final class Places {
      */
     public Problem item(int item, String key, String message) {
         return item < items.size() ? items.get(item).warning(key, message) : world(message);
+    }
+
+    /**
+     * Returns a warning about the template of agents' bodies.
+     *
+     * @param key name of a value, as in {@link #item}
+     */
+    public Problem template(String key, String message) {
+        return template.map(place -> place.warning(key, message)).orElseGet(() -> world(message));
     }
 
     /**

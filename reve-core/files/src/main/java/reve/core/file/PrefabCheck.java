@@ -8,7 +8,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import java.util.Set;
 
 /**
  * Check of prefabs (templates of items) that no item uses yet. It reports errors before the first
@@ -16,22 +15,7 @@ import java.util.Set;
  * incomplete shapes, and references to items.
  */
 final class PrefabCheck {
-    private static final List<String> SHAPE_KEYS =
-            List.of("shape", "radius", "height", "size", "vertices", "triangles", "file");
-    private static final Map<String, Set<String>> WHOLE =
-            Map.of(
-                    "sphere",
-                    Set.of("radius"),
-                    "capsule",
-                    Set.of("radius", "height"),
-                    "cylinder",
-                    Set.of("radius", "height"),
-                    "box",
-                    Set.of("size"),
-                    "plane",
-                    Set.of("size"),
-                    "mesh",
-                    Set.of("vertices", "triangles"));
+    private static final List<String> MASS_KEYS = List.of("density", WorldPrototype.SUBSTANCE);
 
     private final WorldPrototype prototype;
 
@@ -40,14 +24,12 @@ final class PrefabCheck {
 
     private final ItemReader reader;
 
-    /**
-     * Aspects of prefabs. The value of each is the same aspect without the values that contain
-     * formulas.
-     */
+    /** For each aspect of a prefab, the same aspect without the values that contain formulas. */
     private final Map<Node, Node> constants = new HashMap<>();
 
     /**
-     * @param reader a separate reader that does not check whether referenced items exist
+     * @param reader the reader of the prefabs' items. It must not check whether referenced items
+     *     exist, because no item uses the prefabs yet.
      */
     PrefabCheck(WorldPrototype prototype, ItemReader reader) {
         this.prototype = prototype;
@@ -55,10 +37,29 @@ final class PrefabCheck {
         this.reader = reader;
     }
 
-    void check(Node prefab) throws WorldFileException {
-        Node part = withoutFormulas(prefab);
-        if (part.get("physical").filter(PrefabCheck::hasWholeShape).isEmpty()) {
-            part = without(without(part, "physical", SHAPE_KEYS), "physics", List.of("density"));
+    /**
+     * Checks a prefab. Checks each part of a group like a prefab.
+     *
+     * @param completion completes the parts from their prefabs
+     */
+    void check(Node prefab, ItemReader.Completion completion) throws WorldFileException {
+        for (Node part : prefab.get(GroupReader.PARTS).map(Node::children).orElse(List.of())) {
+            if (part.isMapping()) {
+                check(completion.complete(part).without(GroupReader.PARTS), completion);
+            }
+        }
+        for (Node level : prefab.get(LevelReader.LEVELS).map(Node::children).orElse(List.of())) {
+            if (level.isMapping()) {
+                check(completion.complete(level.without(LevelReader.WHEN)), completion);
+            }
+        }
+        Node part = withoutFormulas(prefab.without(GroupReader.PARTS).without(LevelReader.LEVELS));
+        if (part.get("physical").filter(PhysicalReader::hasWholeShape).isEmpty()) {
+            part =
+                    without(
+                            without(part, "physical", PhysicalReader.SHAPE_KEYS),
+                            "physics",
+                            MASS_KEYS);
             part = without(part, "physical", List.of("material"));
         }
         for (Node action : part.get("access").map(Node::children).orElse(List.of())) {
@@ -70,8 +71,8 @@ final class PrefabCheck {
     }
 
     /**
-     * Returns the prefab without the values that contain formulas. Searches an aspect that several
-     * prefabs share only once.
+     * Returns the prefab without the values that contain formulas. An aspect that several prefabs
+     * share is searched only once.
      */
     private Node withoutFormulas(Node prefab) {
         Map<String, Node> fields = new LinkedHashMap<>();
@@ -84,13 +85,6 @@ final class PrefabCheck {
             }
         }
         return prefab.withValue(fields);
-    }
-
-    private static boolean hasWholeShape(Node physical) {
-        String shape = physical.get("shape").flatMap(Node::text).orElse("");
-        return shape.equals("mesh") && physical.get("file").isPresent()
-                || WHOLE.containsKey(shape)
-                        && WHOLE.get(shape).stream().allMatch(key -> physical.get(key).isPresent());
     }
 
     private static Node without(Node item, String aspect, List<String> keys) {
@@ -110,8 +104,8 @@ final class PrefabCheck {
     }
 
     /**
-     * Returns the declared kind of a prefab. If there is none, returns the kind to which most of
-     * the prefab's properties belong.
+     * Returns the declared kind of a prefab. Returns the kind to which most of the prefab's
+     * properties belong if no kind is declared.
      */
     private String kind(Node prefab) {
         Optional<String> declaredKind = prefab.get("kind").flatMap(Node::text);

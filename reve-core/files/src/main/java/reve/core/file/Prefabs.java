@@ -58,6 +58,11 @@ final class Prefabs {
         return complete(item, new LinkedHashSet<>());
     }
 
+    /** Returns a completed prefab. Does not count as use of the prefab. */
+    Optional<Node> find(String name) {
+        return Optional.ofNullable(complete.get(name));
+    }
+
     /** Returns the completed prefabs that no item uses, directly or through other prefabs. */
     List<Node> unused() {
         Set<String> reached = new HashSet<>();
@@ -76,6 +81,8 @@ final class Prefabs {
     }
 
     /**
+     * Returns an item or prefab completed with the values of its prefab.
+     *
      * @param users names of the prefabs that are being completed, each {@code like} the next one;
      *     used to find cycles
      */
@@ -94,6 +101,8 @@ final class Prefabs {
     }
 
     /**
+     * Returns the completed prefab of a name.
+     *
      * @param where node that contains the name, for the problem if there is no such prefab
      */
     private Optional<Node> prefab(Node where, String name, Set<String> users)

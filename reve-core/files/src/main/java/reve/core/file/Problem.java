@@ -19,9 +19,9 @@ public record Problem(
         implements Comparable<Problem> {
     /** The effect of a problem on the file. */
     public enum Severity {
-        /** The file is refused. */
+        /** A problem because of which the file is refused. */
         ERROR,
-        /** The file is valid, but may differ from what its author intended. */
+        /** A problem of a valid file that may differ from the intention of its author. */
         WARNING
     }
 

@@ -32,8 +32,8 @@ final class Problems {
     private final List<Problem> warnings;
 
     /**
-     * Mappings with an unknown key. If such a mapping lacks a required key, the unknown key may be
-     * a misspelling of the required one.
+     * Mappings with an unknown key. The unknown key may be a misspelling of the required one if
+     * such a mapping lacks a required key.
      */
     private final Set<String> misspelt;
 
@@ -92,8 +92,8 @@ final class Problems {
     }
 
     /**
-     * Records a problem with the value of a node. If one scalar value has several problems, only
-     * the first one is recorded.
+     * Records a problem with the value of a node. Only the first of several problems of one scalar
+     * value is recorded.
      */
     void add(Node node, String message) {
         if (isFirst(node)) {
@@ -123,8 +123,8 @@ final class Problems {
     }
 
     /**
-     * Records a problem with the key of a node. Like {@link #add(Node, String)}, this may ignore
-     * further problems.
+     * Records a problem with the key of a node. Like {@link #add(Node, String)}, this method
+     * records only the first problem of a scalar value.
      */
     void addAtKey(Node node, String message) {
         if (isFirst(node)) {
@@ -143,8 +143,8 @@ final class Problems {
     }
 
     /**
-     * Returns whether the mapping has an unknown key. In such a mapping, missing keys are not
-     * reported, because the unknown key may be a misspelling of the missing one.
+     * Returns whether the mapping has an unknown key. Missing keys of such a mapping are not
+     * reported, because the unknown key may be a misspelling of the missing key.
      */
     boolean isMisspelt(Node mapping) {
         return misspelt.contains(mapping.file() + mapping.pointer());
@@ -174,7 +174,7 @@ final class Problems {
         }
     }
 
-    /** Creates a warning that is found only after the file was read. */
+    /** Creates a warning about a fault that is found only after the file was read. */
     static Problem warning(String file, int line, int column, String pointer, String message) {
         return problem(Problem.Severity.WARNING, file, line, column, pointer, message);
     }

@@ -42,16 +42,16 @@ final class Quantities {
     }
 
     /**
-     * Returns one number in {@code unit}. If the value is wrong, records a problem and returns
-     * empty.
+     * Returns one number in {@code unit}. Records a problem and returns empty if the value is
+     * wrong.
      */
     Optional<Double> number(Node node, Unit unit) {
         return numbers(node, 1, unit).map(values -> values[0]);
     }
 
     /**
-     * Returns {@code count} numbers in {@code unit}. If the value is wrong, records a problem and
-     * returns empty.
+     * Returns {@code count} numbers in {@code unit}. Records a problem and returns empty if the
+     * value is wrong.
      */
     Optional<double[]> numbers(Node node, int count, Unit unit) {
         if (node.text().isPresent()) {
@@ -72,25 +72,59 @@ final class Quantities {
     record Quantity(double value, Optional<Unit> unit) {}
 
     /**
-     * Returns one number with any unit. If the value is wrong, records a problem and returns empty.
+     * Returns one number with any unit. Records a problem and returns empty if the value is wrong.
      */
     Optional<Quantity> quantity(Node node) {
         if (node.text().isEmpty()) {
             return node.number().map(value -> new Quantity(value, Optional.empty()));
         }
+        return anyUnit(node, 1).map(read -> new Quantity(read.values()[0], read.unit()));
+    }
+
+    /**
+     * Numbers with any unit.
+     *
+     * @param values one number, or three numbers of a vector, in SI units
+     * @param unit the unit in the file, if any
+     */
+    record NumberOrVector(double[] values, Optional<Unit> unit) {}
+
+    /**
+     * Returns one number with any unit, or three numbers of a vector with one unit. Records a
+     * problem and returns empty if the value is wrong.
+     */
+    Optional<NumberOrVector> numberOrVector(Node node) {
+        if (node.isList()) {
+            return fromList(node, 3, Unit.ONE)
+                    .map(values -> new NumberOrVector(values, Optional.empty()));
+        }
+        return node.text().isPresent()
+                ? anyUnit(node, 3)
+                : quantity(node)
+                        .map(one -> new NumberOrVector(new double[] {one.value()}, one.unit()));
+    }
+
+    /**
+     * @param most 1 for one number; 3 for one number or three
+     */
+    private Optional<NumberOrVector> anyUnit(Node node, int most) {
         Optional<Parsed> parsed = parse(node, "a number with a unit, such as `3 m/s`");
         if (parsed.isEmpty()) {
             return Optional.empty();
         }
         Unit from = parsed.get().unit.orElse(Unit.ONE);
         double[] numbers = parsed.get().numbers;
-        if (numbers.length != 1) {
+        if (numbers.length != 1 && numbers.length != most) {
             return refuse(
                     node,
-                    "found " + plural(numbers.length) + ", expected one" + commaHint(node, 1));
+                    "found "
+                            + plural(numbers.length)
+                            + ", expected one"
+                            + (most == 1 ? "" : ", or the three of a vector")
+                            + commaHint(node, 1));
         }
         return finite(node, numbers, from, from::toSi)
-                .map(values -> new Quantity(values[0], parsed.get().unit));
+                .map(values -> new NumberOrVector(values, parsed.get().unit));
     }
 
     private record Parsed(double[] numbers, Optional<Unit> unit) {}

@@ -2,6 +2,7 @@
 package reve.core.file;
 
 import reve.core.world.ItemDefinition;
+import reve.core.world.WorldPrototype;
 
 import java.util.List;
 import java.util.Optional;
@@ -30,7 +31,10 @@ record RepeatedItem(Node node, ItemDefinition definition) {
             case "physical" ->
                     key.equals("location") || key.equals("orientation") || key.equals("colour");
             case "semantic" -> true;
-            case "physics" -> !key.equals("density") && node.get("parent").isEmpty();
+            case "physics" ->
+                    !key.equals("density")
+                            && !key.equals(WorldPrototype.SUBSTANCE)
+                            && node.get("parent").isEmpty();
             default -> false;
         };
     }

@@ -20,8 +20,8 @@ record Repetition(List<String> variables, long count, Values values) {
     }
 
     /**
-     * Reads the value of the key {@code repeat}. If the value is wrong, records a problem and
-     * returns empty.
+     * Reads the value of the key {@code repeat}. Records a problem and returns empty if the value
+     * is wrong.
      */
     static Optional<Repetition> read(Node node, SourceFiles files, Problems problems)
             throws WorldFileException {

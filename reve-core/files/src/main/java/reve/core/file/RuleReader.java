@@ -6,7 +6,9 @@ import reve.core.rule.ExpressionException;
 import reve.core.rule.ExpressionType;
 import reve.core.rule.Rule;
 import reve.core.rule.Scope;
+import reve.core.rule.SymbolSource;
 import reve.core.unit.Unit;
+import reve.core.world.StandardSymbols;
 import reve.core.world.SymbolDescriptor;
 import reve.core.world.SymbolType;
 import reve.core.world.WorldPrototype;
@@ -24,9 +26,11 @@ final class RuleReader {
     static final int MAX_RULES = 1000;
 
     private final Problems problems;
+    private final ProviderReader providers;
 
     RuleReader(Problems problems) {
         this.problems = problems;
+        this.providers = new ProviderReader(problems);
     }
 
     /** Returns the prototype with the declared symbols. */
@@ -93,6 +97,18 @@ final class RuleReader {
 
     private Optional<Rule> rule(Node node, WorldPrototype prototype, Map<String, Scope> scopes) {
         Optional<Node> is = node.isMapping() ? node.get("is") : Optional.of(node);
+        Optional<Node> java = node.isMapping() ? node.get(ProviderReader.JAVA) : Optional.empty();
+        if (is.isPresent() == java.isPresent()) {
+            if (!problems.isMisspelt(node)) {
+                problems.add(
+                        node,
+                        node.label()
+                                + ": found "
+                                + (is.isPresent() ? "both" : "neither")
+                                + ", expected one of `is` and `java`");
+            }
+            return Optional.empty();
+        }
         String kind = node.get("kind").flatMap(Node::text).orElse(WorldPrototype.BODY);
         if (!prototype.hasKind(kind)) {
             problems.add(
@@ -103,20 +119,43 @@ final class RuleReader {
                             + problems.suggestion(kind, prototype.kinds()));
             return Optional.empty();
         }
+        if (java.isPresent()) {
+            return providers
+                    .symbol(java.get())
+                    .flatMap(
+                            provider ->
+                                    rule(
+                                            node,
+                                            kind,
+                                            new SymbolSource.Provided(provider),
+                                            prototype));
+        }
         Scope scope = scopes.computeIfAbsent(kind, known -> Scope.ofItem(prototype, known));
         return is.filter(text -> text.text().isPresent())
                 .flatMap(text -> expression(text, scope, type(prototype, node.key())))
-                .flatMap(expression -> rule(node, kind, expression));
+                .flatMap(
+                        expression ->
+                                rule(node, kind, new SymbolSource.Formula(expression), prototype));
     }
 
-    private Optional<Rule> rule(Node node, String kind, Expression expression) {
+    private Optional<Rule> rule(
+            Node node, String kind, SymbolSource source, WorldPrototype prototype) {
+        if (node.key().equals(StandardSymbols.CLASSES) && !prototype.classes().isEmpty()) {
+            problems.addAtKey(node, "symbol classes is a standard one; a rule cannot give it");
+            return Optional.empty();
+        }
+        node.get("class")
+                .ifPresent(
+                        name ->
+                                new ClassValues(prototype, problems)
+                                        .warn(name, name.text().orElse(""), kind));
         try {
             return Optional.of(
                     new Rule(
                             node.key(),
                             kind,
                             node.get("class").flatMap(Node::text),
-                            expression,
+                            source,
                             doc(node)));
         } catch (IllegalArgumentException refused) {
             problems.addAtKey(node, refused.getMessage());
@@ -169,7 +208,7 @@ final class RuleReader {
                 .forEach(each -> problems.addAtKey(nodes.get(each.rule.symbol()), each.message()));
     }
 
-    /** A rule that reads its own symbol, or the symbol of a later rule. */
+    /** A rule that reads its own symbol or the symbol of a later rule, and this later rule. */
     record Misplaced(Rule rule, Rule later) {
         String message() {
             return "rule "
@@ -190,7 +229,7 @@ final class RuleReader {
         for (int i = 0; i < rules.size(); i++) {
             Rule rule = rules.get(i);
             int place = i;
-            rule.expression().uses().stream()
+            rule.source().uses().stream()
                     .map(name -> places.getOrDefault(name, -1))
                     .filter(later -> later >= place)
                     .sorted()
@@ -202,8 +241,8 @@ final class RuleReader {
     /**
      * Reads one rule of a change.
      *
-     * @param scopes scopes of expressions by kind. All rules of the change share them, because the
-     *     creation of a scope takes longer than reading a rule
+     * @param scopes scopes of expressions by kind. All rules of the change share the scopes,
+     *     because creating a scope takes longer than reading a rule
      */
     Optional<Rule> readChange(Node node, WorldPrototype prototype, Map<String, Scope> scopes) {
         return rule(node, prototype, scopes);

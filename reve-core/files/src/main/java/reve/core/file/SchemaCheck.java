@@ -66,7 +66,7 @@ final class SchemaCheck {
     private final Problems problems;
     private final JsonNode tree;
 
-    /** Whether a list or a mapping in the file is longer than permitted. */
+    /** True if a list or a mapping in the file is longer than permitted. */
     private boolean tooLong;
 
     private SchemaCheck(Problems problems) {
@@ -214,8 +214,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Records a problem and returns true if the error is a decimal comma. In braces, YAML reads
-     * {@code mass: 0,5} as a mass of 0 and a key 5 without a value.
+     * Records a problem and returns true if the error is a decimal comma. YAML reads {@code mass:
+     * 0,5} in braces as a mass of 0 and a key 5 without a value.
      */
     private boolean tellsOfDecimalComma(Node base, Error error, Node node) {
         boolean comma =
@@ -235,8 +235,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Returns the mapping that contains the node. For an unknown key, the library reports this
-     * mapping instead of the node.
+     * Returns the mapping that contains the node. The library reports this mapping instead of the
+     * node if the key is unknown.
      */
     private static Node mapping(Node base, Error error, Node node) {
         Node reported = resolve(base, error.getInstanceLocation());
@@ -325,8 +325,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Returns the description of a rule. If the rule is a reference, returns the description of the
-     * referenced rule.
+     * Returns the description of a rule. Returns the description of the referenced rule if the rule
+     * is a reference.
      */
     private String description(JsonNode rule) {
         JsonNode reference = rule.path("$ref");

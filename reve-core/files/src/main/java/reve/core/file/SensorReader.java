@@ -33,7 +33,7 @@ final class SensorReader {
         this.instruments = new InstrumentReader(problems, quantities);
     }
 
-    /** Reads one sensor. If it is invalid, records a problem and returns empty. */
+    /** Reads one sensor. Records a problem and returns empty if it is invalid. */
     Optional<Sensor> read(Node node) {
         Optional<String> instrument = InstrumentReader.key(node);
         if (instrument.isPresent()) {
@@ -54,10 +54,16 @@ final class SensorReader {
         }
         return instruments
                 .read(node.get(instrument).orElseThrow())
-                .map(made -> Sensor.measuring(node.key(), made).withEvery(every(node)));
+                .flatMap(
+                        made ->
+                                checked(
+                                        node,
+                                        () ->
+                                                Sensor.measuring(node.key(), made)
+                                                        .withEvery(every(node))));
     }
 
-    /** Reads a voice. If it is invalid, records a problem and returns empty. */
+    /** Reads a voice. Records a problem and returns empty if it is invalid. */
     Optional<Voice> readVoice(Node node) {
         Optional<Double> range = number(node, "range", METRE, Double.POSITIVE_INFINITY);
         Optional<Double> fading = number(node, "fading", METRE, Double.POSITIVE_INFINITY);

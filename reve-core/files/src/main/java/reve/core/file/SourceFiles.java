@@ -43,8 +43,8 @@ final class SourceFiles {
     }
 
     /**
-     * Returns the file that the text of a node names. If the folder has no such file, records a
-     * problem and returns empty.
+     * Returns the file that the text of a node names. Records a problem and returns empty if the
+     * folder has no such file.
      */
     Optional<Source> find(Node node, Problems problems) {
         Optional<String> text = node.text();
@@ -75,6 +75,8 @@ final class SourceFiles {
     }
 
     /**
+     * Reads the text of a file.
+     *
      * @throws WorldFileException if the file is too large, not UTF-8, or unreadable
      */
     String read(Source source, Problems problems) throws WorldFileException {
@@ -86,8 +88,8 @@ final class SourceFiles {
     }
 
     /**
-     * Reads the text of the world file, which may be in any folder. Otherwise like {@link
-     * #read(Source, Problems)}.
+     * Reads the text of the world file, which may be in any folder. The method is otherwise like
+     * {@link #read(Source, Problems)}.
      */
     String read(Path worldFile, Problems problems) throws WorldFileException, IOException {
         return SourceText.read(worldFile, problems, bytes);

@@ -49,8 +49,8 @@ final class SourceText {
                             : "not a regular file");
         }
         try (InputStream in = Files.newInputStream(path)) {
-            // Read no more than the stated size. A file with the stated size 0, such as /proc/kmsg,
-            // could block for ever.
+            // At most the stated size is read. Reading more from a file with the stated size 0,
+            // such as /proc/kmsg, could block for ever.
             int size = (int) Math.min(Files.size(path), MAX_BYTES + 1L);
             return decode(in.readNBytes(size), problems, bytes);
         }
@@ -96,7 +96,7 @@ final class SourceText {
     }
 
     /**
-     * Returns an exception with the position of the end of a text.
+     * Returns an exception whose position is the end of a text.
      *
      * @param text beginning of the file up to the position of the error
      */

@@ -4,6 +4,7 @@ package reve.core.file;
 import reve.core.unit.Unit;
 
 import java.util.ArrayList;
+import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -11,22 +12,26 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The runs of an experiment: all combinations of cases, swept values and seeds. From run to run,
- * the seed changes fastest, then the last variable. The case changes slowest.
+ * The runs of an experiment: all combinations of cases, swept values and seeds. The order of the
+ * runs is that of nested loops. The innermost loop changes the seed, the next one the last
+ * variable, and the outermost loop the case.
  */
 final class SweepSpace {
     /** Maximum number of runs of an experiment. */
     static final int MAX_RUNS = 100_000;
 
-    /** Names that variables of the sweep must not have, because other values have them. */
+    /** Names that variables of the sweep must not have, because they are names of other values. */
     static final Set<String> RESERVED = Set.of("seed", "run", "port");
 
+    private final Problems problems;
     private final List<Node> cases;
     private final Map<String, double[]> axes = new LinkedHashMap<>();
+    private final Map<String, Unit> units = new HashMap<>();
     private final long[] seeds;
     private final int count;
 
     private SweepSpace(Node root, Problems problems) {
+        this.problems = problems;
         cases = root.get("cases").map(node -> List.copyOf(node.children())).orElse(List.of());
         var quantities = new Quantities(problems);
         for (Node axis : root.get("sweep").map(Node::children).orElse(List.of())) {
@@ -37,7 +42,7 @@ final class SweepSpace {
                                 + axis.key()
                                 + "` means something else in formulas; choose another name");
             }
-            axes.put(axis.key(), values(axis, quantities, problems));
+            axes.put(axis.key(), values(axis, quantities));
         }
         seeds = seeds(root.get("seeds"));
         double runs = (double) Math.max(1, cases.size()) * seeds.length;
@@ -78,7 +83,7 @@ final class SweepSpace {
                 .toArray();
     }
 
-    private static double[] values(Node axis, Quantities quantities, Problems problems) {
+    private double[] values(Node axis, Quantities quantities) {
         List<Node> nodes =
                 axis.isList()
                         ? List.copyOf(axis.children())
@@ -96,6 +101,7 @@ final class SweepSpace {
                         node, node.label() + ": unit " + unit + " does not fit " + first.get());
             }
             first = Optional.of(first.orElse(unit));
+            read.get().unit().ifPresent(own -> units.putIfAbsent(axis.key(), own.si()));
             values.add(read.get().value());
         }
         if (axis.isList() || values.size() < nodes.size()) {
@@ -134,6 +140,11 @@ final class SweepSpace {
     /** Returns the names of the swept variables. */
     List<String> variables() {
         return List.copyOf(axes.keySet());
+    }
+
+    /** Returns the SI unit of a variable; empty if its values have no unit in the file. */
+    Optional<Unit> unit(String variable) {
+        return Optional.ofNullable(units.get(variable));
     }
 
     /** Returns whether the experiment has cases. */

@@ -10,9 +10,9 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * A repeated item whose texts contain formulas in braces: {@code node-{i+1}}. If a text consists of
- * one formula, its value is the number or list of numbers that the formula gives. {@code {{} and
- * {@code }}} are literal braces.
+ * A repeated item whose texts contain formulas in braces: {@code node-{i+1}}. The value of a text
+ * that consists of one formula is the number or list of numbers that the formula gives. {@code {{}
+ * and {@code }}} are literal braces.
  */
 final class Template {
     /** Maximum length of a text that formulas produce [characters]. */
@@ -65,6 +65,8 @@ final class Template {
     }
 
     /**
+     * Reads the formulas of an item, and records their problems.
+     *
      * @param firstNumber number of the first repetition; random numbers depend on it
      */
     Template(Node item, List<String> variables, Problems problems, long firstNumber) {
@@ -88,7 +90,7 @@ final class Template {
     }
 
     /**
-     * Returns the item of one repetition. If a formula has no value, records a problem.
+     * Returns the item of one repetition. Records a problem if a formula has no value.
      *
      * @param values values of the variables
      * @param number number of the repetition, from 0
@@ -98,7 +100,8 @@ final class Template {
     }
 
     /**
-     * Returns only those values of a repetition that formulas give. Otherwise like {@link #make}.
+     * Returns only those values of a repetition that formulas give. The method is otherwise like
+     * {@link #make}.
      */
     List<Made> makeParts(double[] values, long number) {
         List<Made> all = new ArrayList<>(parts.size());
@@ -263,8 +266,8 @@ final class Template {
     }
 
     /**
-     * Returns the value of a formula, which consists of finite numbers. If there is no such value,
-     * records a problem and returns 1, so that the rest of the item is still checked.
+     * Returns the value of a formula, which consists of finite numbers. Records a problem and
+     * returns 1 if there is no such value, so that the rest of the item is still checked.
      */
     private double[] value(Node node, Formula formula, double[] variableValues, long repetition) {
         String wrong;

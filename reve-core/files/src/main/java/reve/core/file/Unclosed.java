@@ -8,9 +8,9 @@ import java.util.Deque;
 import java.util.Optional;
 
 /**
- * Search for a quote or bracket that was not closed. A YAML parser reports only where parsing
- * failed, which may be the end of the file. This search recognizes only quotes, comments, brackets
- * and block texts.
+ * Search for a quote or bracket that was not closed. A YAML parser reports only the position at
+ * which parsing failed, which may be the end of the file. This search recognizes only quotes,
+ * comments, brackets and block texts.
  */
 final class Unclosed {
     /**

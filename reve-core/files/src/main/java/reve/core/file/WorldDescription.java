@@ -231,9 +231,9 @@ public record WorldDescription(
     }
 
     /**
-     * Returns all items except {@code world}. If they are added in this order to an empty world of
-     * the same prototype, each item with a physics aspect gets its current row. Where the rows
-     * permit it, the order is by id.
+     * Returns all items except {@code world}. The order preserves rows: if the items are added to
+     * an empty world of the same prototype, each item with a physics aspect gets its current row.
+     * Items are ordered by id as far as the rows permit.
      */
     private static List<Item> inOrderOfRows(World world) {
         Map<String, Integer> rows = new HashMap<>();

@@ -92,20 +92,49 @@ public final class WorldFile {
      * @throws WorldFileException like {@link #load}
      */
     public static WorldDescription parse(String name, byte[] content) throws WorldFileException {
+        return parse(name, content, WorldFolder.none());
+    }
+
+    /**
+     * Reads and checks the content of a world file like {@link #parse}. It may refer to meshes and
+     * images, but includes no other file.
+     *
+     * @param folder the folder of the files that it refers to
+     */
+    public static WorldDescription parse(String name, byte[] content, WorldFolder folder)
+            throws WorldFileException {
         var problems = new Problems(name);
-        return new WorldReader(new Assets(WorldFolder.none()), problems)
+        return new WorldReader(new Assets(folder), problems)
                 .read(WorldSource.parse(content, problems));
     }
 
     /**
-     * Writes a world file atomically. {@link #load} reads it back to the bit. The paths of meshes
-     * and images in the text stay relative to the folder of the original world file.
+     * Reads a world file like {@link #parse}, with the limits for one message of a client: its
+     * items create at most 10,000 items, 1,000,000 values and 1,000,000 evaluations of formulas,
+     * and their symbols have at most 4,000,000 characters.
+     *
+     * @throws WorldFileException like {@link #load}
+     */
+    public static WorldDescription parseMessage(String name, byte[] content)
+            throws WorldFileException {
+        var problems = new Problems(name);
+        Expansion.Limits limits = Expansion.Limits.ofMessage();
+        WorldDescription world =
+                new WorldReader(new Assets(WorldFolder.none()), limits, problems)
+                        .read(WorldSource.parse(content, problems));
+        limits.requireCharacters(world.items(), problems);
+        return world;
+    }
+
+    /**
+     * Returns a world as the content of a world file. {@link #load} reads it back to the bit. The
+     * paths of meshes and images in the text stay relative to the folder of the original world
+     * file.
      *
      * @throws IllegalArgumentException naming the part that a world file cannot express, for
      *     example a world that is too large
-     * @throws IOException if the system cannot write the file
      */
-    public static void save(Path path, WorldDescription world) throws IOException {
+    public static byte[] encode(WorldDescription world) {
         byte[] text = WorldWriter.write(world).getBytes(StandardCharsets.UTF_8);
         if (text.length > SourceText.MAX_BYTES) {
             throw new IllegalArgumentException(
@@ -117,14 +146,25 @@ public final class WorldFile {
                             + SourceText.MAX_BYTES
                             + " are read");
         }
+        return text;
+    }
+
+    /**
+     * Writes a world file atomically, with the content of {@link #encode}.
+     *
+     * @throws IllegalArgumentException like {@link #encode}
+     * @throws IOException if the system cannot write the file
+     */
+    public static void save(Path path, WorldDescription world) throws IOException {
+        byte[] text = encode(world);
         Path target = path.toAbsolutePath();
         try {
             Path part = PartFile.create(target);
             try {
                 Files.write(part, text);
-                Files.move(part, target, StandardCopyOption.ATOMIC_MOVE);
+                PartFile.move(part, target, StandardCopyOption.ATOMIC_MOVE);
             } finally {
-                Files.deleteIfExists(part);
+                PartFile.remove(part);
             }
         } catch (IOException e) {
             throw Reason.naming(path, e);

@@ -5,8 +5,8 @@ import java.util.List;
 import java.util.stream.Collectors;
 
 /**
- * Reports that a world file was refused. The message contains all problems, one per line, in the
- * order of the file.
+ * Thrown if a world file is refused. The message contains all problems, one per line, in the order
+ * of the file.
  */
 public final class WorldFileException extends Exception {
     private static final long serialVersionUID = 1L;

@@ -21,6 +21,7 @@ import java.time.LocalDateTime;
 import java.util.Collections;
 import java.util.Map;
 import java.util.SortedMap;
+import java.util.TreeSet;
 import java.util.zip.CRC32;
 import java.util.zip.ZipEntry;
 import java.util.zip.ZipException;
@@ -82,23 +83,40 @@ public final class WorldPack {
      *     names as one
      */
     public static void write(Path pack, SortedMap<String, Path> files) throws IOException {
+        write(pack, files, Map.of());
+    }
+
+    /**
+     * Writes a pack like {@link #write(Path, SortedMap)}, with further files that are in memory.
+     *
+     * @param made contents by their names in the pack; no name may also be in {@code files}
+     */
+    public static void write(Path pack, SortedMap<String, Path> files, Map<String, byte[]> made)
+            throws IOException {
+        var all = new TreeSet<>(files.keySet());
+        all.addAll(made.keySet());
         var names = new PackNames(pack);
-        for (Map.Entry<String, Path> file : files.entrySet()) {
-            names.add(file.getKey());
-            names.take(file.getKey(), Files.size(file.getValue()));
+        for (String name : all) {
+            byte[] content = made.get(name);
+            names.add(name);
+            names.take(name, content == null ? Files.size(files.get(name)) : content.length);
         }
         Path target = pack.toAbsolutePath();
         Path part = PartFile.create(target);
         try {
             try (OutputStream out = Files.newOutputStream(part);
                     ZipOutputStream zip = new ZipOutputStream(out, StandardCharsets.UTF_8)) {
-                for (Map.Entry<String, Path> file : files.entrySet()) {
-                    store(zip, file.getKey(), Files.readAllBytes(file.getValue()));
+                for (String name : all) {
+                    byte[] content = made.get(name);
+                    store(
+                            zip,
+                            name,
+                            content == null ? Files.readAllBytes(files.get(name)) : content);
                 }
             }
-            Files.move(part, target, StandardCopyOption.ATOMIC_MOVE);
+            PartFile.move(part, target, StandardCopyOption.ATOMIC_MOVE);
         } finally {
-            Files.deleteIfExists(part);
+            PartFile.remove(part);
         }
     }
 
@@ -116,8 +134,8 @@ public final class WorldPack {
     }
 
     /**
-     * Writes the files of a pack into an empty folder. After a failure, the folder may contain some
-     * of these files.
+     * Writes the files of a pack into an empty folder. The folder may contain some of these files
+     * after a failure.
      *
      * @throws PackException if the pack is damaged, exceeds the limits, has no world file, or
      *     contains a name that leads out of the folder
@@ -231,7 +249,8 @@ public final class WorldPack {
         byte[] bytes = new byte[count];
         ByteBuffer into = ByteBuffer.wrap(bytes);
         while (into.hasRemaining() && file.read(into, place + into.position()) >= 0) {
-            // read() may return fewer bytes than requested, so it is called until all are there
+            // The loop body is empty. A call of read() may return fewer bytes than requested, so it
+            // is repeated until all bytes are read.
         }
         return little(bytes);
     }

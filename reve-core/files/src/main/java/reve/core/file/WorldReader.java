@@ -16,6 +16,8 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
+import java.util.TreeSet;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import java.util.stream.Collectors;
@@ -39,9 +41,18 @@ final class WorldReader {
     private final Assets assets;
     private final Problems problems;
     private final Quantities quantities;
+    private final Expansion.Limits limits;
 
     WorldReader(Assets assets, Problems problems) {
+        this(assets, Expansion.Limits.ofWorld(), problems);
+    }
+
+    /**
+     * @param limits limits on what the items of the world create
+     */
+    WorldReader(Assets assets, Expansion.Limits limits, Problems problems) {
         this.assets = assets;
+        this.limits = limits;
         this.problems = problems;
         this.quantities = new Quantities(problems);
     }
@@ -50,7 +61,7 @@ final class WorldReader {
         Node root = source.world();
         var prototypeReader = new PrototypeReader(problems);
         var ruleReader = new RuleReader(problems);
-        WorldPrototype prototype =
+        WorldPrototype withSymbols =
                 ruleReader.readSymbols(
                         source.named("symbols"),
                         prototypeReader.read(
@@ -59,14 +70,32 @@ final class WorldReader {
                                 Stream.of(
                                                 source.each("items"),
                                                 source.each("prefabs"),
+                                                source.each("classes"),
                                                 source.named("rules"),
                                                 root.get("agents").stream().toList())
                                         .flatMap(List::stream)
-                                        .toList()));
-        var expansion = new Expansion(source, Expansion.Limits.ofWorld(), problems);
+                                        .toList(),
+                                source.named("substances"),
+                                source.named("classes")));
+        var expansion = new Expansion(source, limits, problems);
         long age = wholeNumber(root.get("frame"), "age", 0);
         Doubts doubts = Doubts.of(age > 0);
-        var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), doubts, problems);
+        List<Node> ownSubstances = source.named("substances");
+        Substances substances = new SubstanceReader(problems).read(ownSubstances);
+        var classReader =
+                new ClassReader(
+                        withSymbols,
+                        new PhysicsReader(
+                                withSymbols,
+                                prototypeReader.misdeclared(),
+                                substances,
+                                doubts,
+                                problems),
+                        problems);
+        WorldPrototype prototype = classReader.read(source.named("classes"));
+        var physics =
+                new PhysicsReader(
+                        prototype, prototypeReader.misdeclared(), substances, doubts, problems);
         var itemReader =
                 new ItemReader(
                         prototype,
@@ -107,9 +136,16 @@ final class WorldReader {
                                 problems));
         for (Node prefab : expansion.unusedPrefabs()) {
             problems.throwIfFull();
-            prefabs.check(prefab);
+            prefabs.check(prefab, expansion::complete);
         }
         List<Rule> rules = ruleReader.readRules(source.named("rules"), prototype);
+        if (prototype.hasSubstances()) {
+            Set<Integer> used = new TreeSet<>(physics.usedSubstances());
+            used.addAll(classReader.usedSubstances());
+            ownSubstances.forEach(
+                    own -> substances.find(own.key()).ifPresent(each -> used.add(each.code())));
+            addRows(substances.rows(used), items, itemReader, root);
+        }
         problems.throwIfAny();
         return new WorldDescription(
                 text(root, "name"),
@@ -126,9 +162,36 @@ final class WorldReader {
                 items,
                 forces,
                 problems.warnings(),
-                Places.of(problems.file(), itemReader.places(), source.all("constants")),
+                Places.of(
+                        problems.file(),
+                        itemReader.places(),
+                        source.all("constants"),
+                        root.get("agents").flatMap(node -> node.get("body"))),
                 (int) wholeNumber(root.get("frame"), "threads", 1),
                 cameras);
+    }
+
+    /**
+     * Adds the rows of substances after the other items. A saved world has rows already, which it
+     * keeps.
+     */
+    private void addRows(
+            List<ItemDefinition> rows, List<ItemDefinition> items, ItemReader reader, Node root) {
+        Map<String, String> kinds = new HashMap<>();
+        items.forEach(item -> kinds.put(item.name(), item.kind()));
+        for (ItemDefinition row : rows) {
+            String kind = kinds.get(row.name());
+            if (kind == null) {
+                items.add(row);
+                reader.places().add(Places.Place.of(root));
+            } else if (!kind.equals(WorldPrototype.SUBSTANCE_PAIR)) {
+                problems.add(
+                        root,
+                        "an item has the name `"
+                                + row.name()
+                                + "`, which the world needs for a substance; rename the item");
+            }
+        }
     }
 
     /**
@@ -237,8 +300,8 @@ final class WorldReader {
     }
 
     /**
-     * Returns the name of the first law in a text. If the text contains no law, the physics engine
-     * reports the error later.
+     * Returns the name of the first law in a text. The physics engine reports the error later if
+     * the text contains no law.
      */
     static String nameInText(String text) {
         Matcher name = FIRST_LAW.matcher(text);

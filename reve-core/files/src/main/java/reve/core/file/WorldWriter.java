@@ -4,7 +4,10 @@ package reve.core.file;
 import reve.core.frame.TimeBudget;
 import reve.core.rule.Rule;
 import reve.core.rule.Rules;
+import reve.core.rule.SymbolSource;
 import reve.core.unit.Unit;
+import reve.core.world.FieldDescriptor;
+import reve.core.world.ItemClass;
 import reve.core.world.ItemDefinition;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
@@ -12,6 +15,7 @@ import reve.core.world.SymbolDescriptor;
 import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
+import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Locale;
@@ -33,15 +37,21 @@ public final class WorldWriter {
     /** Maximum number of laws in a world file, as the schema states it. */
     public static final int MAX_LAWS = 64;
 
-    /** Maximum number of symbols and of rules in one world file, as the schema states it. */
+    /** Maximum number of classes, symbols and rules in one world file, as the schema states it. */
     static final int MAX_RULES = 256;
 
     private final WorldDescription world;
     private final ItemWriter items;
 
+    /** The different expressions of actions, as {@link ActionReader} counts them. */
+    private final Set<List<Object>> expressions = new HashSet<>();
+
     private WorldWriter(WorldDescription world) {
         this.world = world;
-        this.items = new ItemWriter(world.prototype());
+        this.items =
+                new ItemWriter(
+                        world.prototype(),
+                        (parameters, text) -> expressions.add(List.of(parameters, text)));
     }
 
     /**
@@ -57,6 +67,7 @@ public final class WorldWriter {
         requireAtMost(MAX_LAWS, world.laws().size(), "laws");
         requireAtMost(MAX_RULES, world.rules().size(), "rules");
         requireAtMost(MAX_RULES, world.prototype().symbols().size(), "typed symbols");
+        requireAtMost(MAX_RULES, world.prototype().classes().all().size(), "classes");
         requireAtMost(Expansion.MAX_ITEMS, world.items().size(), "items");
         Map<String, Object> tree = new LinkedHashMap<>();
         tree.put("reve", YamlWriter.Numeral.of(WorldFile.FORMAT_VERSION));
@@ -79,6 +90,9 @@ public final class WorldWriter {
         if (!world.agents().equals(AgentPolicy.none())) {
             tree.put("agents", agents());
         }
+        if (!world.prototype().classes().isEmpty()) {
+            tree.put("classes", classes());
+        }
         if (!world.prototype().symbols().isEmpty()) {
             tree.put("symbols", symbols());
         }
@@ -86,14 +100,18 @@ public final class WorldWriter {
             tree.put("rules", rules());
         }
         putIfAny(tree, "items", items());
+        requireAtMost(
+                ActionReader.MAX_EXPRESSIONS,
+                expressions.size(),
+                "different conditions and values in its actions");
         putIfAny(tree, "forces", forces());
         return tree;
     }
 
     /**
      * Returns the trees of the items. A world has a property on demand only if one of its items
-     * sets it. If a property on demand is 0 at all items, the first item of the kind therefore sets
-     * it explicitly.
+     * sets it. The first item of a kind therefore explicitly sets a property on demand that is 0 at
+     * all items.
      */
     private List<Map<String, Object>> items() {
         List<Map<String, Object>> trees = world.items().stream().map(items::tree).toList();
@@ -171,6 +189,48 @@ public final class WorldWriter {
         }
     }
 
+    private Map<String, Object> classes() {
+        Map<String, Object> classes = new LinkedHashMap<>();
+        for (ItemClass each : world.prototype().classes().all()) {
+            Map<String, Object> tree = new LinkedHashMap<>();
+            if (!each.parent().equals(WorldPrototype.BODY)) {
+                tree.put("is", each.parent());
+            }
+            if (!each.doc().isEmpty()) {
+                tree.put("doc", each.doc());
+            }
+            if (!each.symbols().isEmpty()) {
+                tree.put("semantic", ItemWriter.symbols(each.symbols()));
+            }
+            Map<String, Object> physics = properties(each);
+            if (!physics.isEmpty()) {
+                tree.put("physics", physics);
+            }
+            classes.put(each.name(), tree);
+        }
+        return classes;
+    }
+
+    private Map<String, Object> properties(ItemClass itemClass) {
+        String kind = world.prototype().classes().kind(itemClass.name()).orElseThrow();
+        Map<String, Object> physics = new LinkedHashMap<>();
+        itemClass
+                .properties()
+                .forEach(
+                        (property, values) ->
+                                physics.put(
+                                        property,
+                                        ItemWriter.quantity(
+                                                world.prototype()
+                                                        .find(kind, property)
+                                                        .map(PropertyDescriptor::type)
+                                                        .orElse(ScalarType.F64),
+                                                values.stream()
+                                                        .mapToDouble(Double::doubleValue)
+                                                        .toArray())));
+        return physics;
+    }
+
     private Map<String, Object> symbols() {
         Map<String, Object> symbols = new LinkedHashMap<>();
         for (SymbolDescriptor symbol : world.prototype().symbols()) {
@@ -189,19 +249,27 @@ public final class WorldWriter {
 
     private Map<String, Object> rules() {
         Map<String, Object> rules = new LinkedHashMap<>();
-        for (Rule rule : world.rules()) {
-            Map<String, Object> tree = new LinkedHashMap<>();
-            tree.put("is", rule.expression().text());
-            if (!rule.kind().equals(WorldPrototype.BODY)) {
-                tree.put("kind", rule.kind());
-            }
-            rule.itemClass().ifPresent(wanted -> tree.put("class", wanted));
-            if (!rule.doc().isEmpty()) {
-                tree.put("doc", rule.doc());
-            }
-            rules.put(rule.symbol(), tree.size() == 1 ? rule.expression().text() : tree);
-        }
+        world.rules().forEach(rule -> rules.put(rule.symbol(), rule(rule)));
         return rules;
+    }
+
+    /** Returns a rule in the form of a world file: a text, or a map of texts. */
+    static Object rule(Rule rule) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        switch (rule.source()) {
+            case SymbolSource.Formula formula -> tree.put("is", formula.expression().text());
+            case SymbolSource.Provided provided ->
+                    tree.put(ProviderReader.JAVA, provided.provider().name());
+        }
+        if (!rule.kind().equals(WorldPrototype.BODY)) {
+            tree.put("kind", rule.kind());
+        }
+        rule.itemClass().ifPresent(wanted -> tree.put("class", wanted));
+        if (!rule.doc().isEmpty()) {
+            tree.put("doc", rule.doc());
+        }
+        boolean isBare = tree.size() == 1 && rule.source() instanceof SymbolSource.Formula;
+        return isBare ? tree.getOrDefault("is", "") : tree;
     }
 
     private List<Object> properties() {
@@ -215,14 +283,35 @@ public final class WorldWriter {
                 own.add(property(property));
             }
         }
+        prototype.fields().forEach(field -> own.add(field(field)));
         return own;
+    }
+
+    private static Map<String, Object> field(FieldDescriptor field) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("name", field.name());
+        tree.put("kind", WorldPrototype.WORLD);
+        tree.put("type", PrototypeReader.FIELD);
+        if (field.components() != 1) {
+            tree.put("components", YamlWriter.Numeral.of(field.components()));
+        }
+        if (!field.unit().equals(Unit.ONE)) {
+            tree.put("unit", field.unit().symbol());
+        }
+        if (!field.doc().isEmpty()) {
+            tree.put("doc", field.doc());
+        }
+        return tree;
     }
 
     private Map<String, Object> property(PropertyDescriptor property) {
         Map<String, Object> tree = new LinkedHashMap<>();
         tree.put("name", property.name());
         tree.put("kind", property.kind());
-        type(property).ifPresent(type -> tree.put("type", type));
+        property.refersTo()
+                .ifPresentOrElse(
+                        kind -> tree.put(PrototypeReader.REFERS_TO, kind),
+                        () -> type(property).ifPresent(type -> tree.put("type", type)));
         if (property.components() != 1) {
             tree.put("components", YamlWriter.Numeral.of(property.components()));
         }
@@ -231,6 +320,9 @@ public final class WorldWriter {
         }
         if (Double.isFinite(property.minimum())) {
             tree.put("min", YamlWriter.Numeral.of(property.minimum()));
+        }
+        if (property.accumulated()) {
+            tree.put(PrototypeReader.ACCESS, PrototypeReader.ACCUMULATE);
         }
         if (!property.doc().isEmpty()) {
             tree.put("doc", property.doc());

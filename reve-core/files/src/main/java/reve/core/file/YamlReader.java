@@ -60,8 +60,8 @@ final class YamlReader {
 
     /**
      * Maximum size of the YAML library's buffer [characters]. The library copies the unread rest of
-     * the buffer for each refill. With its small default buffer, the time would grow with the
-     * square of a token's length.
+     * the buffer for each refill. The time would grow with the square of a token's length if the
+     * small default buffer were used.
      */
     private static final int MAX_PIECE = 1 << 20;
 
@@ -102,7 +102,7 @@ final class YamlReader {
     /** The key or list element whose value is read next. */
     private Node.@Nullable Slot waiting;
 
-    /** Start of the last event of the YAML library. */
+    /** Position at which the last event of the YAML library begins. */
     private Optional<Mark> taken = Optional.empty();
 
     private int documents;
@@ -129,7 +129,8 @@ final class YamlReader {
      * {@code problems} and do not end the reading.
      *
      * @param values number of values that may still be read
-     * @throws WorldFileException if reading cannot continue: syntax, limits, refused YAML features
+     * @throws WorldFileException if reading cannot continue, because of the syntax, a limit or a
+     *     refused feature of YAML
      */
     static Node read(String text, Problems problems, Allowance values) throws WorldFileException {
         return read(text, problems, values, false);
@@ -169,8 +170,8 @@ final class YamlReader {
     }
 
     /**
-     * A reader that leaves one character of the buffer free for the YAML library. If the buffer
-     * ends between the halves of a surrogate pair, the library appends the second half.
+     * A reader that leaves one character of the buffer free for the YAML library. The library
+     * appends the second half if the buffer ends between the halves of a surrogate pair.
      */
     private static final class WholeCharacters extends StringReader {
         WholeCharacters(String text) {
@@ -208,7 +209,8 @@ final class YamlReader {
                 takeScalar(scalar);
             }
             case CollectionEndEvent end -> open.removeLast();
-            // Events without content, such as the start and end of the stream and of the document.
+            // The other events have no content. They mark, for example, the start and end of the
+            // document.
             default -> {}
         }
     }
@@ -433,7 +435,7 @@ final class YamlReader {
 
     /**
      * Converts a position of the YAML library from code points into characters. Counts from the
-     * last position, because positions only increase.
+     * last position, because each position is at or after the last one.
      */
     private int offset(Optional<Mark> mark) {
         int points = mark.map(Mark::getIndex).orElse(0);
@@ -449,8 +451,8 @@ final class YamlReader {
     }
 
     /**
-     * Returns an exception for a syntax error. If a quote or bracket is not closed, the exception
-     * names it.
+     * Returns an exception for a syntax error. The exception names a quote or bracket that is not
+     * closed.
      */
     private WorldFileException notYaml(MarkedYamlEngineException syntax) {
         int line = syntax.getProblemMark().map(Mark::getLine).orElse(0) + 1;

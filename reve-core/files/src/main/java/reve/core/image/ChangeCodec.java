@@ -204,7 +204,7 @@ public final class ChangeCodec {
                 if (to.isMissingNode()) {
                     item.semantic().remove(property);
                 } else {
-                    item.semantic().set(property, Trees.value(to));
+                    item.semantic().restore(property, Trees.value(to));
                 }
             }
             case ACCESS -> {

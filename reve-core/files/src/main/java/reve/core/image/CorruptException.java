@@ -7,7 +7,9 @@ public final class CorruptException extends RuntimeException {
     private static final long serialVersionUID = 1L;
 
     /**
-     * @param message the error. A caller that knows the file prepends the name of the file
+     * Creates an exception.
+     *
+     * @param message the error; a caller that knows the file prepends the name of the file
      */
     public CorruptException(String message) {
         super(message);

@@ -78,7 +78,7 @@ final class ItemTexts {
     ItemSymbols read(ItemId id, String name, ItemDefinition likeness) {
         ItemDefinition named =
                 name.equals(WorldPrototype.WORLD) ? constants(likeness) : likeness.renamed(name);
-        return new ItemSymbols(id, named);
+        return new ItemSymbols(id, named, prototype.classes());
     }
 
     /**

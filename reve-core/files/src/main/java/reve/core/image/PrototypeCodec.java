@@ -3,6 +3,8 @@ package reve.core.image;
 
 import reve.core.text.Visible;
 import reve.core.unit.Unit;
+import reve.core.world.FieldDescriptor;
+import reve.core.world.ItemClass;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.SymbolDescriptor;
@@ -11,6 +13,7 @@ import reve.core.world.WorldPrototype;
 
 import tools.jackson.databind.JsonNode;
 
+import java.util.Arrays;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -18,7 +21,7 @@ import java.util.Optional;
 
 /**
  * The codec of world prototypes as trees (maps and lists). A tree contains the name of the standard
- * prototype and the properties that were added to it.
+ * prototype, and the properties, symbols and classes that were added to it.
  */
 public final class PrototypeCodec {
 
@@ -33,6 +36,9 @@ public final class PrototypeCodec {
         tree.put(
                 "added",
                 all.subList(standard, all.size()).stream().map(PrototypeCodec::tree).toList());
+        if (!prototype.fields().isEmpty()) {
+            tree.put("fields", prototype.fields().stream().map(PrototypeCodec::tree).toList());
+        }
         tree.put(
                 "symbols",
                 prototype.symbols().stream()
@@ -48,10 +54,17 @@ public final class PrototypeCodec {
                                                 "doc",
                                                 symbol.doc()))
                         .toList());
+        if (!prototype.classes().isEmpty()) {
+            tree.put(
+                    "classes",
+                    prototype.classes().all().stream().map(PrototypeCodec::tree).toList());
+        }
         return tree;
     }
 
     /**
+     * Decodes a prototype.
+     *
      * @throws CorruptException if the tree is not a prototype
      */
     public static WorldPrototype read(JsonNode tree) {
@@ -61,10 +74,20 @@ public final class PrototypeCodec {
                             Trees.list(tree, "added").stream()
                                     .map(PrototypeCodec::property)
                                     .toList())
+                    .withFields(
+                            Trees.listIfAny(tree, "fields").stream()
+                                    .map(PrototypeCodec::field)
+                                    .toList())
                     .withSymbols(
                             Trees.list(tree, "symbols").stream()
                                     .map(PrototypeCodec::symbol)
-                                    .toList());
+                                    .toList())
+                    .withClasses(
+                            tree.has("classes")
+                                    ? Trees.list(tree, "classes").stream()
+                                            .map(PrototypeCodec::itemClass)
+                                            .toList()
+                                    : List.of());
         } catch (IllegalArgumentException e) {
             throw new CorruptException("no prototype: " + e.getMessage(), e);
         }
@@ -81,8 +104,57 @@ public final class PrototypeCodec {
         if (Double.isFinite(property.minimum())) {
             tree.put("minimum", property.minimum());
         }
+        if (property.accumulated()) {
+            tree.put("accumulated", true);
+        }
         tree.put("doc", property.doc());
         return tree;
+    }
+
+    private static Map<String, Object> tree(FieldDescriptor field) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("name", field.name());
+        tree.put("components", field.components());
+        tree.put("unit", field.unit().symbol());
+        tree.put("doc", field.doc());
+        return tree;
+    }
+
+    private static FieldDescriptor field(JsonNode tree) {
+        return new FieldDescriptor(
+                Trees.text(tree, "name"),
+                (int) Trees.integer(tree, "components"),
+                Unit.parse(Trees.text(tree, "unit")),
+                Trees.text(tree, "doc"));
+    }
+
+    private static Map<String, Object> tree(ItemClass itemClass) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("name", itemClass.name());
+        tree.put("parent", itemClass.parent());
+        tree.put("doc", itemClass.doc());
+        tree.put("symbols", itemClass.symbols());
+        tree.put("properties", itemClass.properties());
+        return tree;
+    }
+
+    private static ItemClass itemClass(JsonNode tree) {
+        Map<String, List<Double>> properties = new LinkedHashMap<>();
+        Trees.field(tree, "properties")
+                .properties()
+                .forEach(
+                        each ->
+                                properties.put(
+                                        each.getKey(),
+                                        Arrays.stream(Trees.numbers(each.getValue()))
+                                                .boxed()
+                                                .toList()));
+        return new ItemClass(
+                Trees.text(tree, "name"),
+                Trees.text(tree, "parent"),
+                Trees.text(tree, "doc"),
+                Trees.values(Trees.field(tree, "symbols")),
+                properties);
     }
 
     private static SymbolDescriptor symbol(JsonNode tree) {
@@ -119,6 +191,7 @@ public final class PrototypeCodec {
                 tree.has("minimum")
                         ? Trees.number("the field minimum", tree.get("minimum"))
                         : Double.NEGATIVE_INFINITY,
+                tree.path("accumulated").asBoolean(false),
                 Trees.text(tree, "doc"));
     }
 }

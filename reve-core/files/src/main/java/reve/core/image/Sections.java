@@ -29,7 +29,9 @@ public final class Sections {
     private Sections() {}
 
     /**
-     * @param sections bytes by name. A name has at most 255 bytes of UTF-8
+     * Encodes sections.
+     *
+     * @param sections bytes by name; a name has at most 255 bytes of UTF-8
      */
     public static byte[] write(Map<String, byte[]> sections) {
         var out = new ByteArrayOutputStream();
@@ -54,6 +56,8 @@ public final class Sections {
     }
 
     /**
+     * Decodes a block.
+     *
      * @throws CorruptException with the error and its position
      */
     public static Map<String, byte[]> read(byte[] block) {

@@ -26,6 +26,8 @@ public final class Trees {
     private Trees() {}
 
     /**
+     * Encodes a tree.
+     *
      * @param tree a Map or List whose values are Strings, Numbers, Booleans, Maps and Lists
      */
     public static byte[] write(Object tree) {
@@ -85,6 +87,8 @@ public final class Trees {
     }
 
     /**
+     * Returns a value that must be a text.
+     *
      * @param what name of the value in messages
      */
     static String text(String what, JsonNode node) {
@@ -95,6 +99,8 @@ public final class Trees {
     }
 
     /**
+     * Returns a value that must be a number.
+     *
      * @param what name of the value in messages
      */
     public static double number(String what, JsonNode node) {

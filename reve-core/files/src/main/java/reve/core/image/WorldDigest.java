@@ -17,8 +17,9 @@ import java.util.Optional;
  * 2^64. The first number is the sum of the hashes of all rows. The second is the same sum, in which
  * each hash is multiplied by the id of the row's item. For the world's thread only.
  *
- * <p>Worlds whose columns differ have, for all practical purposes, different digests. If a column
- * differs in one item only, the two numbers identify the item.
+ * <p>Two worlds with different columns have different digests, except with a negligible
+ * probability. The two numbers of a column also identify the item if the column differs in one item
+ * only.
  */
 public final class WorldDigest {
 
@@ -88,8 +89,7 @@ public final class WorldDigest {
             if (plain != 0 || weighted != 0) {
                 Difference found = difference(parts.get(i), plain, weighted);
                 if (found.item.isPresent() || found.property.equals(ROWS)) {
-                    return Optional.of(
-                            found); // this difference is more precise than one in several items
+                    return Optional.of(found); // one item is more precise than several items
                 }
                 first = first.or(() -> Optional.of(found));
             }

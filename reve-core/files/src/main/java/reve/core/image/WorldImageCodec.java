@@ -45,6 +45,8 @@ public final class WorldImageCodec {
     }
 
     /**
+     * Encodes an image as sections.
+     *
      * @throws IllegalArgumentException naming item and action if a world file cannot declare an
      *     action of an item
      */
@@ -230,7 +232,9 @@ public final class WorldImageCodec {
     }
 
     /**
-     * @param items total number of items. It limits the number of rows
+     * Decodes the rows of a table.
+     *
+     * @param items total number of items, which limits the number of rows
      */
     private static void readTable(
             JsonNode tree, int items, Map<String, byte[]> sections, TableCopy into) {

@@ -2,6 +2,7 @@
 package reve.core.mesh;
 
 import reve.core.world.Mesh;
+import reve.core.world.Relief;
 import reve.core.world.Texture;
 
 import java.nio.file.Path;
@@ -20,7 +21,10 @@ public final class Assets {
 
     private final AssetFiles files;
     private final Map<Place, Loaded<Mesh>> meshes = new HashMap<>();
+    private final Map<Place, Loaded<Mesh>> meshesInOwnAxes = new HashMap<>();
     private final Map<Place, Loaded<Texture>> textures = new HashMap<>();
+    private final Map<Place, Loaded<HeightGrid>> grids = new HashMap<>();
+    private final Map<Terrain, Mesh> terrains = new HashMap<>();
 
     /**
      * A resolved path.
@@ -29,6 +33,9 @@ public final class Assets {
      * @param beside real path of the folder to which references inside the file are relative
      */
     private record Place(Path file, Path beside) {}
+
+    /** A file of heights, and the measures of the terrain that is made of it. */
+    private record Terrain(Path file, Relief relief) {}
 
     /**
      * The result of an attempt to read a file. All items that name the file share it.
@@ -64,31 +71,103 @@ public final class Assets {
     }
 
     /**
-     * Returns the mesh that consists of all triangles in a {@code .glb}, {@code .gltf} or {@code
-     * .obj} file.
+     * Returns the mesh that consists of all triangles in a {@code .glb}, {@code .gltf}, {@code
+     * .obj} or {@code .dae} file.
      *
      * @param path relative to the world's folder
      * @throws AssetException with the reason if the file cannot be used
      */
     public Mesh mesh(String path) throws AssetException {
+        return mesh(meshes, path, true);
+    }
+
+    /**
+     * Returns a mesh like {@link #mesh}, but does not turn the axis that a {@code .dae} file names
+     * as its upward axis to +Y.
+     */
+    public Mesh meshInAxesOfFile(String path) throws AssetException {
+        return mesh(meshesInOwnAxes, path, false);
+    }
+
+    private Mesh mesh(Map<Place, Loaded<Mesh>> known, String path, boolean upright)
+            throws AssetException {
         return once(
-                meshes,
+                known,
                 path,
                 () -> {
                     String name = path.toLowerCase(Locale.ROOT);
                     boolean gltf = name.endsWith(".glb") || name.endsWith(".gltf");
-                    if (!gltf && !name.endsWith(".obj")) {
+                    boolean collada = name.endsWith(".dae");
+                    if (!gltf && !collada && !name.endsWith(".obj")) {
                         throw new AssetException(
                                 path
-                                        + ": expected a mesh in a .glb, .gltf or .obj file; "
+                                        + ": expected a mesh in a .glb, .gltf, .obj or .dae file; "
                                         + "convert others to .glb");
                     }
                     byte[] bytes = files.read(path, MAX_FILE_BYTES);
                     var sources = new Sources(files, path);
+                    if (collada) {
+                        return ColladaReader.read(bytes, sources, upright);
+                    }
                     return gltf
                             ? GltfReader.read(bytes, sources)
                             : ObjMeshReader.read(bytes, sources);
                 });
+    }
+
+    /** Returns whether a file of heights is an image, according to its name. */
+    public static boolean isImageOfHeights(String path) {
+        return path.toLowerCase(Locale.ROOT).endsWith(HeightGrid.IMAGE);
+    }
+
+    /**
+     * Returns the heights in a {@code .png} or {@code .txt} file.
+     *
+     * @param path relative to the world's folder
+     * @throws AssetException with the reason if the file cannot be used
+     */
+    public HeightGrid heights(String path) throws AssetException {
+        return once(
+                grids,
+                path,
+                () -> {
+                    boolean image = isImageOfHeights(path);
+                    if (!image && !path.toLowerCase(Locale.ROOT).endsWith(HeightGrid.TEXT)) {
+                        throw new AssetException(
+                                path
+                                        + ": expected heights in a grey .png image or a .txt file"
+                                        + " of numbers; convert it");
+                    }
+                    var sources = new Sources(files, path);
+                    byte[] bytes = files.read(path, MAX_FILE_BYTES);
+                    return image
+                            ? HeightGrid.ofImage(bytes, sources)
+                            : HeightGrid.ofText(bytes, sources);
+                });
+    }
+
+    /**
+     * Returns the mesh of a terrain with the heights in a {@code .png} or {@code .txt} file. Reads
+     * each file once. Items with the same file and the same measures share the mesh.
+     *
+     * @param path relative to the world's folder
+     * @param relief measures of the terrain, which have a range if the file is an image
+     * @throws AssetException with the reason if the file cannot be used
+     */
+    public Mesh terrain(String path, Relief relief) throws AssetException {
+        HeightGrid grid = heights(path);
+        var terrain = new Terrain(files.find(path), relief);
+        Mesh known = terrains.get(terrain);
+        if (known == null) {
+            files.budget().begin();
+            try {
+                known = grid.mesh(relief, new Sources(files, path));
+            } finally {
+                files.budget().end();
+            }
+            terrains.put(terrain, known);
+        }
+        return known;
     }
 
     /**

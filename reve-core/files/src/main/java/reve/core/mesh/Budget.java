@@ -12,8 +12,8 @@ final class Budget {
     static final long MAX_PIXELS = 1 << 25;
 
     /**
-     * Maximum time to read all assets of a world [s]. Normally one of the size limits is reached
-     * long before.
+     * Maximum time to read all assets of a world [s]. One of the size limits is normally reached
+     * much earlier.
      */
     static final long MAX_SECONDS = 60;
 
@@ -43,8 +43,8 @@ final class Budget {
     }
 
     /**
-     * Counts the size of a file. Data inside a file that are read again count again. Throws an
-     * exception if the limit is exceeded.
+     * Counts the size of a file. Data that is read twice from the inside of a file counts twice.
+     * Throws an exception if the limit is exceeded.
      */
     void takeBytes(String path, long count) throws AssetException {
         bytes += count;

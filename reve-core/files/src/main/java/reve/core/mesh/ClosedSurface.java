@@ -11,7 +11,7 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Check that a mesh encloses a volume. In such a mesh, each edge belongs to two triangles, which
+ * Check that a mesh encloses a volume. Each edge of such a mesh belongs to two triangles, which
  * traverse it in opposite directions. Vertices at the same position count as one vertex, because
  * files duplicate vertices where normals or texture coordinates differ.
  */
@@ -36,6 +36,8 @@ final class ClosedSurface {
     }
 
     /**
+     * Checks a mesh.
+     *
      * @throws IllegalArgumentException naming an edge that does not belong to two triangles, or
      *     that two triangles traverse in the same direction
      */

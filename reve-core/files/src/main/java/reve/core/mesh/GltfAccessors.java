@@ -100,8 +100,8 @@ final class GltfAccessors {
         }
 
         /**
-         * Returns a component of an element as a float. {@link #requireNumbers} must have been
-         * called before.
+         * Returns a component of an element as a float. The caller must first call {@link
+         * #requireNumbers}.
          */
         float number(int element, int component) {
             int at = element * stride + component * sizeOf(type);
@@ -140,6 +140,8 @@ final class GltfAccessors {
     }
 
     /**
+     * Returns an accessor by its number.
+     *
      * @param what the purpose of the accessor, for the message if it does not exist
      */
     Accessor find(@Nullable Integer number, String what) throws AssetException {

@@ -116,8 +116,9 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             List<JsonError> unfit = new ArrayList<>();
             reader.setJsonErrorConsumer(
                     error -> {
-                        // An error without an exception reports a property that glTF does not
-                        // define. Such properties are allowed.
+                        // The library reports a property that glTF does not define as an error
+                        // without an exception. Such properties are allowed, so these errors are
+                        // ignored.
                         if (error.getThrowable() != null && unfit.isEmpty()) {
                             unfit.add(error);
                         }
@@ -134,7 +135,8 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             }
             return gltf;
         } catch (IOException | RuntimeException broken) {
-            // The library throws unchecked exceptions for some malformed files.
+            // The library throws unchecked exceptions for some malformed files. They are converted
+            // into a refusal of the file.
             throw sources.refuse("not glTF: " + Reason.of(broken, "it contradicts itself"));
         }
     }
@@ -171,7 +173,8 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
                 }
             }
         } catch (JacksonException broken) {
-            // The exceptions for violations of the parser's own limits contain no position.
+            // The message omits the position if the exception contains none. This is true for
+            // violations of the parser's own limits.
             String place =
                     broken.getLocation() == null
                             ? ""

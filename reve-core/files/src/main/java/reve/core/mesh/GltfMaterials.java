@@ -34,6 +34,8 @@ final class GltfMaterials {
     }
 
     /**
+     * Returns a material.
+     *
      * @param number index of the material; null for the default material of glTF
      */
     Material get(@Nullable Integer number) throws AssetException {

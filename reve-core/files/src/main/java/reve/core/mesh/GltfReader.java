@@ -54,8 +54,8 @@ final class GltfReader {
         try {
             return new GltfReader(file, sources).read();
         } catch (RuntimeException broken) {
-            // The library does not check for missing values and values out of range, so it throws
-            // unchecked exceptions.
+            // The library does not check whether values are missing or out of range. It then throws
+            // unchecked exceptions, which are converted into a refusal of the file.
             throw sources.refuse("not glTF: " + Reason.of(broken, "it contradicts itself"));
         }
     }
@@ -87,8 +87,8 @@ final class GltfReader {
     }
 
     /**
-     * Returns the root nodes of the scene. If the file has no scene, returns all nodes without a
-     * parent.
+     * Returns the root nodes of the scene. Returns all nodes without a parent if the file has no
+     * scene.
      */
     private List<Integer> roots() throws AssetException {
         List<Node> nodes = orEmpty(gltf.getNodes());
@@ -151,7 +151,7 @@ final class GltfReader {
         }
         int mode = primitive.getMode() == null ? primitive.defaultMode() : primitive.getMode();
         if (mode < GltfConstants.GL_TRIANGLES) {
-            return; // points and lines are ignored
+            return; // the reader ignores points and lines
         }
         Map<String, Integer> attributes =
                 primitive.getAttributes() == null ? Map.of() : primitive.getAttributes();

@@ -34,6 +34,8 @@ final class ImageDecoder {
     private ImageDecoder() {}
 
     /**
+     * Decodes an image.
+     *
      * @param name name of the image for messages
      * @param file value for {@link Texture#file}
      */
@@ -65,7 +67,8 @@ final class ImageDecoder {
             budget.takePixels(name, (long) width * height);
             return new Texture(width, height, rgba(reader.read(0)), file);
         } catch (IOException | RuntimeException broken) {
-            // The decoders of the JDK throw unchecked exceptions for some malformed files.
+            // The decoders of the JDK throw unchecked exceptions for some malformed files. They are
+            // reported like other errors of a file.
             throw new AssetException(
                     name + ": a broken image: " + Reason.of(broken, "the file contradicts itself"),
                     broken);
@@ -87,7 +90,9 @@ final class ImageDecoder {
                     || marker <= TEM
                     || marker == 0xff
                     || marker >= RST0 && marker <= SOI) {
-                at++; // data of a scan, bytes between segments, or a marker without a segment
+                // The byte is data of a scan, lies between segments, or is a marker without a
+                // segment.
+                at++;
             } else if (marker == EOI) {
                 return;
             } else {
@@ -118,8 +123,8 @@ final class ImageDecoder {
         int width = image.getWidth();
         int height = image.getHeight();
         byte[] pixels = new byte[4 * width * height];
-        // Java treats grey values as linear light. Image files store grey values as sRGB, like
-        // colours.
+        // Grey images need their own conversion. Java treats grey values as linear light, but image
+        // files store them as sRGB, like colours.
         boolean grey = image.getColorModel().getColorSpace().getType() == ColorSpace.TYPE_GRAY;
         int[] row = new int[width];
         for (int y = 0; y < height; y++) {

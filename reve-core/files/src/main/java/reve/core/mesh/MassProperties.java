@@ -38,6 +38,7 @@ public record MassProperties(
             case Shape.Box box -> box(box.x(), box.y(), box.z(), density);
             case Shape.Capsule round -> capsule(round.radius(), round.height(), density);
             case Shape.Cylinder round -> cylinder(round.radius(), round.height(), density);
+            case Shape.Ellipsoid round -> ellipsoid(round.x(), round.y(), round.z(), density);
             case Mesh mesh -> mesh(mesh, density);
         };
     }
@@ -63,6 +64,21 @@ public record MassProperties(
                     mass / 12 * (y * y + z * z),
                     mass / 12 * (z * z + x * x),
                     mass / 12 * (x * x + y * y)
+                },
+                new double[3]);
+    }
+
+    private static MassProperties ellipsoid(double x, double y, double z, double density) {
+        double volume = Math.PI / 6 * x * y * z;
+        double mass = volume * density;
+        return new MassProperties(
+                volume,
+                mass,
+                new double[3],
+                new double[] {
+                    mass / 20 * (y * y + z * z),
+                    mass / 20 * (z * z + x * x),
+                    mass / 20 * (x * x + y * y)
                 },
                 new double[3]);
     }
@@ -117,8 +133,9 @@ public record MassProperties(
         FloatBuffer vertices = mesh.vertices();
         IntBuffer triangles = mesh.triangles();
         double sixVolumes = 0;
-        // Sums of the determinant times a coordinate, and of the determinant times the products of
-        // two coordinates: xx yy zz yz zx xy.
+        // The array {@code first} contains sums of the determinant times a coordinate. The next
+        // array contains sums of the determinant times a product of two coordinates: xx yy zz yz zx
+        // xy.
         double[] first = new double[3];
         double[] second = new double[6];
         double[][] corners = new double[3][3];
@@ -156,7 +173,8 @@ public record MassProperties(
     private static MassProperties aboutCentre(
             double volume, double density, double[] inner, double[] first, double[] second) {
         double[] centre = new double[3];
-        // Mean products of two coordinates relative to the centre of mass: xx yy zz yz zx xy.
+        // The array {@code spread} contains the mean products of two coordinates relative to the
+        // centre of mass: xx yy zz yz zx xy.
         double[] spread = new double[6];
         for (int axis = 0; axis < 3; axis++) {
             centre[axis] = first[axis] / (24 * volume);

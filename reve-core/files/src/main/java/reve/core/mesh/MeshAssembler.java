@@ -10,8 +10,8 @@ import java.util.Arrays;
 import java.util.List;
 
 /**
- * Builder of one mesh from pieces. If only some pieces have an attribute, such as normals, the
- * other pieces get default values.
+ * Builder of one mesh from pieces. A piece without an attribute, such as normals, gets default
+ * values if another piece has this attribute.
  */
 final class MeshAssembler {
 
@@ -67,8 +67,8 @@ final class MeshAssembler {
     }
 
     /**
-     * Adds a vertex, which is white by default, and returns its number. {@link #reserve} must be
-     * called before.
+     * Adds a vertex, which is white by default, and returns its number. The caller must first call
+     * {@link #reserve}.
      */
     int vertex(float x, float y, float z) {
         int at = 3 * vertexCount;
@@ -102,8 +102,8 @@ final class MeshAssembler {
     }
 
     /**
-     * Adds a triangle with a material. {@link #reserve} must be called before. Successive triangles
-     * with equal materials form one part.
+     * Adds a triangle with a material. The caller must first call {@link #reserve}. Successive
+     * triangles with equal materials form one part.
      */
     void triangle(int a, int b, int c, Material material) {
         int first = indexCount / 3;
@@ -121,6 +121,8 @@ final class MeshAssembler {
     }
 
     /**
+     * Returns the complete mesh.
+     *
      * @param ownMaterials whether the mesh keeps the materials of its triangles
      */
     Mesh finish(boolean ownMaterials) throws AssetException {

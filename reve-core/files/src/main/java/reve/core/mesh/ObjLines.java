@@ -5,9 +5,9 @@ import java.nio.charset.StandardCharsets;
 import java.util.Locale;
 
 /**
- * Tokenizer of OBJ and MTL files. A backslash at the end of a line continues the line on the next
- * one. A line that begins with {@code #} is a comment. The tokenizer reads the bytes once and does
- * not copy them.
+ * Tokenizer of OBJ and MTL files, and of texts of numbers. A backslash at the end of a line
+ * continues the line on the next one. A line that begins with {@code #} is a comment. The tokenizer
+ * reads the bytes once and does not copy them.
  */
 final class ObjLines {
 
@@ -125,10 +125,20 @@ final class ObjLines {
             try {
                 return Float.parseFloat(text());
             } catch (NumberFormatException none) {
-                // The exception below reports that the word is no number.
+                // The parser's exception is ignored. The exception below reports that the word is
+                // no number.
             }
         }
         throw refuse("`" + text() + "` is no number");
+    }
+
+    /** Returns the last word as a finite number. */
+    float finite() throws AssetException {
+        float number = number();
+        if (!Float.isFinite(number)) {
+            throw refuse("`" + text() + "` is no finite 32-bit number");
+        }
+        return number;
     }
 
     /** Returns whether the last word is a number. */

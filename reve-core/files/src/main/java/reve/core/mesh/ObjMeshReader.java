@@ -52,14 +52,7 @@ final class ObjMeshReader {
     private final Map<String, Integer> materialNumbers = new HashMap<>();
     private final List<String> materialNames = new ArrayList<>();
 
-    /**
-     * Hash table (open addressing) from the three indices of a corner to its vertex number plus 1.
-     * {@link #known} contains the indices of each vertex.
-     */
-    private int[] slots = new int[1 << 12];
-
-    private int[] known = new int[0];
-    private int vertexCount;
+    private final CornerTable vertices = new CornerTable(1 << 11);
 
     private ObjMeshReader(byte[] bytes, Sources sources) {
         this.sources = sources;
@@ -187,17 +180,14 @@ final class ObjMeshReader {
     }
 
     /**
-     * Returns the number of the vertex for a corner. If no earlier corner has the same three
-     * indices, adds a vertex.
+     * Returns the number of the vertex for a corner. Adds a vertex if no earlier corner has the
+     * same three indices.
      */
     private int vertex(int corner) throws AssetException {
         int at = 3 * corner;
-        if (4 * vertexCount >= 3 * slots.length) {
-            rehash();
-        }
-        int slot = slot(corners, at);
-        if (slots[slot] > 0) {
-            return slots[slot] - 1;
+        int known = vertices.find(corners, at);
+        if (known >= 0) {
+            return known;
         }
         mesh.reserve(1, 0);
         int position = place(at, 0);
@@ -211,34 +201,8 @@ final class ObjMeshReader {
             int normal = place(at, 2);
             mesh.normal(values[2][normal], values[2][normal + 1], values[2][normal + 2]);
         }
-        if (3 * added + 3 > known.length) {
-            known = Arrays.copyOf(known, grown(3 * added, 3));
-        }
-        System.arraycopy(corners, at, known, 3 * added, 3);
-        slots[slot] = added + 1;
-        vertexCount++;
+        vertices.add(corners, at, added);
         return added;
-    }
-
-    /**
-     * Returns the slot of a corner in the hash table. If the table contains no equal corner,
-     * returns the free slot for it.
-     */
-    private int slot(int[] from, int at) {
-        int hash = 31 * (31 * from[at] + from[at + 1]) + from[at + 2];
-        int slot = (hash * 0x9e3779b9 >>> 8) & slots.length - 1;
-        while (slots[slot] > 0
-                && !Arrays.equals(from, at, at + 3, known, 3 * slots[slot] - 3, 3 * slots[slot])) {
-            slot = slot + 1 & slots.length - 1;
-        }
-        return slot;
-    }
-
-    private void rehash() {
-        slots = new int[2 * slots.length];
-        for (int vertex = 0; vertex < vertexCount; vertex++) {
-            slots[slot(known, 3 * vertex)] = vertex + 1;
-        }
     }
 
     /**

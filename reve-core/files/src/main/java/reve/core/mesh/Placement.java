@@ -12,6 +12,8 @@ record Placement(double[] m) {
             new Placement(new double[] {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
 
     /**
+     * Returns the transformation of a matrix.
+     *
      * @param columns (4 x 4) matrix stored by columns, the order of glTF
      */
     static Placement of(float[] columns) {
@@ -53,7 +55,10 @@ record Placement(double[] m) {
                 });
     }
 
-    /** Returns the transformation that applies {@code inner} first, then this one. */
+    /**
+     * Returns the transformation that applies {@code inner} first, and this transformation after
+     * it.
+     */
     Placement times(Placement inner) {
         double[] product = new double[12];
         for (int row = 0; row < 3; row++) {

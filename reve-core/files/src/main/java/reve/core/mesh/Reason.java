@@ -22,8 +22,8 @@ final class Reason {
     private Reason() {}
 
     /**
-     * Returns the first line of an exception's message. If there is no message or it contains names
-     * of code, returns {@code otherwise}.
+     * Returns the first line of an exception's message. Returns {@code otherwise} if there is no
+     * message or it contains names of code.
      */
     static String of(Exception broken, String otherwise) {
         return broken instanceof NullPointerException

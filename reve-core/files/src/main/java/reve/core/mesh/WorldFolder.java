@@ -34,7 +34,7 @@ public final class WorldFolder {
     private final Optional<Path> folder;
     private final Consumer<String> found;
 
-    /** True if a folder without a world file must give no files. */
+    /** True if files may be found only if the folder contains a world file. */
     private final boolean needsWorld;
 
     private volatile boolean hasWorld;
@@ -47,7 +47,7 @@ public final class WorldFolder {
     /**
      * Creates an access to the files in this folder and below.
      *
-     * @param found receives the path of a file each time when the file is found
+     * @param found receives the path of each file that is found, each time it is found
      */
     public WorldFolder(Path folder, Consumer<String> found) {
         this(Optional.of(folder), found, false);
@@ -65,7 +65,16 @@ public final class WorldFolder {
      * file.
      */
     public static WorldFolder named(Path folder) {
-        return new WorldFolder(Optional.of(folder), _ -> {}, true);
+        return named(folder, _ -> {});
+    }
+
+    /**
+     * Creates an access to the folder that a recording or a store names, like {@link #named(Path)}.
+     *
+     * @param found receives the path of each file that is found, each time it is found
+     */
+    public static WorldFolder named(Path folder, Consumer<String> found) {
+        return new WorldFolder(Optional.of(folder), found, true);
     }
 
     /** Returns an access to no files, for a world that is not read from a file. */
@@ -139,7 +148,7 @@ public final class WorldFolder {
 
     /**
      * Returns the real path of the folder that contains the file at {@code path}. {@link #find}
-     * must have accepted this path. If the file itself is a link, this link is not followed.
+     * must have accepted this path. A link in the place of the file itself is not followed.
      */
     Path folderOf(String path) throws AssetException {
         try {
@@ -159,6 +168,8 @@ public final class WorldFolder {
     }
 
     /**
+     * Reads a file.
+     *
      * @throws AssetException if there is no such file, or it is larger than {@code maxBytes}
      */
     byte[] read(String path, int maxBytes, SizeCheck check) throws AssetException {

@@ -28,7 +28,10 @@ final class Checks {
     private final CelAbstractSyntaxTree ast;
     private final Map<String, Integer> components;
 
-    /** Names of the loop variables of an expression. They may hide names of the scope. */
+    /**
+     * Names of the loop variables of an expression. A loop variable may have the same name as a
+     * value of the scope and then hides it.
+     */
     private final Set<String> loops = new HashSet<>();
 
     private Checks(String text, CelAbstractSyntaxTree ast, Map<String, Integer> components) {

@@ -14,21 +14,29 @@ import java.util.List;
 final class Cost {
     /** The way in which the enclosing part of the expression uses the value of a part. */
     enum Role {
-        /** The enclosing part may read the whole value. */
+        /** Role of a value that the enclosing part may read completely. */
         READ,
-        /** The enclosing part selects one element of the value. */
+        /** Role of a value of which the enclosing part selects one element. */
         PICKED,
-        /** The enclosing part compares the elements of the value with another value. */
+        /** Role of a value whose elements the enclosing part compares with another value. */
         MEMBERS,
-        /** The enclosing part is a loop over the value. It fails if the value is no list or map. */
+        /**
+         * Role of a value over which the enclosing part is a loop. The loop fails if the value is
+         * no list or map.
+         */
         RANGE,
-        /** The enclosing part fails unless the value is true or false. */
+        /**
+         * Role of a value that must be true or false, because the enclosing part fails otherwise.
+         */
         TRUTH,
-        /** The enclosing part searches a pattern in the value. */
+        /** Role of a text in which the enclosing part searches a pattern. */
         MATCHED,
-        /** The enclosing part searches another text in the value. */
+        /** Role of a text in which the enclosing part searches another text. */
         HAYSTACK,
-        /** The enclosing part searches the value in a text with the role {@link #HAYSTACK}. */
+        /**
+         * Role of a text that the enclosing part searches in a text with the role {@link
+         * #HAYSTACK}.
+         */
         NEEDLE
     }
 
@@ -133,7 +141,10 @@ final class Cost {
         }
     }
 
-    /** Returns whether a selection such as {@code physics.mass} is one name that contains dots. */
+    /**
+     * Returns whether a selection such as {@code physics.mass} is a single name that contains dots,
+     * and not the selection of a value.
+     */
     private boolean isName(CelExpr select) {
         return ast.getReference(select.id()).isPresent();
     }

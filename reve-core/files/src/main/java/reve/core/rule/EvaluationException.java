@@ -11,4 +11,8 @@ public final class EvaluationException extends Exception {
     EvaluationException(String message) {
         super(message);
     }
+
+    EvaluationException(Throwable cause) {
+        super(cause);
+    }
 }

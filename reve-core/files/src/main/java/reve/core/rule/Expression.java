@@ -10,12 +10,14 @@ import dev.cel.runtime.CelVariableResolver;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.unit.Unit;
 import reve.core.world.Parameter;
 
 import java.util.ArrayList;
 import java.util.Collections;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import java.util.Set;
 import java.util.TreeSet;
 import java.util.regex.Pattern;
@@ -36,6 +38,7 @@ public final class Expression {
 
     private final String text;
     private final ExpressionType type;
+    private final Optional<Unit> unit;
     private final Set<String> uses;
     private final Scope scope;
     private final CelRuntime.Program program;
@@ -45,12 +48,14 @@ public final class Expression {
             Scope scope,
             String text,
             ExpressionType type,
+            Optional<Unit> unit,
             Set<String> uses,
             CelRuntime.Program program,
             Cost cost) {
         this.scope = scope;
         this.text = text;
         this.type = type;
+        this.unit = unit;
         this.uses = Collections.unmodifiableSet(uses);
         this.program = program;
         this.cost = cost;
@@ -64,6 +69,14 @@ public final class Expression {
     /** Returns the type of the result. */
     public ExpressionType type() {
         return type;
+    }
+
+    /**
+     * Returns the SI unit of the result, which is inferred from the units of the names that the
+     * expression reads. Empty if the unit does not follow from them.
+     */
+    public Optional<Unit> unit() {
+        return unit;
     }
 
     /**
@@ -119,8 +132,8 @@ public final class Expression {
     }
 
     /**
-     * Evaluates a condition. Throws the same exceptions as {@link #evaluate}, and also one if the
-     * result is not true or false.
+     * Evaluates a condition. Throws the same exceptions as {@link #evaluate}. Also throws an
+     * exception if the result is not true or false.
      */
     public boolean truth(Bindings bindings) throws EvaluationException {
         if (evaluate(bindings) instanceof Boolean truth) {
@@ -131,7 +144,7 @@ public final class Expression {
 
     /**
      * Evaluates the expression to {@code count} numbers in SI units. Throws the same exceptions as
-     * {@link #evaluate}, and also one if the result has another form.
+     * {@link #evaluate}. Also throws an exception if the result has another form.
      */
     public double[] numbers(Bindings bindings, int count) throws EvaluationException {
         Object value = evaluate(bindings);

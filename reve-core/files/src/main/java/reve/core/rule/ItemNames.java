@@ -3,9 +3,13 @@ package reve.core.rule;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.mesh.MassProperties;
 import reve.core.world.Item;
+import reve.core.world.Mesh;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.Relations;
+import reve.core.world.Shape;
+import reve.core.world.WorldPrototype;
 
 import java.util.AbstractMap;
 import java.util.ArrayList;
@@ -25,6 +29,9 @@ import java.util.function.Supplier;
  */
 final class ItemNames {
     private static final String SYMBOL = KindNames.SEMANTIC + ".";
+
+    /** Number of corners of triangles that the computation of a volume visits for one step. */
+    private static final int INDICES_PER_STEP = 24;
 
     private final KindNames kind;
     private final LongConsumer steps;
@@ -116,8 +123,30 @@ final class ItemNames {
             case "location" -> list(required().physical().location(), 1);
             case "orientation" -> list(required().physical().orientation(), 1);
             case "size" -> list(required().physical().size(), 1);
+            case KindNames.VOLUME -> volume(required().physical().shape());
+            case KindNames.MOVABLE -> isMovable(required());
+            case KindNames.SUBSTANCE -> required().physics().substance().orElse("");
             default -> required().physical().colour().toString();
         };
+    }
+
+    /**
+     * Returns the volume of a shape [m^3], 0 if it encloses none. Counts steps for the triangles of
+     * a mesh.
+     */
+    private double volume(Shape shape) {
+        if (shape instanceof Mesh mesh) {
+            steps.accept(mesh.triangles().remaining() / INDICES_PER_STEP);
+        }
+        try {
+            return MassProperties.of(shape, 1).volume();
+        } catch (IllegalArgumentException enclosesNone) {
+            return 0;
+        }
+    }
+
+    private static boolean isMovable(Item item) {
+        return !item.physics().isEmpty() && item.physics().scalar(WorldPrototype.MASS) > 0;
     }
 
     private @Nullable Object semantic(String name) {
@@ -159,8 +188,8 @@ final class ItemNames {
     }
 
     /**
-     * A read-only map whose values are computed when they are accessed. CEL reads single names.
-     * Only the macros of CEL iterate over the map.
+     * A read-only map whose values are computed when they are accessed. CEL normally reads single
+     * names. Only its macros iterate over the map.
      */
     static final class View extends AbstractMap<String, Object> {
         private final Supplier<Set<String>> names;

@@ -23,11 +23,37 @@ final class KindNames {
     /** Names that {@code item} has in addition to its aspects. */
     static final Set<String> ITEM_NAMES = Set.copyOf(List.of("name", "kind"));
 
-    /**
-     * Names of the physical aspect, with the number of components of their values; 0 for a text.
-     */
+    /** Name of the physical aspect for the volume of the shape [m^3]. */
+    static final String VOLUME = "volume";
+
+    /** Name of the physical aspect for whether laws can move the body. */
+    static final String MOVABLE = "movable";
+
+    /** Name of the physical aspect for the name of the body's substance. */
+    static final String SUBSTANCE = "substance";
+
+    /** Number of components of a text in {@link #physicalNames}. */
+    static final int TEXT = 0;
+
+    /** Number of components of a truth value in {@link #physicalNames}. */
+    static final int TRUTH = -1;
+
     private static final Map<String, Integer> PHYSICAL_NAMES =
-            Map.of("location", 3, "orientation", 4, "size", 3, "colour", 0);
+            Map.of(
+                    "location",
+                    3,
+                    "orientation",
+                    4,
+                    "size",
+                    3,
+                    "colour",
+                    TEXT,
+                    VOLUME,
+                    1,
+                    MOVABLE,
+                    TRUTH,
+                    SUBSTANCE,
+                    TEXT);
 
     private final String kind;
     private final Map<String, PropertyDescriptor> properties = new LinkedHashMap<>();
@@ -55,7 +81,10 @@ final class KindNames {
         return properties.get(name);
     }
 
-    /** Returns the names of the physical aspect. Returns none for kinds without a place. */
+    /**
+     * Returns the names of the physical aspect, with the number of components of their values,
+     * {@link #TEXT} or {@link #TRUTH}. Returns none for kinds without a place.
+     */
     Map<String, Integer> physicalNames() {
         return kind.equals(WorldPrototype.BODY) ? PHYSICAL_NAMES : Map.of();
     }

@@ -89,7 +89,7 @@ final class Language {
 
     /**
      * Message of the CEL library for {@code has(semantic.note)} if the symbol {@code note} is
-     * declared.
+     * declared. This message is replaced by a clearer one.
      */
     private static final String NO_FIELD = "expression does not select a field";
 
@@ -147,6 +147,7 @@ final class Language {
                     scope,
                     text,
                     type(ast.getResultType()),
+                    ResultUnit.of(ast, scope.own()),
                     Uses.of(ast, names),
                     RUNTIME.createProgram(ast),
                     new Cost(ast));
@@ -216,6 +217,7 @@ final class Language {
         return types.replaceAll("\\b(int|uint|double)\\b", "number")
                 .replace("string", "text")
                 .replace("bool", "truth")
+                .replaceAll("\\bnull\\b", "no value")
                 .replaceAll("list\\((\\w+)\\)", "list of $1s");
     }
 
@@ -251,11 +253,17 @@ final class Language {
                             (name, count) ->
                                     physical.put(
                                             name,
-                                            count == 0
-                                                    ? SimpleType.STRING
-                                                    : numbers(
-                                                            owner + KindNames.PHYSICAL + "." + name,
-                                                            count)));
+                                            switch (count) {
+                                                case KindNames.TEXT -> SimpleType.STRING;
+                                                case KindNames.TRUTH -> SimpleType.BOOL;
+                                                default ->
+                                                        numbers(
+                                                                owner
+                                                                        + KindNames.PHYSICAL
+                                                                        + "."
+                                                                        + name,
+                                                                count);
+                                            }));
             aspects.put(KindNames.PHYSICAL, struct(owner + KindNames.PHYSICAL, physical));
         }
         aspects.put(KindNames.SEMANTIC, MapType.create(SimpleType.STRING, SimpleType.DYN));

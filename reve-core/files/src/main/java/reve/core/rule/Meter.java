@@ -25,8 +25,8 @@ final class Meter implements CelEvaluationListener {
     private static final int CHARACTERS_PER_STEP = 32;
 
     /**
-     * Divisor of the cost of a regular expression. For each character of the text, this number of
-     * the pattern's own steps counts as one step.
+     * Divisor of the cost of a regular expression. A search costs one step for each character of
+     * the text and for this number of steps of the pattern.
      */
     private static final int PATTERN_STEPS_PER_STEP = 8;
 
@@ -137,7 +137,8 @@ final class Meter implements CelEvaluationListener {
         switch (value) {
             case null -> {}
             case String text -> spend(text.length() / CHARACTERS_PER_STEP);
-            // A loop is building this list, whose elements are counted when the loop ends.
+            // This list is not counted here, because a loop is still building it. Its elements are
+            // counted when the loop ends.
             case ConcatenatedListView<?> growing -> {}
             case List<?> list -> {
                 for (Object element : list) {

@@ -33,6 +33,15 @@ final class Patterns {
     private static final java.util.regex.Pattern FLAGS =
             java.util.regex.Pattern.compile("\\(\\?[a-zA-Z-]*\\)");
 
+    /** Escape of a set of characters in a class. */
+    private static final java.util.regex.Pattern SET =
+            java.util.regex.Pattern.compile("\\\\(?:[dDsSwW]|[pP](?:\\{[^}]*\\}|[^{]))");
+
+    /** Escape of a character by its number. */
+    private static final java.util.regex.Pattern CODE =
+            java.util.regex.Pattern.compile(
+                    "\\\\(?:x(?:\\{[0-9a-fA-F]*\\}|[0-9a-fA-F]{2})|0[0-7]{0,2}|[1-7][0-7]{1,2})");
+
     private Patterns() {}
 
     /**
@@ -98,7 +107,8 @@ final class Patterns {
         for (int at = 0; at < pattern.length(); at = end) {
             char c = pattern.charAt(at);
             end = end(pattern, at);
-            if (c == '(' && end > at + 1) { // the parentheses contain flags and no group
+            if (c == '(' && end > at + 1) {
+                // The parentheses contain flags and no group.
                 sum = add(sum, 1);
             } else if (c == '(') {
                 outside.push(sum);
@@ -115,7 +125,8 @@ final class Patterns {
                 last = add(last, 2);
                 sum = add(sum, 2);
             } else if (!pattern.startsWith("\\Q\\E", at)) {
-                // After an empty quotation, a repetition repeats the element before the quotation.
+                // The quotation is empty. A repetition after it repeats the element before the
+                // quotation.
                 last = 1;
                 sum = add(sum, pattern.startsWith("\\Q", at) ? end - at : 1);
             }
@@ -174,8 +185,12 @@ final class Patterns {
         int first = i;
         while (i < pattern.length() && (pattern.charAt(i) != ']' || i == first)) {
             int named = pattern.startsWith("[:", i) ? pattern.indexOf(":]", i + 2) : -1;
+            Matcher set = SET.matcher(pattern).region(i, pattern.length());
             if (named >= 0) {
                 i = named + 2;
+            } else if (set.lookingAt()) {
+                // A set of characters, such as \d, begins no range.
+                i = set.end();
             } else {
                 i = classCharacter(pattern, i);
                 boolean range =
@@ -188,13 +203,20 @@ final class Patterns {
         return Math.min(pattern.length(), i + 1);
     }
 
+    /** Returns the end of the character, which may be an escape, that begins at {@code at}. */
     private static int classCharacter(String pattern, int at) {
-        return pattern.charAt(at) == '\\' ? at + 2 : at + 1;
+        Matcher code = CODE.matcher(pattern).region(at, pattern.length());
+        if (code.lookingAt()) {
+            return code.end();
+        }
+        int escaped = pattern.charAt(at) == '\\' && at + 1 < pattern.length() ? at + 1 : at;
+        return escaped + Character.charCount(pattern.codePointAt(escaped));
     }
 
     /**
-     * Returns the index after flags such as {@code (?i)}. If a group begins here instead, such as
-     * {@code (?i:} or {@code (}, returns the index after its opening characters.
+     * Returns the index after flags such as {@code (?i)}. The text may begin a group instead, such
+     * as {@code (?i:} or {@code (}. The method then returns the index after the opening characters
+     * of the group.
      */
     private static int flags(String pattern, int at) {
         Matcher flags = FLAGS.matcher(pattern).region(at, pattern.length());

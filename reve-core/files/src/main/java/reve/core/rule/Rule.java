@@ -8,16 +8,30 @@ import reve.core.world.StandardSymbols;
 import java.util.Optional;
 
 /**
- * A rule of a world. It computes a semantic symbol of items by an expression. Immutable.
+ * A rule of a world. It computes a semantic symbol of items by an expression, or in Java.
+ * Immutable.
  *
  * @param symbol name of the symbol
  * @param kind kind of the items that get the symbol
- * @param itemClass class of these items, which is their symbol {@code class}; empty for all classes
+ * @param itemClass class of these items, or a class above theirs; empty for all classes
+ * @param source the computation of the symbol
  */
 public record Rule(
-        String symbol, String kind, Optional<String> itemClass, Expression expression, String doc) {
+        String symbol, String kind, Optional<String> itemClass, SymbolSource source, String doc) {
+
+    /** Creates a rule with an expression. */
+    public Rule(
+            String symbol,
+            String kind,
+            Optional<String> itemClass,
+            Expression expression,
+            String doc) {
+        this(symbol, kind, itemClass, new SymbolSource.Formula(expression), doc);
+    }
 
     /**
+     * Checks that a rule may set the symbol.
+     *
      * @throws IllegalArgumentException if the world itself sets the symbol, for example {@code
      *     name}
      */
@@ -30,7 +44,7 @@ public record Rule(
 
     /** Returns whether the rule reads properties that only items with a physics aspect have. */
     boolean needsPhysics() {
-        return expression.uses().stream().anyMatch(name -> name.startsWith("physics."));
+        return source.uses().stream().anyMatch(name -> name.startsWith("physics."));
     }
 
     /**

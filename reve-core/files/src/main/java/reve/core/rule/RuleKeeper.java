@@ -7,6 +7,7 @@ import reve.core.unit.Unit;
 import reve.core.world.Column;
 import reve.core.world.Item;
 import reve.core.world.Relations;
+import reve.core.world.Shape;
 import reve.core.world.SymbolDescriptor;
 import reve.core.world.Table;
 import reve.core.world.World;
@@ -23,16 +24,16 @@ import java.util.function.BooleanSupplier;
 
 /**
  * Updater of the symbol of one rule for all items of its kind. It stores the inputs of the last
- * evaluation for each row. While the inputs of a row do not change, the rule is not evaluated for
- * it again.
+ * evaluation for each row. The rule is evaluated for a row again only if these inputs have changed.
  */
 final class RuleKeeper {
     /** Result of {@link #update} if no item is left. */
     static final int COMPLETE = -1;
 
     /**
-     * Number of items that an update visits for one step, in addition to the evaluations. The first
-     * number is for rules that are evaluated only if their inputs have changed.
+     * Number of items that an update visits for one step, in addition to the steps of evaluations.
+     * This number is for rules that are evaluated only if their inputs have changed. The next
+     * number is for all other rules.
      */
     private static final int VISITS_PER_STEP = 8;
 
@@ -45,21 +46,26 @@ final class RuleKeeper {
     private final World world;
     private final Rule rule;
     private final Table table;
-    private final Bindings bindings;
+    private final Computation computation;
     private final Unit unit;
 
     /**
-     * Columns that the rule reads. If some input cannot be compared ({@link #listed} is false),
-     * every update evaluates the rule.
+     * Columns that the rule reads. The field {@link #listed} is false if some input of the rule
+     * cannot be compared. Every update then evaluates the rule.
      */
     private final List<Column> columns = new ArrayList<>();
 
     private final List<String> symbols = new ArrayList<>();
     private final boolean listed;
     private final int numbersPerRow;
+
+    /** Whether the shape of the item is an input. Its entry follows those of the symbols. */
+    private boolean readsShape;
+
+    private final int objectsPerRow;
     private long[] ids = {};
     private long[] numbers = {};
-    private @Nullable Object[] texts = {};
+    private @Nullable Object[] objects = {};
     private boolean told;
     private long steps;
 
@@ -70,19 +76,29 @@ final class RuleKeeper {
         this.world = world;
         this.rule = rule;
         this.table = world.table(rule.kind());
-        this.bindings = rule.expression().bindings();
+        this.computation = computation(world, rule.source());
         this.unit =
                 world.prototype()
                         .symbol(rule.symbol())
                         .map(SymbolDescriptor::unit)
                         .orElse(Unit.ONE);
         rule.itemClass().ifPresent(wanted -> symbols.add(CLASS));
-        boolean all = true;
-        for (String name : rule.expression().uses()) {
+        boolean all = rule.source() instanceof SymbolSource.Formula;
+        for (String name : rule.source().uses()) {
             all &= list(name);
         }
         listed = all;
         numbersPerRow = columns.stream().mapToInt(Column::components).sum();
+        objectsPerRow = symbols.size() + (readsShape ? 1 : 0);
+    }
+
+    private static Computation computation(World world, SymbolSource source) {
+        return switch (source) {
+            case SymbolSource.Formula formula ->
+                    new Computation.Formula(formula.expression(), formula.expression().bindings());
+            case SymbolSource.Provided provided ->
+                    new Computation.Provided(world.guard(), provided.provider());
+        };
     }
 
     /**
@@ -94,8 +110,17 @@ final class RuleKeeper {
         if (name.startsWith(PHYSICS)) {
             columns.add(table.column(name.substring(PHYSICS.length())));
         } else if (name.startsWith(PHYSICAL)) {
-            String property = name.substring(PHYSICAL.length());
-            columns.add(table.column(property.equals("location") ? "position" : property));
+            switch (name.substring(PHYSICAL.length())) {
+                case "location" -> columns.add(table.column("position"));
+                case KindNames.MOVABLE -> columns.add(table.column(WorldPrototype.MASS));
+                case KindNames.VOLUME -> readsShape = true;
+                case KindNames.SUBSTANCE -> {
+                    if (world.prototype().hasSubstances()) {
+                        columns.add(table.column(WorldPrototype.SUBSTANCE));
+                    }
+                }
+                case String property -> columns.add(table.column(property));
+            }
         } else if (name.equals("item.name")) {
             symbols.add("name");
         } else if (symbol != null && !Relations.NAMES.contains(symbol)) {
@@ -121,7 +146,10 @@ final class RuleKeeper {
         }
     }
 
-    /** Makes all items count as changed. For this purpose it stores the id 0, which no item has. */
+    /**
+     * Makes all items count as changed. The method stores the id 0 for each row, because no item
+     * has this id.
+     */
     void forget() {
         Arrays.fill(ids, 0);
     }
@@ -171,7 +199,7 @@ final class RuleKeeper {
                 + rule.symbol()
                 + (item == null ? "" : " of " + item.name())
                 + ": `"
-                + rule.expression()
+                + rule.source()
                 + "`";
     }
 
@@ -221,7 +249,7 @@ final class RuleKeeper {
             int room = Math.max(rows, 2 * ids.length);
             ids = Arrays.copyOf(ids, room);
             numbers = Arrays.copyOf(numbers, room * numbersPerRow);
-            texts = Arrays.copyOf(texts, room * symbols.size());
+            objects = Arrays.copyOf(objects, room * objectsPerRow);
         }
     }
 
@@ -241,32 +269,37 @@ final class RuleKeeper {
                 numbers[at] = bits;
             }
         }
-        at = row * symbols.size();
+        at = row * objectsPerRow;
         for (int i = 0; i < symbols.size(); i++, at++) {
             Object value = item.semantic().get(symbols.get(i)).orElse(null);
-            changed |= !Objects.equals(texts[at], value);
-            texts[at] = value;
+            changed |= !Objects.equals(objects[at], value);
+            objects[at] = value;
+        }
+        if (readsShape) {
+            Shape shape = item.physical().shape();
+            changed |= !shape.equals(objects[at]);
+            objects[at] = shape;
         }
         return changed;
     }
 
     private boolean applies(Item item) {
-        return rule.itemClass().isEmpty() || rule.itemClass().equals(item.semantic().get(CLASS));
+        return rule.itemClass().isEmpty() || item.semantic().isA(rule.itemClass().get());
     }
 
     private @Nullable Object evaluate(Item item, long frame) {
         current = item;
         long taken = 1;
-        long before = bindings.steps();
+        long before = computation.steps();
         try {
-            Object value = rule.expression().evaluate(bindings.of(item));
+            Object value = computation.compute(item);
             return value instanceof Double number ? number / unit.scale() : value;
         } catch (EvaluationException failed) {
             taken += Meter.STEPS_OF_FAILURE;
             tell(item, frame, failed);
             return null;
         } finally {
-            taken += bindings.steps() - before;
+            taken += computation.steps() - before;
             steps += taken;
             world.charges().charge(item.id(), taken);
         }
@@ -286,6 +319,18 @@ final class RuleKeeper {
             return;
         }
         told = true;
+        if (rule.source() instanceof SymbolSource.Provided provided) {
+            Throwable cause = failed.getCause() == null ? failed : failed.getCause();
+            world.providerFaults()
+                    .report(
+                            frame,
+                            "DERIVE",
+                            "rule " + rule.symbol(),
+                            provided.provider(),
+                            cause,
+                            item.name() + " has no " + rule.symbol() + " (reported once)");
+            return;
+        }
         raise(
                 frame,
                 failed.getClass().getSimpleName(),

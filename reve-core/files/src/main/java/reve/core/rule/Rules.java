@@ -16,16 +16,16 @@ import java.util.function.BooleanSupplier;
 /**
  * Updater of the symbols of all rules. Rules are evaluated in their order, so that a rule may read
  * the results of earlier rules in the same frame. A rule is evaluated only for items with changed
- * inputs. If a rule has no value for an item, the item does not have the symbol. This is reported
- * once per rule. For the world's thread only.
+ * inputs. An item for which a rule has no value does not have the symbol. This is reported once per
+ * rule. For the world's thread only.
  *
  * <p>The number of evaluation steps of all rules in a frame is limited, so that rules never delay a
- * frame for long. If the rules need more steps, the remaining items keep their symbols and are
- * evaluated in the next frames. The limit of the first update is higher, so that a large world
- * begins with all symbols. The same is true for the first update after {@link #forget}.
+ * frame for long. The remaining items keep their symbols and are evaluated in the next frames if
+ * the rules need more steps. The limit of the first update is higher, so that a large world begins
+ * with all symbols. The same is true for the first update after {@link #forget}.
  *
- * <p>Steps are counted, never time. Every machine therefore evaluates the same items in the same
- * frames.
+ * <p>The limit counts steps instead of time. Every machine therefore evaluates the same items in
+ * the same frames.
  */
 public final class Rules {
     /** Default maximum number of steps of all rules in one frame. */
@@ -136,8 +136,8 @@ public final class Rules {
     }
 
     /**
-     * Reports that symbols may be outdated from now on, and names the costliest rule. The report is
-     * made only once.
+     * Reports that symbols may be outdated, because the rules need more steps than a frame has. The
+     * report names the costliest rule. The report is made only once.
      */
     private void report(long frame, List<RuleKeeper> evaluated, long most, long steps) {
         if (reported) {

@@ -14,7 +14,7 @@ import java.util.Objects;
 /**
  * The names that expressions may use, with their types, and the compiler of these expressions. The
  * names are {@code physics}, {@code physical}, {@code semantic} and {@code item} of an item of one
- * kind. In actions, they also include {@code actor} and the parameters of the action. The scope
+ * kind. The names in actions also include {@code actor} and the parameters of the action. The scope
  * compiles each distinct text once. For one thread.
  */
 public final class Scope {
@@ -56,6 +56,16 @@ public final class Scope {
     }
 
     /**
+     * Returns the scope for conditions of levels, with the names of the item and of its motion as a
+     * whole, see {@link LevelRule}.
+     */
+    public static Scope ofLevels(WorldPrototype prototype) {
+        var byName = new LinkedHashMap<String, Parameter>();
+        LevelRule.names().forEach(name -> byName.put(name.name(), name));
+        return new Scope(prototype, WorldPrototype.BODY, byName, false);
+    }
+
+    /**
      * Compiles an expression.
      *
      * @throws ExpressionException if the text is too long or not an expression, uses unknown names,
@@ -74,7 +84,7 @@ public final class Scope {
     }
 
     /**
-     * Returns whether the text was compiled before. In this case, {@link #compile} returns the
+     * Returns whether the text was compiled before. The method {@link #compile} then returns the
      * stored result.
      */
     public boolean knows(String text) {
@@ -91,8 +101,8 @@ public final class Scope {
     }
 
     /**
-     * Returns the names in the aspects of other items. These are bodies: the actor, and items given
-     * as arguments.
+     * Returns the names in the aspects of other items. These items are the actor and the items that
+     * are given as arguments, and all of them are bodies.
      */
     KindNames other() {
         return other;

@@ -23,12 +23,13 @@ final class DriveActions {
     private DriveActions() {}
 
     /**
-     * Returns the actions of a joint by their names. A joint has at most one action of each kind,
-     * and a note reports further ones.
+     * Returns the actions of a joint by their names. A joint has at most one action of each kind. A
+     * note reports each further action, which is omitted.
      */
     static Map<String, Object> of(Joint joint, boolean slides, List<String> notes) {
         Map<String, Object> actions = new LinkedHashMap<>();
-        Optional<Drive> servo = servo(joint);
+        boolean hasServo = hasServo(joint);
+        boolean setsDamping = setsDamping(joint);
         for (Drive drive : joint.drives()) {
             String name =
                     switch (drive.kind()) {
@@ -47,34 +48,65 @@ final class DriveActions {
                                 + " of another actuator");
                 continue;
             }
-            actions.put(name, action(drive, slides, servo));
+            actions.put(name, action(drive, slides, hasServo, setsDamping));
         }
         return actions;
     }
 
-    /**
-     * Returns the servo of a joint, which is its first drive of the kind {@link DriveKind#PLACE}.
-     */
-    static Optional<Drive> servo(Joint joint) {
-        return joint.drives().stream().filter(drive -> drive.kind() == DriveKind.PLACE).findFirst();
+    private static boolean hasServo(Joint joint) {
+        return joint.drives().stream().anyMatch(drive -> drive.kind() == DriveKind.PLACE);
+    }
+
+    /** Returns whether the actions of a joint set the damping of its motor. */
+    private static boolean setsDamping(Joint joint) {
+        return hasServo(joint)
+                ? joint.drives().stream().anyMatch(drive -> drive.damping() > 0)
+                : joint.drives().stream().map(Drive::damping).distinct().count() > 1;
     }
 
     /**
-     * Writes the servo of a joint. The servo holds the joint at the place 0 until the first act.
+     * Returns the drive of a joint that acts from the start: the first servo, or else the first
+     * drive with damping.
      */
-    static void putServo(Drive servo, boolean slides, Map<String, Object> physics) {
+    private static Optional<Drive> first(Joint joint) {
+        return joint.drives().stream()
+                .filter(drive -> drive.kind() == DriveKind.PLACE)
+                .findFirst()
+                .or(() -> joint.drives().stream().filter(drive -> drive.damping() > 0).findFirst());
+    }
+
+    /**
+     * Writes the drive that acts from the start, if there is one. Until the first act, a servo
+     * holds the joint at the place 0, and any other drive brakes it. Also writes each property that
+     * an action sets, because a world has only the properties that its items state.
+     *
+     * @return whether there is such a drive
+     */
+    static boolean putFirst(Joint joint, boolean slides, Map<String, Object> physics) {
+        Optional<Drive> first = first(joint);
+        first.ifPresent(drive -> put(drive, setsDamping(joint), slides, physics));
+        return first.isPresent();
+    }
+
+    private static void put(
+            Drive drive, boolean statesDamping, boolean slides, Map<String, Object> physics) {
         String motor = slides ? "drive" : "motor";
         physics.put(
                 slides ? "driveForce" : "motorTorque",
-                Numeral.of(servo.most() > 0 ? servo.most() : ENDLESS));
-        physics.put(motor + "Stiffness", Numeral.of(servo.stiffness()));
-        if (servo.damping() > 0) {
-            physics.put(motor + "Damping", Numeral.of(servo.damping()));
+                Numeral.of(drive.most() > 0 ? drive.most() : ENDLESS));
+        if (drive.kind() == DriveKind.PLACE) {
+            physics.put(motor + "Stiffness", Numeral.of(drive.stiffness()));
         }
-        physics.put(slides ? "driveTravel" : "motorAngle", Numeral.of(0));
+        if (drive.damping() > 0 || statesDamping) {
+            physics.put(motor + "Damping", Numeral.of(drive.damping()));
+        }
+        if (drive.kind() == DriveKind.PLACE) {
+            physics.put(slides ? "driveTravel" : "motorAngle", Numeral.of(0));
+        }
     }
 
-    private static Map<String, Object> action(Drive drive, boolean slides, Optional<Drive> servo) {
+    private static Map<String, Object> action(
+            Drive drive, boolean slides, boolean hasServo, boolean setsDamping) {
         String load = slides ? "force" : "torque";
         String speedProperty = slides ? "driveSpeed" : "motorSpeed";
         String loadProperty = slides ? "driveForce" : "motorTorque";
@@ -88,7 +120,9 @@ final class DriveActions {
                 doc =
                         "Moves the joint at a speed, with at most a "
                                 + load
-                                + "; the speed 0 holds it.";
+                                + (drive.damping() > 0
+                                        ? "; the speed 0 brakes it."
+                                        : "; the speed 0 holds it.");
                 parameters.put("speed", parameter(slides ? "m/s" : "rad/s", drive.range()));
                 speed = "$speed";
             }
@@ -120,13 +154,14 @@ final class DriveActions {
         action.put("parameters", parameters);
         effects.add(set(speedProperty, speed));
         effects.add(set(loadProperty, most));
-        if (servo.isPresent()) {
-            // An act of another kind switches the servo off, by a stiffness of 0.
-            String motor = slides ? "drive" : "motor";
+        String motor = slides ? "drive" : "motor";
+        if (hasServo) {
+            // An act that sets another quantity switches the servo off. For this purpose it sets
+            // the stiffness to 0.
             effects.add(set(motor + "Stiffness", Numeral.of(drive.stiffness())));
-            if (servo.get().damping() > 0) {
-                effects.add(set(motor + "Damping", Numeral.of(drive.damping())));
-            }
+        }
+        if (setsDamping) {
+            effects.add(set(motor + "Damping", Numeral.of(drive.damping())));
         }
         action.put("effects", effects);
         return action;

@@ -3,6 +3,7 @@ package reve.core.urdf;
 
 import reve.core.mesh.AssetException;
 import reve.core.mesh.Assets;
+import reve.core.mesh.HeightGrid;
 import reve.core.mesh.MassProperties;
 import reve.core.mesh.WorldFolder;
 import reve.core.world.Mesh;
@@ -15,6 +16,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.HashMap;
 import java.util.List;
 import java.util.Locale;
 import java.util.Map;
@@ -35,6 +37,7 @@ final class MeshFiles {
     private final Map<String, Path> packages;
     private final Map<String, Converted> converted = new TreeMap<>();
     private final Map<String, String> texts = new TreeMap<>();
+    private final Map<RobotModel.Form.Terrain, String> heights = new HashMap<>();
 
     /**
      * A mesh that was converted.
@@ -54,7 +57,7 @@ final class MeshFiles {
         this.packages = packages;
     }
 
-    /** Returns the texts of the OBJ files by their names. */
+    /** Returns the texts of the OBJ files and of the files of heights by their names. */
     Map<String, String> texts() {
         return texts;
     }
@@ -81,6 +84,45 @@ final class MeshFiles {
         Converted result = write(mesh, read);
         converted.put(key, result);
         return result;
+    }
+
+    /** Adds a text with the heights of a terrain, and returns the name of its file. */
+    String heights(RobotModel.Form.Terrain terrain) {
+        String known = heights.get(terrain);
+        if (known != null) {
+            return known;
+        }
+        var text = new StringBuilder();
+        for (float[] row : terrain.rows()) {
+            for (int i = 0; i < row.length; i++) {
+                text.append(i == 0 ? "" : " ").append(row[i]);
+            }
+            text.append('\n');
+        }
+        String file = fileName(terrain.name(), ".txt");
+        texts.put(file, text.toString());
+        heights.put(terrain, file);
+        return file;
+    }
+
+    /**
+     * Returns the heights in a grey PNG image as numbers from 0 to 1.
+     *
+     * @param place position of the reference to the image, for messages
+     * @throws RobotFileException with the reason if the image cannot be read
+     */
+    HeightGrid image(String place, String name) throws RobotFileException {
+        try {
+            if (!Assets.isImageOfHeights(name)) {
+                throw new IllegalArgumentException(
+                        "this format is not read; convert the file to a grey PNG image");
+            }
+            Place found = find(name);
+            return new Assets(new WorldFolder(found.root)).heights(found.path);
+        } catch (IllegalArgumentException | AssetException unreadable) {
+            throw new RobotFileException(
+                    place + ": height field " + name + ": " + unreadable.getMessage());
+        }
     }
 
     /**
@@ -126,25 +168,30 @@ final class MeshFiles {
     private Mesh read(String name) throws IOException, AssetException {
         String lower = name.toLowerCase(Locale.ROOT);
         boolean stl = lower.endsWith(".stl");
-        if (!stl && !lower.matches(".*\\.(obj|glb|gltf)")) {
+        if (!stl && !lower.matches(".*\\.(obj|glb|gltf|dae)")) {
             throw new IllegalArgumentException(
-                    "this format is not read; convert the file to STL, OBJ or glTF");
+                    "this format is not read; convert the file to STL, OBJ, glTF or COLLADA");
         }
+        Place place = find(name);
+        WorldFolder root = new WorldFolder(place.root);
+        if (!stl) {
+            return new Assets(root).meshInAxesOfFile(place.path);
+        }
+        Path file = root.find(place.path);
+        if (Files.size(file) > MAX_BYTES) {
+            throw new IllegalArgumentException("the file is larger than 64 MiB");
+        }
+        return StlReader.read(Files.readAllBytes(file));
+    }
+
+    /** Returns the place of an existing file. */
+    private Place find(String name) {
         List<String> searched = new ArrayList<>();
         for (Place place : places(name)) {
-            if (!Files.isRegularFile(place.root.resolve(place.path))) {
-                searched.add(place.root.resolve(place.path).toString());
-                continue;
+            if (Files.isRegularFile(place.root.resolve(place.path))) {
+                return place;
             }
-            WorldFolder root = new WorldFolder(place.root);
-            if (!stl) {
-                return new Assets(root).mesh(place.path);
-            }
-            Path file = root.find(place.path);
-            if (Files.size(file) > MAX_BYTES) {
-                throw new IllegalArgumentException("the file is larger than 64 MiB");
-            }
-            return StlReader.read(Files.readAllBytes(file));
+            searched.add(place.root.resolve(place.path).toString());
         }
         throw new IllegalArgumentException(
                 searched.isEmpty()
@@ -187,7 +234,8 @@ final class MeshFiles {
             return places;
         }
         addPlace(places, folder, name);
-        // Usually robot/urdf/robot.urdf names ../meshes/part.stl.
+        // The search continues in the parent folder. A typical robot/urdf/robot.urdf names
+        // ../meshes/part.stl.
         if (places.isEmpty() && folder.getParent() != null) {
             Path up = folder.getParent();
             Path file = folder.resolve(name).normalize();
@@ -231,20 +279,20 @@ final class MeshFiles {
             obj.append("f ").append(triangles.get(i) + 1).append(' ').append(second);
             obj.append(' ').append(third).append('\n');
         }
-        Converted result = new Converted(fileName(mesh.name()), centre, size);
+        Converted result = new Converted(fileName(mesh.name(), ".obj"), centre, size);
         texts.put(result.file(), obj.toString());
         return result;
     }
 
-    private String fileName(String name) {
+    private String fileName(String name, String ending) {
         String base =
                 name.substring(name.lastIndexOf('/') + 1)
                         .replaceFirst("\\.[^.]*$", "")
                         .replaceAll("[^A-Za-z0-9_-]", "_");
         String first = "meshes/" + (base.isEmpty() ? "mesh" : base);
-        String file = first + ".obj";
+        String file = first + ending;
         for (int i = 2; texts.containsKey(file); i++) {
-            file = first + "-" + i + ".obj";
+            file = first + "-" + i + ending;
         }
         return file;
     }

@@ -144,7 +144,7 @@ final class MjcfActuators {
 
     /**
      * Returns whether the control of an actuator is the length or the speed at which the force is
-     * 0. Also returns true if the force depends on nothing but the control.
+     * 0. Also returns true if the force depends only on the control.
      */
     private static boolean isServo(Force force) {
         return force.stiffness == force.gain
@@ -173,8 +173,13 @@ final class MjcfActuators {
         double most = Math.max(Math.abs(loads[0]), Math.abs(loads[1]));
         double[] range = control.map(each -> scaled(each, 1 / gear)).orElse(endless());
         if (force.stiffness == 0) {
-            ignored.add("gain of <velocity>: the motor reaches the speed with the largest force");
-            return new Drive(DriveKind.SPEED, range, Double.isFinite(most) ? most : 0, 0, 0, name);
+            return new Drive(
+                    DriveKind.SPEED,
+                    range,
+                    Double.isFinite(most) ? most : 0,
+                    0,
+                    gear * gear * force.damping,
+                    name);
         }
         double inherit = element.number("inheritrange", 0);
         if (inherit > 0 && joint.limits().isPresent()) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.urdf;
 
+import reve.core.mesh.HeightGrid;
 import reve.core.mesh.MassProperties;
 import reve.core.urdf.RobotModel.Form;
 import reve.core.urdf.RobotModel.Geometry;
@@ -22,6 +23,16 @@ final class MjcfGeoms {
     private static final double DENSITY = 1000; // [kg/m^3]
     private static final double ENDLESS = 200; // edge of a plane without limits [m]
     private static final int FIRST_HIDDEN_GROUP = 3;
+
+    /** The default friction: coefficient of sliding [1], lever arms of spin and of rolling [m]. */
+    private static final double[] FRICTION = {1, 0.005, 0.0001};
+
+    // Dimensions of contacts (condim): the normal force, then two for sliding, one for spin, two
+    // for rolling.
+    private static final int FRICTIONLESS = 1;
+    private static final int SLIDING = 3;
+    private static final int SPINNING = 4;
+    private static final int ROLLING = 6;
     private static final Set<String> READ =
             Set.of(
                     "name",
@@ -31,11 +42,13 @@ final class MjcfGeoms {
                     "conaffinity",
                     "group",
                     "friction",
+                    "condim",
                     "mass",
                     "density",
                     "rgba",
                     "material",
                     "mesh",
+                    "hfield",
                     "size",
                     "fromto",
                     "pos",
@@ -50,6 +63,7 @@ final class MjcfGeoms {
     private final Ignored ignored;
     private final Map<String, Form.MeshFile> meshes = new HashMap<>();
     private final Map<String, String> materials = new HashMap<>();
+    private final Map<String, Optional<Form>> heightFields = new HashMap<>();
 
     /**
      * A shape.
@@ -78,6 +92,7 @@ final class MjcfGeoms {
     void asset(XmlElement asset) throws RobotFileException {
         switch (asset.name()) {
             case "mesh" -> mesh(asset);
+            case "hfield" -> heightField(asset);
             case "material" -> {
                 if (asset.find("texture").isPresent() || !asset.children().isEmpty()) {
                     ignored.add("textures of materials");
@@ -99,6 +114,92 @@ final class MjcfGeoms {
         meshes.put(
                 mesh.find("name").orElse(base),
                 new Form.MeshFile(compiler.meshPath(file), mesh.numbers("scale", 1, 1, 1)));
+    }
+
+    /**
+     * Reads a height field. Its heights are relative: the lowest one becomes 0, and the highest one
+     * the third number of the size.
+     */
+    private void heightField(XmlElement field) throws RobotFileException {
+        ignored.attributes(
+                field,
+                Set.of(
+                        "name",
+                        "class",
+                        "file",
+                        "content_type",
+                        "nrow",
+                        "ncol",
+                        "elevation",
+                        "size"));
+        double[] size = field.list("size", 4, 4);
+        field.requireLengths(size);
+        String file = field.find("file").orElse("");
+        String base = file.substring(file.lastIndexOf('/') + 1).replaceFirst("\\.[^.]*$", "");
+        String name = field.find("name").orElse(base);
+        float[][] rows;
+        if (file.isEmpty()) {
+            rows = elevation(field);
+        } else {
+            HeightGrid grid;
+            try {
+                grid = files.image(field.place(), compiler.meshPath(file));
+            } catch (RobotFileException unreadable) {
+                ignored.add("a height field: " + unreadable.getMessage());
+                heightFields.put(name, Optional.empty());
+                return;
+            }
+            rows = new float[grid.rows()][];
+            for (int i = 0; i < rows.length; i++) {
+                rows[i] =
+                        Arrays.copyOfRange(
+                                grid.values(), i * grid.columns(), (i + 1) * grid.columns());
+            }
+        }
+        scale(rows, size[2]);
+        heightFields.put(name, Optional.of(new Form.Terrain(name, 2 * size[0], 2 * size[1], rows)));
+    }
+
+    /** Returns the heights that the file itself contains. They are 0 if it states none. */
+    private static float[][] elevation(XmlElement field) throws RobotFileException {
+        double rows = field.number("nrow");
+        double columns = field.number("ncol");
+        if (!(rows >= 2 && columns >= 2 && rows * columns <= HeightGrid.MAX_HEIGHTS)) {
+            throw field.problem(
+                    "the height field has "
+                            + rows
+                            + " x "
+                            + columns
+                            + " heights, expected at least 2 x 2 and at most "
+                            + HeightGrid.MAX_HEIGHTS
+                            + " in all");
+        }
+        float[][] heights = new float[(int) rows][(int) columns];
+        if (field.find("elevation").isPresent()) {
+            int count = heights.length * heights[0].length;
+            double[] all = field.list("elevation", count, count);
+            for (int i = 0; i < count; i++) {
+                heights[i / heights[0].length][i % heights[0].length] = (float) all[i];
+            }
+        }
+        return heights;
+    }
+
+    /** Moves and scales heights to the range from 0 to {@code highest}. */
+    private static void scale(float[][] rows, double highest) {
+        float low = Float.POSITIVE_INFINITY;
+        float high = Float.NEGATIVE_INFINITY;
+        for (float[] row : rows) {
+            for (float height : row) {
+                low = Math.min(low, height);
+                high = Math.max(high, height);
+            }
+        }
+        for (float[] row : rows) {
+            for (int i = 0; i < row.length; i++) {
+                row[i] = high > low ? (float) (highest * (row[i] - low) / (high - low)) : 0;
+            }
+        }
     }
 
     /**
@@ -133,31 +234,44 @@ final class MjcfGeoms {
         int group = (int) geom.number("group", 0);
         boolean counts = group >= compiler.inertiaGroups[0] && group <= compiler.inertiaGroups[1];
         Optional<Inertial> solid =
-                counts && !type.equals("plane")
-                        ? solid(geom, type, form, half, pose)
-                        : Optional.empty();
+                counts && form.isPresent() ? solid(geom, form.get(), pose) : Optional.empty();
         Pose placed = pose;
         return new Geom(
                 geom.find("name").orElse(type),
                 form.map(each -> new Geometry(geom.place(), placed, each, Optional.of(colour))),
                 solid,
-                new Surface(
-                        (int) geom.number("contype", 1),
-                        (int) geom.number("conaffinity", 1),
-                        geom.find("friction").isPresent() ? friction(geom) : 1),
+                surface(geom),
                 group >= FIRST_HIDDEN_GROUP);
     }
 
-    private double friction(XmlElement geom) throws RobotFileException {
-        double[] friction = geom.list("friction", 1, 3);
-        if (friction.length > 1 && friction[1] != 0.005
-                || friction.length > 2 && friction[2] != 0.0001) {
-            ignored.add("friction of geoms against spinning and rolling");
+    /**
+     * Reads how a geom collides. The number of dimensions {@code condim} of its contacts determines
+     * which of the three values of {@code friction} have an effect.
+     */
+    private Surface surface(XmlElement geom) throws RobotFileException {
+        double[] friction = FRICTION.clone();
+        if (geom.find("friction").isPresent()) {
+            double[] given = geom.list("friction", 1, 3);
+            System.arraycopy(given, 0, friction, 0, given.length);
         }
-        if (friction[0] < 0) {
-            throw geom.problem("the friction is " + friction[0] + ", expected 0 or more");
+        for (double each : friction) {
+            if (each < 0) {
+                throw geom.problem("the friction is " + each + ", expected 0 or more");
+            }
         }
-        return friction[0];
+        double dimensions = geom.number("condim", SLIDING);
+        if (dimensions != FRICTIONLESS
+                && dimensions != SLIDING
+                && dimensions != SPINNING
+                && dimensions != ROLLING) {
+            throw geom.problem("condim is " + dimensions + ", expected 1, 3, 4 or 6");
+        }
+        return new Surface(
+                (int) geom.number("contype", 1),
+                (int) geom.number("conaffinity", 1),
+                dimensions == FRICTIONLESS ? 0 : friction[0],
+                dimensions >= SPINNING ? friction[1] : 0,
+                dimensions >= ROLLING ? friction[2] : 0);
     }
 
     private Optional<Form> form(XmlElement geom, String type, double half, boolean isStatic)
@@ -179,8 +293,9 @@ final class MjcfGeoms {
                 return Optional.of(
                         new Form.Cylinder(cylinder[0], 2 * (half > 0 ? half : cylinder[1])));
             case "box":
-                double[] box = extents(geom, half);
-                return Optional.of(new Form.Box(new double[] {2 * box[0], 2 * box[1], 2 * box[2]}));
+                return Optional.of(new Form.Box(extents(geom, half)));
+            case "ellipsoid":
+                return Optional.of(new Form.Ellipsoid(extents(geom, half)));
             case "plane":
                 if (!isStatic) {
                     throw geom.problem("a plane is on a body that moves; expected a fixed one");
@@ -195,11 +310,18 @@ final class MjcfGeoms {
                     throw geom.problem("there is no mesh " + geom.text("mesh"));
                 }
                 return Optional.of(mesh);
-            case "ellipsoid":
-                ignored.add("shapes of geoms of type ellipsoid, whose masses count");
-                return Optional.empty();
-            case "hfield", "sdf":
-                ignored.add("geoms of type " + type);
+            case "hfield":
+                if (!isStatic) {
+                    throw geom.problem(
+                            "a height field is on a body that moves; expected a fixed one");
+                }
+                Optional<Form> terrain = heightFields.get(geom.text("hfield"));
+                if (terrain == null) {
+                    throw geom.problem("there is no height field " + geom.text("hfield"));
+                }
+                return terrain;
+            case "sdf":
+                ignored.add("geoms of type sdf");
                 return Optional.empty();
             default:
                 throw geom.problem(
@@ -210,13 +332,14 @@ final class MjcfGeoms {
         }
     }
 
-    /** Returns the half extents of a box or an ellipsoid. */
+    /** Returns the extents of a box or an ellipsoid, for which the file states the halves. */
     private static double[] extents(XmlElement geom, double half) throws RobotFileException {
         if (half > 0) {
-            double radius = size(geom, 1)[0];
-            return new double[] {radius, radius, half};
+            double across = 2 * size(geom, 1)[0];
+            return new double[] {across, across, 2 * half};
         }
-        return size(geom, 3);
+        double[] halves = size(geom, 3);
+        return new double[] {2 * halves[0], 2 * halves[1], 2 * halves[2]};
     }
 
     private static double[] size(XmlElement geom, int count) throws RobotFileException {
@@ -225,23 +348,13 @@ final class MjcfGeoms {
         return size;
     }
 
-    private Optional<Inertial> solid(
-            XmlElement geom, String type, Optional<Form> form, double half, Pose pose)
+    private Optional<Inertial> solid(XmlElement geom, Form form, Pose pose)
             throws RobotFileException {
-        boolean isEllipsoid = type.equals("ellipsoid") && geom.find("mesh").isEmpty();
-        if (form.isEmpty() && !isEllipsoid) {
+        Optional<MassProperties> found = properties(geom, form);
+        if (found.isEmpty()) {
             return Optional.empty();
         }
-        MassProperties unit;
-        if (isEllipsoid) {
-            unit = ellipsoid(extents(geom, half));
-        } else {
-            Optional<MassProperties> found = properties(geom, form.get());
-            if (found.isEmpty()) {
-                return Optional.empty();
-            }
-            unit = found.get();
-        }
+        MassProperties unit = found.get();
         double density = geom.number("density", DENSITY);
         if (geom.find("mass").isPresent()) {
             density = geom.number("mass") / unit.volume();
@@ -272,6 +385,12 @@ final class MjcfGeoms {
                     Optional.of(
                             MassProperties.of(
                                     Shape.box(box.size()[0], box.size()[1], box.size()[2]), 1));
+            case Form.Ellipsoid round ->
+                    Optional.of(
+                            MassProperties.of(
+                                    Shape.ellipsoid(
+                                            round.size()[0], round.size()[1], round.size()[2]),
+                                    1));
             case Form.Sphere sphere ->
                     Optional.of(MassProperties.of(Shape.sphere(sphere.radius()), 1));
             case Form.Cylinder round ->
@@ -285,6 +404,7 @@ final class MjcfGeoms {
                                     MassProperties.of(
                                             Shape.capsule(round.radius(), round.length()), 1)));
             case Form.Plane _ -> Optional.empty();
+            case Form.Terrain _ -> Optional.empty();
             case Form.MeshFile mesh -> {
                 try {
                     yield Optional.of(files.solid(geom.place(), mesh));
@@ -304,17 +424,6 @@ final class MjcfGeoms {
         double[] m = y.moments();
         return new MassProperties(
                 y.volume(), y.mass(), y.centre(), new double[] {m[0], m[2], m[1]}, y.products());
-    }
-
-    private static MassProperties ellipsoid(double[] half) {
-        double volume = 4 * Math.PI / 3 * half[0] * half[1] * half[2];
-        double[] moments = new double[3];
-        for (int axis = 0; axis < 3; axis++) {
-            double one = half[(axis + 1) % 3];
-            double other = half[(axis + 2) % 3];
-            moments[axis] = volume / 5 * (one * one + other * other);
-        }
-        return new MassProperties(volume, volume, new double[3], moments, new double[3]);
     }
 
     /** Adds up the masses and the inertia of the geoms of a link; empty if no geom has a mass. */

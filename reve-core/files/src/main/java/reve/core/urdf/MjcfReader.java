@@ -2,6 +2,7 @@
 package reve.core.urdf;
 
 import reve.core.urdf.MjcfGeoms.Geom;
+import reve.core.urdf.RobotModel.Coupling;
 import reve.core.urdf.RobotModel.Drive;
 import reve.core.urdf.RobotModel.Geometry;
 import reve.core.urdf.RobotModel.Inertial;
@@ -37,13 +38,15 @@ final class MjcfReader {
     private static final String WORLD = "world";
 
     /**
-     * Fraction of the mass and inertia of a body with several joints that each intermediate body
-     * has. The joints form a chain with such a body between two successive joints.
+     * Fraction of a body's mass and inertia that an intermediate body gets. The joints of a body
+     * with several joints form a chain, with an intermediate body between two successive joints.
      */
     private static final double SHARE = 0.02;
 
     private static final Set<String> SECTIONS =
-            Set.of("compiler", "option", "default", "asset", "worldbody", "actuator");
+            Set.of("compiler", "option", "default", "asset", "worldbody", "actuator", "equality");
+    private static final Set<String> COUPLING =
+            Set.of("name", "joint1", "joint2", "polycoef", "active");
     private static final Set<String> JOINT =
             Set.of(
                     "name",
@@ -89,6 +92,8 @@ final class MjcfReader {
     }
 
     /**
+     * Reads a robot.
+     *
      * @param root root element of the file, which also contains the elements of included files
      * @param base {@code FIXED} fixes the bodies that have a free joint
      * @param notes receives one line for each difference between the world and the file
@@ -143,8 +148,48 @@ final class MjcfReader {
                 links,
                 List.copyOf(joints.values()),
                 WORLD,
+                couplings(),
                 Optional.of(scene),
                 ignored.lines());
+    }
+
+    /** Returns the linear couplings of two hinges or slides. */
+    private List<Coupling> couplings() throws RobotFileException {
+        List<Coupling> couplings = new ArrayList<>();
+        for (XmlElement section : root.all("equality")) {
+            for (XmlElement element : section.children()) {
+                if (element.name().equals("joint")) {
+                    coupling(element).ifPresent(couplings::add);
+                } else {
+                    ignored.add("<equality> <" + element.name() + ">");
+                }
+            }
+        }
+        return couplings;
+    }
+
+    private Optional<Coupling> coupling(XmlElement element) throws RobotFileException {
+        double[] terms = element.numbers("polycoef", 0, 1, 0, 0, 0);
+        boolean isLinear = terms[2] == 0 && terms[3] == 0 && terms[4] == 0;
+        if (element.find("joint2").isEmpty()
+                || !isLinear
+                || element.find("active").equals(Optional.of("false"))) {
+            ignored.add(
+                    "<equality> <joint>"
+                            + (isLinear ? " of one joint or not active" : " that is not linear"));
+            return Optional.empty();
+        }
+        ignored.attributes(element, COUPLING);
+        for (String key : List.of("joint1", "joint2")) {
+            if (!joints.containsKey(element.text(key))) {
+                throw element.problem("there is no joint " + element.text(key));
+            }
+        }
+        if (element.text("joint1").equals(element.text("joint2"))) {
+            throw element.problem("the joint " + element.text("joint1") + " is coupled to itself");
+        }
+        return Optional.of(
+                new Coupling(element.text("joint1"), element.text("joint2"), terms[1], terms[0]));
     }
 
     private Scene scene() throws RobotFileException {
@@ -226,7 +271,7 @@ final class MjcfReader {
     }
 
     /**
-     * Turns the geoms of the world body that collide into scenery, and the other ones into shapes
+     * Turns the geoms of the world body that collide into scenery, and the other geoms into shapes
      * of its link.
      */
     private void putWorld(Group world) {
@@ -339,8 +384,15 @@ final class MjcfReader {
             }
             int type = surface.map(Surface::type).orElse(0) | geom.surface().type();
             int affinity = surface.map(Surface::affinity).orElse(0) | geom.surface().affinity();
-            double friction = surface.orElse(geom.surface()).friction();
-            surface = Optional.of(new Surface(type, affinity, friction));
+            Surface first = surface.orElse(geom.surface());
+            surface =
+                    Optional.of(
+                            new Surface(
+                                    type,
+                                    affinity,
+                                    first.friction(),
+                                    first.spinning(),
+                                    first.rolling()));
         }
         return new Link(name, element.place(), inertial, looks, collisions, surface);
     }

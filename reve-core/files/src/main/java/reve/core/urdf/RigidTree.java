@@ -40,6 +40,8 @@ final class RigidTree {
     }
 
     /**
+     * The mass properties of a body.
+     *
      * @param pose centre of mass and principal axes, in the axes of the world
      * @param moments principal moments about these axes (3) [kg*m^2]
      */
@@ -166,7 +168,8 @@ final class RigidTree {
                     inertia.plus(new SymmetricMatrix(inertial.inertia()).turned(pose))
                             .plus(SymmetricMatrix.ofPoint(inertial.mass(), from));
         }
-        // The axes of a body are as close as possible to those of its top link.
+        // The principal axes are computed relative to the top link, so that the axes of a body are
+        // as close as possible to the axes of this link.
         Pose top = pose(body.top().name());
         Pose toTop =
                 Pose.ORIGIN.relativeTo(new Pose(0, 0, 0, top.qx(), top.qy(), top.qz(), top.qw()));
@@ -179,8 +182,8 @@ final class RigidTree {
     }
 
     /**
-     * Returns moments that a real body can have. If the given moments are impossible, replaces them
-     * by their mean and adds a note.
+     * Returns moments that a real body can have. Replaces impossible moments by their mean and adds
+     * a note.
      */
     private double[] possible(Body body, double[] moments) {
         double sum = moments[0] + moments[1] + moments[2];
@@ -190,8 +193,8 @@ final class RigidTree {
             return moments;
         }
         if (sum > 0 && least > 0 && 2 * largest <= sum * (1 + 1e-6)) {
-            // The body is flat, and the file contains rounded moments. Reduce the largest moment so
-            // that it is possible.
+            // The body is flat, and the file contains rounded moments. The largest moment is
+            // reduced, so that a real body can have it.
             double[] flat = moments.clone();
             for (int axis = 0; axis < 3; axis++) {
                 flat[axis] = Math.min(flat[axis], (sum - largest) * (1 - 1e-9));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.urdf;
 
+import reve.core.disk.NewFolder;
 import reve.core.file.WorldFile;
 
 import java.io.IOException;
@@ -41,13 +42,13 @@ public record RobotImport(
 
     private static final int MOST_STEPS = 1000;
 
-    /** Whether the root link of the robot moves. */
+    /** The modes that determine whether the root link of the robot moves. */
     public enum Base {
-        /** The root moves if it has a mass and is not named {@code world}. */
+        /** Mode in which the root moves if it has a mass and is not named {@code world}. */
         AUTOMATIC,
-        /** The root does not move. */
+        /** Mode in which the root does not move. */
         FIXED,
-        /** The root moves if it has a mass. */
+        /** Mode in which the root moves if it has a mass. */
         FREE
     }
 
@@ -103,7 +104,6 @@ public record RobotImport(
         RobotWorld robot = new RobotWorld(model, meshes, options, notes);
         SortedMap<String, String> files = new TreeMap<>();
         files.put(ROBOT, robot.write());
-        files.putAll(meshes.texts());
         String name =
                 model.name().replaceAll("[^A-Za-z0-9 ._-]", "_").replaceFirst("^[^A-Za-z0-9]+", "");
         if (name.isEmpty()) {
@@ -119,6 +119,7 @@ public record RobotImport(
                                 file,
                                 robot.isFixed() ? Math.min(ground, 0) : ground,
                                 robot.rules()));
+        files.putAll(meshes.texts()); // also those of the scenery in the world file
         return new RobotImport(name, files, robot.bodyCount(), robot.jointCount(), notes);
     }
 
@@ -159,7 +160,7 @@ public record RobotImport(
         include: [%s]                   # the items of the robot, for other worlds, too
 
         frame: {rate: %d, steps: %d}    # 1/%d s per physics step
-        laws: [gravity_field, {name: rigid_contact, parameters: {friction: %s}}]
+        laws: [gravity_field, {name: rigid_contact, parameters: {%s}}]
         constants: {gravity: %s}
 
         agents:
@@ -173,19 +174,31 @@ public record RobotImport(
                                 RATE,
                                 steps,
                                 RATE * steps,
-                                Double.toString(scene.friction()),
+                                parameters(scene.surface()),
                                 Arrays.toString(robot.turned(scene.gravity())))
                 + robot.rules()
                 + robot.scenery();
     }
 
+    /** Returns the parameters of the law for contacts with the scenery. */
+    private static String parameters(RobotModel.Surface scenery) {
+        String parameters = "friction: " + scenery.friction();
+        if (scenery.spinning() > 0) {
+            parameters += ", spinFriction: " + scenery.spinning();
+        }
+        if (scenery.rolling() > 0) {
+            parameters += ", rollingFriction: " + scenery.rolling();
+        }
+        return parameters;
+    }
+
     /** Writes the files into a new folder. */
     public void write(Path folder) throws IOException {
-        Files.createDirectories(folder);
-        for (Map.Entry<String, String> file : files.entrySet()) {
-            Path path = folder.resolve(file.getKey());
-            Files.createDirectories(path.getParent());
-            Files.write(path, file.getValue().getBytes(StandardCharsets.UTF_8));
+        try (var made = new NewFolder(folder)) {
+            for (Map.Entry<String, String> file : files.entrySet()) {
+                made.write(file.getKey(), file.getValue().getBytes(StandardCharsets.UTF_8));
+            }
+            made.finish();
         }
     }
 }

@@ -13,6 +13,7 @@ import java.util.Optional;
  *
  * @param links links by name, in the order of the file
  * @param root name of the link that is the child of no joint
+ * @param couplings couplings of two joints, in the order of the file
  * @param scene the world around the robot, which only an MJCF file describes
  * @param ignored one line for each kind of element or attribute that the reader ignores
  */
@@ -21,8 +22,19 @@ record RobotModel(
         Map<String, Link> links,
         List<Joint> joints,
         String root,
+        List<Coupling> couplings,
         Optional<Scene> scene,
         List<String> ignored) {
+
+    /**
+     * A coupling of two joints: the angle or travel of the first one is {@code ratio} times that of
+     * the second one, plus {@code offset}.
+     *
+     * @param first name of the joint that follows
+     * @param second name of the joint that it follows
+     * @param offset [unit of the first joint: 1 or m]
+     */
+    record Coupling(String first, String second, double ratio, double offset) {}
 
     /**
      * The world around a robot.
@@ -33,11 +45,11 @@ record RobotModel(
      */
     record Scene(double[] gravity, double step, List<Scenery> scenery) {
         /**
-         * Returns the coefficient of friction of the scenery. Without scenery it is 1, the default
-         * of MJCF.
+         * Returns the contact properties of the scenery. They are the defaults of MJCF if there is
+         * no scenery.
          */
-        double friction() {
-            return scenery.isEmpty() ? 1 : scenery.getFirst().surface().friction();
+        Surface surface() {
+            return scenery.isEmpty() ? Surface.DEFAULT : scenery.getFirst().surface();
         }
     }
 
@@ -49,8 +61,13 @@ record RobotModel(
      * the affinity of the other have a common bit.
      *
      * @param friction coefficient of sliding friction [1]
+     * @param spinning lever arm of the torque against spin about the contact normal [m]
+     * @param rolling lever arm of the torque against rolling [m]
      */
-    record Surface(int type, int affinity, double friction) {
+    record Surface(int type, int affinity, double friction, double spinning, double rolling) {
+        /** The values of a geom of MJCF that states none. */
+        static final Surface DEFAULT = new Surface(1, 1, 1, 0, 0);
+
         boolean touches(Surface other) {
             return (type & other.affinity) != 0 || (other.type & affinity) != 0;
         }
@@ -102,6 +119,13 @@ record RobotModel(
         record Sphere(double radius) implements Form {}
 
         /**
+         * An ellipsoid.
+         *
+         * @param size extents along its principal axes (3) [m]
+         */
+        record Ellipsoid(double[] size) implements Form {}
+
+        /**
          * A cylinder along Z.
          *
          * @param radius [m]
@@ -124,6 +148,16 @@ record RobotModel(
          * @param y length of the edges along Y [m]
          */
         record Plane(double x, double y) implements Form {}
+
+        /**
+         * A terrain in the X-Y plane, which faces +Z.
+         *
+         * @param name name of the file that the terrain gets, without a folder and an ending
+         * @param x extent along X [m]
+         * @param y extent along Y [m]
+         * @param rows heights [m]; the first row is at the edge +Y, and begins at -X
+         */
+        record Terrain(String name, double x, double y, float[][] rows) implements Form {}
 
         /**
          * A mesh in a file.
@@ -162,7 +196,8 @@ record RobotModel(
      *     limit
      * @param most maximum torque or force [N*m or N]; 0 without a limit
      * @param stiffness stiffness of a servo [N*m or N/m]; 0 for other kinds
-     * @param damping damping of a servo [N*m*s or N*s/m]; 0 for other kinds
+     * @param damping damping of a servo, or torque or force per difference of the speed from the
+     *     speed that the action sets [N*m*s or N*s/m]; 0 without damping
      * @param actuator name of the actuator in the file; empty if the action belongs to the joint
      *     itself
      */

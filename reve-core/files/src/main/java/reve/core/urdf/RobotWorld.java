@@ -29,6 +29,7 @@ import java.util.TreeSet;
  *       axes of the item
  *   <li>the shapes of the part, as items that are attached to the body
  *   <li>the joints, with the actions that drive them
+ *   <li>gears between joints that the file couples
  * </ul>
  */
 final class RobotWorld {
@@ -48,6 +49,10 @@ final class RobotWorld {
     private final Set<String> names = new TreeSet<>(Set.of("world", "ground"));
     private final Map<String, String> bodyNames = new HashMap<>();
     private final Map<String, Pose> bodyPoses = new HashMap<>();
+
+    /** Names of the items of hinges and sliders, by the names of the joints in the file. */
+    private final Map<String, String> jointNames = new HashMap<>();
+
     private final List<Map<String, Object>> items = new ArrayList<>();
     private double lowest = Double.POSITIVE_INFINITY;
 
@@ -80,7 +85,9 @@ final class RobotWorld {
                                 new Surface(
                                         one.type() | other.type(),
                                         one.affinity() | other.affinity(),
-                                        one.friction()));
+                                        one.friction(),
+                                        one.spinning(),
+                                        one.rolling()));
     }
 
     /** Returns the text of the file with the items of the robot. */
@@ -91,6 +98,7 @@ final class RobotWorld {
         for (Joint joint : tree.joints()) {
             joint(joint);
         }
+        model.couplings().forEach(this::gear);
         for (String ignored : model.ignored()) {
             notes.add("not imported: " + ignored);
         }
@@ -236,8 +244,8 @@ final class RobotWorld {
     }
 
     /**
-     * Returns whether a body needs no item. This is the world body of an MJCF file if it has no
-     * shape and no joint.
+     * Returns whether a body needs no item. The only such body is the world body of an MJCF file
+     * without shapes and joints.
      */
     private boolean isNeedless(RigidTree.Body body) {
         boolean isJoined =
@@ -276,6 +284,9 @@ final class RobotWorld {
                     case Form.Box box ->
                             other.form() instanceof Form.Box also
                                     && Arrays.equals(box.size(), also.size());
+                    case Form.Ellipsoid round ->
+                            other.form() instanceof Form.Ellipsoid also
+                                    && Arrays.equals(round.size(), also.size());
                     case Form.MeshFile mesh ->
                             other.form() instanceof Form.MeshFile also
                                     && mesh.name().equals(also.name())
@@ -284,6 +295,7 @@ final class RobotWorld {
                     case Form.Cylinder cylinder -> cylinder.equals(other.form());
                     case Form.Capsule capsule -> capsule.equals(other.form());
                     case Form.Plane plane -> plane.equals(other.form());
+                    case Form.Terrain terrain -> terrain.equals(other.form());
                 };
     }
 
@@ -377,22 +389,58 @@ final class RobotWorld {
                                     Numerals.exactly(limits));
                             checkTurn(joint, slides, limits);
                         });
-        Optional<RobotModel.Drive> servo = DriveActions.servo(joint);
-        if (servo.isPresent()) {
-            DriveActions.putServo(servo.get(), slides, physics);
-        } else if (options.hold() && joint.effort() > 0) {
+        boolean acts = DriveActions.putFirst(joint, slides, physics);
+        if (!acts && options.hold() && joint.effort() > 0) {
             physics.put(slides ? "driveForce" : "motorTorque", Numeral.of(joint.effort()));
         }
         loads(joint.loads(), slides, physics);
         Map<String, Object> item = new LinkedHashMap<>();
-        item.put(
-                "name",
-                unique(names.contains(joint.name()) ? joint.name() + " joint" : joint.name()));
+        String name = unique(names.contains(joint.name()) ? joint.name() + " joint" : joint.name());
+        item.put("name", name);
+        if (slides || type(joint).get().equals("hinge")) {
+            jointNames.put(joint.name(), name);
+        }
         item.put("kind", "joint");
         Map<String, Object> actions = DriveActions.of(joint, slides, notes);
         if (!actions.isEmpty()) {
             item.put("access", actions);
         }
+        item.put("physics", physics);
+        items.add(item);
+    }
+
+    private void gear(RobotModel.Coupling coupling) {
+        String first = jointNames.get(coupling.first());
+        String second = jointNames.get(coupling.second());
+        if (first == null || second == null) {
+            notes.add(
+                    "joint "
+                            + coupling.first()
+                            + ": its coupling to "
+                            + coupling.second()
+                            + " is not imported, because one of the two is no hinge or slider");
+            return;
+        }
+        Map<String, Object> physics = new LinkedHashMap<>();
+        physics.put("geared", List.of(first, second));
+        physics.put("gearRatio", Numeral.of(coupling.ratio()));
+        if (coupling.offset() != 0) {
+            boolean slides =
+                    model.joints().stream()
+                            .anyMatch(
+                                    joint ->
+                                            joint.name().equals(coupling.first())
+                                                    && joint.type() == JointType.PRISMATIC);
+            physics.put(slides ? "offsetTravel" : "offsetAngle", Numeral.of(coupling.offset()));
+            notes.add(
+                    "joint "
+                            + coupling.first()
+                            + ": it is at 0 at the start, and then moves to its offset "
+                            + coupling.offset());
+        }
+        Map<String, Object> item = new LinkedHashMap<>();
+        item.put("name", unique(first + " gear"));
+        item.put("kind", "gear");
         item.put("physics", physics);
         items.add(item);
     }

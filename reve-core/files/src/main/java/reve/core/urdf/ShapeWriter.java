@@ -34,7 +34,7 @@ final class ShapeWriter {
         this.notes = notes;
     }
 
-    /** Returns a shape. If its mesh cannot be read, adds a note and returns empty. */
+    /** Returns a shape. Adds a note and returns empty if its mesh cannot be read. */
     Optional<Written> write(Geometry geometry, Optional<String> colour) {
         Map<String, Object> physical = new LinkedHashMap<>();
         Pose pose = geometry.pose();
@@ -44,6 +44,11 @@ final class ShapeWriter {
                 physical.put("shape", "box");
                 physical.put("size", Numerals.exactly(box.size()));
                 half = new double[] {box.size()[0] / 2, box.size()[1] / 2, box.size()[2] / 2};
+            }
+            case Form.Ellipsoid round -> {
+                physical.put("shape", "ellipsoid");
+                physical.put("size", Numerals.exactly(round.size()));
+                half = new double[] {round.size()[0] / 2, round.size()[1] / 2, round.size()[2] / 2};
             }
             case Form.Sphere sphere -> {
                 physical.put("shape", "sphere");
@@ -70,6 +75,14 @@ final class ShapeWriter {
                 physical.put("size", Numerals.exactly(size));
                 pose = ALONG_Z.within(pose);
                 half = new double[] {plane.x() / 2, 0, plane.y() / 2};
+            }
+            case Form.Terrain terrain -> {
+                double[] size = {terrain.x(), terrain.y()};
+                physical.put("shape", "terrain");
+                physical.put("size", Numerals.exactly(size));
+                physical.put("file", meshes.heights(terrain));
+                pose = ALONG_Z.within(pose);
+                half = new double[] {terrain.x() / 2, 0, terrain.y() / 2};
             }
             case Form.MeshFile mesh -> {
                 MeshFiles.Converted converted;

@@ -28,6 +28,8 @@ final class StlReader {
     private StlReader() {}
 
     /**
+     * Reads a mesh.
+     *
      * @throws IllegalArgumentException with the reason if the bytes are no STL file
      */
     static Mesh read(byte[] bytes) {
@@ -100,7 +102,8 @@ final class StlReader {
             }
             triangle[i] =
                     known.computeIfAbsent(
-                            // the addition of 0 makes -0 equal to 0
+                            // The addition of 0 converts -0 to 0, so that equal corners have equal
+                            // keys.
                             List.of(corner[0] + 0f, corner[1] + 0f, corner[2] + 0f),
                             _ -> {
                                 vertices.add(corner);

@@ -22,7 +22,7 @@ final class TouchLayers {
      */
     TouchLayers(List<Surface> scenery, List<Surface> bodies, List<String> notes) {
         hasFriction = !bodies.isEmpty();
-        layers.add(scenery.isEmpty() ? new Surface(1, 1, 1) : scenery.getFirst());
+        layers.add(scenery.isEmpty() ? Surface.DEFAULT : scenery.getFirst());
         if (scenery.stream().anyMatch(surface -> !surface.equals(layers.getFirst()))) {
             notes.add(
                     "the immovable shapes differ in contype, conaffinity or friction; those of the"
@@ -56,6 +56,12 @@ final class TouchLayers {
             physics.put("passesLayers", passes);
         }
         physics.put("friction", Numeral.of(surface.friction()));
+        if (surface.spinning() > 0) {
+            physics.put("spinFriction", Numeral.of(surface.spinning()));
+        }
+        if (surface.rolling() > 0) {
+            physics.put("rollingFriction", Numeral.of(surface.rolling()));
+        }
     }
 
     /** Returns whether the bodies have coefficients of friction. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.urdf;
 
+import reve.core.urdf.RobotModel.Coupling;
 import reve.core.urdf.RobotModel.Drive;
 import reve.core.urdf.RobotModel.Form;
 import reve.core.urdf.RobotModel.Geometry;
@@ -29,6 +30,7 @@ final class UrdfReader {
     private final XmlElement robot;
     private final Map<String, String> colours = new HashMap<>();
 
+    private final List<Coupling> couplings = new ArrayList<>();
     private final Ignored ignored = new Ignored();
 
     private UrdfReader(XmlElement robot) {
@@ -36,6 +38,8 @@ final class UrdfReader {
     }
 
     /**
+     * Reads a robot.
+     *
      * @param root root element of the file
      * @throws RobotFileException if the file is no URDF, or its links form no tree
      */
@@ -83,12 +87,14 @@ final class UrdfReader {
         for (XmlElement element : robot.all("joint")) {
             joints.add(joint(element, links));
         }
+        checkCouplings(joints);
         String root = root(links, joints);
         return new RobotModel(
                 robot.find("name").orElse("robot"),
                 links,
                 joints,
                 root,
+                couplings,
                 Optional.empty(),
                 ignored.lines());
     }
@@ -191,8 +197,7 @@ final class UrdfReader {
         JointType type = type(element);
         for (XmlElement child : element.children()) {
             switch (child.name()) {
-                case "origin", "parent", "child", "axis", "limit", "dynamics" -> {}
-                case "mimic" -> ignore("<mimic> of joints, which then move freely");
+                case "origin", "parent", "child", "axis", "limit", "dynamics", "mimic" -> {}
                 default -> ignore("<" + child.name() + "> of joints");
             }
         }
@@ -214,6 +219,10 @@ final class UrdfReader {
             }
             limits = Optional.of(both);
         }
+        Optional<XmlElement> mimic = element.child("mimic");
+        if (mimic.isPresent()) {
+            couplings.add(coupling(element.text("name"), mimic.get()));
+        }
         double effort = limit.isPresent() ? Math.abs(limit.get().number("effort", 0)) : 0;
         double speed = limit.isPresent() ? Math.abs(limit.get().number("velocity", 0)) : 0;
         return new Joint(
@@ -226,9 +235,32 @@ final class UrdfReader {
                 new double[3],
                 axis(element),
                 limits,
-                effort,
+                mimic.isPresent() ? 0 : effort,
                 dynamics.isPresent() ? loads(dynamics.get()) : Loads.NONE,
-                List.of(Drive.ofSpeed(speed, effort)));
+                mimic.isPresent() ? List.of() : List.of(Drive.ofSpeed(speed, effort)));
+    }
+
+    private static Coupling coupling(String joint, XmlElement mimic) throws RobotFileException {
+        String other = mimic.text("joint");
+        if (other.equals(joint)) {
+            throw mimic.problem("the joint " + joint + " mimics itself; expected another joint");
+        }
+        return new Coupling(joint, other, mimic.number("multiplier", 1), mimic.number("offset", 0));
+    }
+
+    private void checkCouplings(List<Joint> joints) throws RobotFileException {
+        Set<String> names = new HashSet<>();
+        joints.forEach(joint -> names.add(joint.name()));
+        for (Coupling coupling : couplings) {
+            if (!names.contains(coupling.second())) {
+                throw robot.problem(
+                        "the joint "
+                                + coupling.first()
+                                + " mimics "
+                                + coupling.second()
+                                + ", which is no joint of the file");
+            }
+        }
     }
 
     private static Loads loads(XmlElement dynamics) throws RobotFileException {

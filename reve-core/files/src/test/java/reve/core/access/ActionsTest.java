@@ -30,6 +30,7 @@ import reve.core.world.ItemId;
 import reve.core.world.ItemQuota;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
+import reve.core.world.WorldEvent;
 
 import java.nio.charset.StandardCharsets;
 import java.util.List;
@@ -127,7 +128,10 @@ class ActionsTest {
                 .perform(found);
     }
 
-    /** Asserts the refusal; the world must be unchanged. */
+    /**
+     * Asserts the refusal; the world must be unchanged. An action in Java that fails is reported by
+     * one event.
+     */
     private ActionRefused refusal(String actor, String item, String action, Map<String, ?> given) {
         String before = state();
         int events = world.events().size();
@@ -135,7 +139,15 @@ class ActionsTest {
                 catchThrowableOfType(ActionRefused.class, () -> act(actor, item, action, given));
         assertThat(refused).isNotNull();
         assertThat(state()).isEqualTo(before);
-        assertThat(world.events()).hasSize(events);
+        List<WorldEvent> raised = world.events().subList(events, world.events().size());
+        if (refused.code().equals("action-failed")) {
+            assertThat(raised).extracting(WorldEvent::type).containsExactly("fault");
+            assertThat(raised.getFirst().fields())
+                    .containsEntry("source", "action test.broken")
+                    .containsEntry("class", TestActions.Broken.class.getName());
+        } else {
+            assertThat(raised).isEmpty();
+        }
         return refused;
     }
 

@@ -90,15 +90,15 @@ class ContactKeysTest {
         WorldDescription world =
                 parse(
                         """
-                        rules: {pressed: physics.touchCount > 0}
+                        rules: {pressed: physics.touchCount > 0, dreams: physics.asleep == 1}
                         items:
                           - {name: lamp, physical: {location: [0, 1, 0]}}
                           - {name: plate, physics: {mass: 2, touchLayer: 0, touchCount: 0}}
-                          - {name: ball, physics: {mass: 1, rollingFriction: 0.5}}
+                          - {name: ball, physics: {mass: 1, rollingFriction: 0.5, spinFriction: 0, asleep: 0}}
                         """);
         assertThat(world.prototype().propertiesOnDemand().stream())
                 .filteredOn(world.prototype().properties()::contains)
-                .hasSize(3);
+                .hasSize(5);
         WorldDescription again = WorldFileTest.parse(WorldWriter.write(world));
         assertThat(again.prototype().properties()).isEqualTo(world.prototype().properties());
     }
@@ -145,6 +145,37 @@ class ContactKeysTest {
     }
 
     @Test
+    void aWorldHasTheKindGearIfAnItemIsAGear() throws WorldFileException {
+        String items =
+                """
+                items:
+                  - {name: a, physics: {mass: 0}}
+                  - {name: b, physics: {mass: 1}}
+                  - {name: c, physics: {mass: 1}}
+                  - {name: one, kind: joint, physics: {joined: [a, b], jointType: hinge}}
+                  - {name: two, kind: joint, physics: {joined: [a, c], jointType: rope, ropeLength: 2 m}}
+                """;
+        assertThat(parse(items).prototype().kinds())
+                .contains(WorldPrototype.JOINT)
+                .doesNotContain(WorldPrototype.GEAR);
+        assertThat(parse(items).items().getLast().physics("jointType").orElseThrow())
+                .containsExactly(6);
+        String gear =
+                "  - {name: pair, kind: gear, physics: {geared: [one, two], gearRatio: -2,"
+                        + " offsetAngle: 90 deg}}\n";
+        WorldDescription world = parse(items + gear);
+        assertThat(world.items().getLast().references().get("geared"))
+                .containsExactly("one", "two");
+        WorldDescription again = WorldFileTest.parse(WorldWriter.write(world));
+        assertThat(again.prototype().properties()).isEqualTo(world.prototype().properties());
+        assertThat(WorldWriter.write(again)).isEqualTo(WorldWriter.write(world));
+        assertThatThrownBy(() -> parse(items + gear.replace("two]", "b]")))
+                .hasMessageContaining("geared[1]: `b` is a body, expected a joint");
+        assertThatThrownBy(() -> parse(items + gear.replace("geared: [one, two], ", "")))
+                .hasMessageContaining("a gear needs `geared`: The two joints.");
+    }
+
+    @Test
     void aPropertyThatTheWorldDeclaresIsItsOwn() throws WorldFileException {
         WorldDescription world =
                 parse(
@@ -162,7 +193,8 @@ class ContactKeysTest {
             assertThatThrownBy(
                             () ->
                                     parse(
-                                            "items: [{name: a, physics: {mass: 1, passesLayers: [1, "
+                                            "items: [{name: a, physics: {mass: 1, passesLayers: [1,"
+                                                    + " "
                                                     + wrong
                                                     + "]}}]"))
                     .as(wrong)

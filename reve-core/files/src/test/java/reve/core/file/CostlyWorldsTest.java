@@ -54,6 +54,7 @@ class CostlyWorldsTest {
                     properties: ! - {name: p%d, kind: body, unit: foo} ! a list of 60000
                     symbols:    ! '  s%d: {unit: foo}'                 ! a mapping
                     rules:      ! '  r%d: foo'                         ! a mapping
+                    classes:    ! '  c%d: nowhere'                     ! a mapping
                     laws:       ! - {name: l%d, parameters: {a: 1 foo}} ! a list of 60000
                     """)
     void declarationsAreCountedBeforeAnyIsRead(String key, String line, String found) {
@@ -85,6 +86,8 @@ class CostlyWorldsTest {
                                                         list.get("properties")
                                                                 .orElseThrow()
                                                                 .children()),
+                                                List.of(),
+                                                List.of(),
                                                 List.of()));
         assertThat(refused.problems())
                 .extracting(Problem::toString)

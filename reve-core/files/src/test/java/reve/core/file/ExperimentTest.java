@@ -9,6 +9,7 @@ import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import reve.core.unit.Unit;
 import reve.core.world.ItemDefinition;
 
 import java.io.IOException;
@@ -17,6 +18,9 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
+import java.util.SortedMap;
+import java.util.TreeMap;
+import java.util.stream.IntStream;
 
 /** The reader of experiments, with the runs and the worlds that they build from one world file. */
 class ExperimentTest {
@@ -298,5 +302,109 @@ class ExperimentTest {
         assertThat(measure.tolerance()).hasValue(0.02);
         assertThatThrownBy(() -> load(HEAD + "measures: {m: {energy: total, tolerance: 1 %}}\n"))
                 .hasMessageContaining("`expected` is missing");
+    }
+
+    @Test
+    void unitsFollowFromTheFileAndFromExpressions() throws Exception {
+        Experiment experiment =
+                load(
+                        HEAD
+                                + """
+                                sweep: {a: [3 g, 4 g], b: [10 deg, 20 deg], c: [1, 2]}
+                                every: 1
+                                measures:
+                                  speed: {of: ball, is: norm(physics.velocity)}
+                                  fast: {of: ball, is: norm(physics.velocity), unit: km/h}
+                                  swing: {of: ball, is: "physics.velocity[1]", take: period}
+                                  weight: {of: ball, is: 9.81 * physics.mass, expected: 3 kN}
+                                  product: {of: ball, is: 9.81 * physics.mass}
+                                  total: {energy: total, unit: kJ}
+                                  push: {ledger: total.momentum}
+                                """);
+        assertThat(List.of("a", "b", "c"))
+                .extracting(name -> experiment.variableUnit(name).map(Unit::symbol).orElse("-"))
+                .containsExactly("kg", "rad", "-");
+        assertThat(IntStream.range(0, 7).boxed())
+                .extracting(i -> experiment.measurementUnit(i).map(Unit::symbol).orElse("-"))
+                .containsExactly("m/s", "km/h", "m/s", "kg*m/s^2", "-", "kJ", "kg*m/s");
+        assertThat(IntStream.range(0, 7).boxed())
+                .extracting(i -> experiment.valueUnit(i).map(Unit::symbol).orElse("-"))
+                .containsExactly("m/s", "km/h", "s", "kg*m/s^2", "-", "kJ", "kg*m/s");
+    }
+
+    @Test
+    void aUnitThatDoesNotFitIsReportedAtItsPlace() {
+        assertThat(
+                        problems(
+                                HEAD
+                                        + """
+                                        every: 1
+                                        measures:
+                                          a: {of: ball, is: physics.mass, unit: km}
+                                          b: {of: ball, is: physics.mass, unit: glow}
+                                          c: {energy: kinetic, expected: 3 N}
+                                          d: {of: ball, is: physics.mass, take: period, expected: 1 kg}
+                                        """))
+                .hasSize(4)
+                .contains(
+                        "e.yaml:7:41: unit: unit km does not fit the measured value, which is in"
+                                + " kg",
+                        "e.yaml:9:34: expected: unit N does not fit the measured value, which is"
+                                + " in J",
+                        "e.yaml:10:59: expected: unit kg does not fit the measured value, which"
+                                + " is in s")
+                .anyMatch(line -> line.startsWith("e.yaml:8:41: unit: unit `glow`"));
+    }
+
+    @Test
+    void thePackOfAWorldIsReadFromTheFolderOfItsFiles() throws Exception {
+        Path unpacked = Files.createDirectory(folder.resolve("unpacked"));
+        Path pack = folder.resolve("w.reve");
+        SortedMap<String, Path> files = new TreeMap<>();
+        files.put("world.yaml", folder.resolve("world.yaml"));
+        files.put("parts.yaml", folder.resolve("parts.yaml"));
+        WorldPack.write(pack, files);
+        Path file =
+                Files.writeString(
+                        folder.resolve("e.yaml"), HEAD.replace("world.yaml", "w.reve") + SPEED);
+        Experiment experiment =
+                Experiment.load(
+                        file,
+                        found -> {
+                            assertThat(found.getFileName()).hasToString("w.reve");
+                            WorldPack.unpack(found, unpacked);
+                            return unpacked;
+                        });
+        WorldDescription packed = experiment.plan(0).world();
+        WorldDescription plain = load(HEAD + SPEED).plan(0).world();
+        assertThat(packed.items())
+                .extracting(ItemDefinition::name)
+                .containsExactlyElementsOf(
+                        plain.items().stream().map(ItemDefinition::name).toList());
+        assertThat(packed.constants()).isEqualTo(plain.constants());
+        assertThat(experiment.worldFolder()).isEqualTo(unpacked);
+        assertThat(experiment.inputs()).containsOnlyKeys("e.yaml", "w.reve");
+        assertThatThrownBy(() -> load(HEAD.replace("world.yaml", "w.reve") + SPEED))
+                .hasMessageContaining("e.yaml:3:8: world: ")
+                .hasMessageContaining("is a pack, expected a world file");
+    }
+
+    @Test
+    void filesThatCommandsOfAgentsNameAreInputs() throws Exception {
+        Files.createDirectory(folder.resolve("bots"));
+        Files.writeString(folder.resolve("bots/one.py"), "");
+        Files.writeString(folder.resolve("bots/2.py"), "");
+        String agents =
+                "agents: {ada: {command: [python3, bots/one.py, \"bots/{run + 1}.py\", /etc/passwd,"
+                        + " ../x, bots]}}\nset: {agents.bodies: [ball]}\nsweep: {k: [1, 2]}\n";
+        Experiment experiment = load(HEAD + agents + SPEED);
+        assertThat(experiment.inputs())
+                .containsOnlyKeys("e.yaml", "world.yaml", "parts.yaml", "bots/one.py", "bots/2.py");
+        assertThat(experiment.findInput("bots/one.py")).hasValue(folder.resolve("bots/one.py"));
+        assertThat(experiment.findInput("../x")).isEmpty();
+        assertThat(experiment.findInput("bots/3.py")).isEmpty();
+        Files.writeString(folder.resolve("bots/3.py"), "");
+        experiment.addInput("bots/3.py");
+        assertThat(experiment.inputs()).containsKey("bots/3.py");
     }
 }

@@ -109,7 +109,7 @@ class IncludeTest {
                 .containsExactly(
                         "a.yaml:3:35: mass: unit m does not fit kg",
                         "a.yaml:4:1: unknown key `frame`; known here: doc, include, properties,"
-                                + " laws, constants, prefabs, symbols, rules, items",
+                                + " laws, constants, substances, prefabs, classes, symbols, rules, items",
                         "b.yaml:2:11: duplicate prefab `round`, first in a.yaml:3",
                         "world.yaml:4:13: duplicate constant `softening`, first in b.yaml:1",
                         "world.yaml:5:16: duplicate item name `ball`, first in a.yaml:2",

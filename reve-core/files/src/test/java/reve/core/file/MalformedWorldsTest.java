@@ -210,7 +210,7 @@ class MalformedWorldsTest {
                     a.gltf  ! {"asset": 3}     ! a.gltf:
                     a.gltf  ! {"asset"         ! a.gltf: line 1: not JSON
                     a.glb   ! glTF             ! a.glb: expected glTF of version 2
-                    a.stl   ! solid            ! a.stl: expected a mesh in a .glb, .gltf or .obj file
+                    a.stl   ! solid            ! a.stl: expected a mesh in a .glb, .gltf, .obj or .dae file
                     none    ! ''               ! b.obj
                     """)
     void modelsAreRefusedInPlainWords(

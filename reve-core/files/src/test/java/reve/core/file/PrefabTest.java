@@ -108,7 +108,8 @@ class PrefabTest {
         assertThat(problems("prefabs: {wheel: {name: x, physics: 3}, 9: {}}\n"))
                 .containsExactly(
                         "world.yaml:3:19: unknown key `name`; known here: like, kind, parent,"
-                                + " physical, semantic, access, capabilities, physics, sensors, voice",
+                                + " physical, semantic, access, capabilities, physics, sensors, voice,"
+                                + " parts, levels",
                         "world.yaml:3:37: physics: found number 3, expected a mapping",
                         "world.yaml:3:41: `9` is not a name; expected a letter, then letters,"
                                 + " digits, - or _, at most 64 in all");

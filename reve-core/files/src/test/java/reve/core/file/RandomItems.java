@@ -140,7 +140,7 @@ final class RandomItems {
     }
 
     private static double number(Random random) {
-        return switch (random.nextInt(6)) {
+        return switch (random.nextInt(7)) {
             case 0 -> 0;
             case 1 -> -0.0;
             case 2 -> random.nextInt(2000) - 1000;
@@ -157,6 +157,7 @@ final class RandomItems {
             case 2 -> Shape.plane(random.nextDouble() + 0.1, 1e12);
             case 3 -> Shape.capsule(0.1, random.nextDouble() + 0.2);
             case 4 -> Shape.cylinder(random.nextDouble() + 0.1, 7);
+            case 5 -> Shape.ellipsoid(random.nextDouble() + 0.1, 1e-9, 1 + random.nextInt(9));
             default ->
                     Shape.mesh(
                             new float[] {

@@ -11,6 +11,7 @@ import org.junit.jupiter.params.provider.CsvSource;
 import reve.core.rule.ExpressionType;
 import reve.core.rule.Rule;
 import reve.core.rule.Scope;
+import reve.core.rule.SymbolSource;
 import reve.core.world.SymbolType;
 import reve.core.world.WorldPrototype;
 
@@ -52,7 +53,8 @@ class RuleReaderTest {
                 .containsExactly("heavy", "warning", "taut");
         Rule warning = world.rules().get(1);
         assertThat(warning.itemClass()).contains("crate");
-        assertThat(warning.expression().text()).isEqualTo("semantic.heavy ? 'heavy' : 'light'");
+        assertThat(((SymbolSource.Formula) warning.source()).expression().text())
+                .isEqualTo("semantic.heavy ? 'heavy' : 'light'");
         assertThat(world.rules().get(2).kind()).isEqualTo("spring");
     }
 
@@ -114,8 +116,7 @@ class RuleReaderTest {
         assertThat(operands.expression(whens.get(3), texts[3], 0, ExpressionType.TRUTH)).isEmpty();
         assertThat(catchThrowableOfType(WorldFileException.class, problems::throwIfAny))
                 .hasMessageContaining(
-                        "the actions of the world have more than 5000 different "
-                                + "expressions, which is the limit");
+                        "the actions have more than 2 different expressions, which is the limit");
     }
 
     @ParameterizedTest(name = "{0}")
@@ -127,7 +128,10 @@ class RuleReaderTest {
                     rules: {hot: physics.temperatur > 3}      ! 3:21 ! hot: unknown name `temperatur`; known here: acceleration, angularVelocity, appliedForce, charge, dragCoefficient, externalForce, inertia, linearDragCoefficient, mass, radius, torque, velocity
                     rules: {hot: "physics.mass >"}            ! 3:29 ! hot: the expression ends too early
                     rules: {hot: {is: 3}}                     ! 3:19 ! is: found number 3, expected a text; put it in quotes
-                    rules: {hot: {}}                          ! 3:14 ! hot: `is` is missing
+                    rules: {hot: {}}                          ! 3:14 ! hot: found neither, expected one of `is` and `java`
+                    rules: {hot: {is: "true", java: test.loud}} ! 3:14 ! hot: found both, expected one of `is` and `java`
+                    rules: {hot: {java: test.lowd}}           ! 3:21 ! java: there is no symbol `test.lowd`; the plugins have test.loud; did you mean `test.loud`?
+                    rules: {hot: {java: test.levitate}}       ! 3:21 ! java: there is no symbol `test.levitate`; the plugins have test.loud
                     rules: {hot: {is: "true", kind: sprung}}  ! 3:33 ! kind: there is no kind `sprung`; did you mean `spring`?
                     rules: {up: "physics.velocity[3] > 0"}    ! 3:31 ! up: there is no [3]: `physics.velocity` has components: 3, expected an index from 0 to 2
                     rules: {b: "item.name.matches(item.kind)"} ! 3:31 ! b: the pattern of `matches` is computed, expected a constant text in quotes, such as '^a+$': compare computed texts with `==`, `startsWith`, `endsWith` or `contains`

@@ -19,6 +19,8 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Map;
+import java.util.TreeMap;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
@@ -60,6 +62,68 @@ class SemanticsDocumentTest {
             assertThat(soup.semantic().get("on")).contains(List.of("table"));
             assertThat(world.find("table").orElseThrow().semantic().get("hot")).isEmpty();
         }
+    }
+
+    /** Returns the symbols of the items of an example, after its rules were evaluated. */
+    private static Map<String, Map<String, Object>> symbols(String example) throws Exception {
+        String text =
+                blocks("semantics.md", "yaml").stream()
+                        .filter(block -> block.contains("name: " + example + "\n"))
+                        .findFirst()
+                        .orElseThrow();
+        WorldDescription description =
+                WorldFile.parse(example, text.getBytes(StandardCharsets.UTF_8));
+        assertThat(description.warnings()).isEmpty();
+        Map<String, Map<String, Object>> symbols = new TreeMap<>();
+        try (var arena = new OffHeapArena()) {
+            World world = description.build(arena);
+            new BoundingBoxes().update(world);
+            new Rules(world, description.rules(), description.ruleSteps()).update(0);
+            assertThat(world.events()).isEmpty();
+            world.items().forEach(item -> symbols.put(item.name(), item.semantic().symbols()));
+            return symbols;
+        }
+    }
+
+    @Test
+    void itemsOfTheExampleInherit() throws Exception {
+        Map<String, Map<String, Object>> symbols = symbols("cupboard");
+        assertThat(symbols.get("mug"))
+                .containsEntry("classes", List.of("cup", "vessel", "container", "body"))
+                .containsEntry("fragile", true)
+                .containsEntry("holds", "liquid")
+                .containsEntry("full", true)
+                .containsEntry("forTea", true);
+        assertThat(symbols.get("barrel"))
+                .containsEntry("fragile", false)
+                .containsEntry("full", false)
+                .containsEntry("forTea", false);
+        assertThat(symbols.get("hamper"))
+                .containsEntry("classes", List.of("basket", "container", "body"))
+                .containsEntry("forTea", false)
+                .doesNotContainKeys("full", "holds");
+    }
+
+    @Test
+    void symbolsOfTheExampleFollowFromPhysics() throws Exception {
+        Map<String, Map<String, Object>> symbols = symbols("harbour");
+        assertThat(symbols.get("crate"))
+                .containsEntry("movable", true)
+                .containsEntry("floats", true)
+                .containsEntry("fragile", false)
+                .containsEntry("weight", 9.81 * 600 * 0.125);
+        assertThat(symbols.get("bottle"))
+                .containsEntry("movable", true)
+                .containsEntry("floats", false)
+                .containsEntry("fragile", true);
+        assertThat(symbols.get("quay"))
+                .containsEntry("movable", false)
+                .doesNotContainKeys("floats", "weight");
+        assertThat(symbols.get("quay post"))
+                .containsEntry("movable", false)
+                .containsEntry("floats", false);
+        assertThat(symbols.get("handle")).containsEntry("weak", true);
+        assertThat(symbols.get("child")).containsEntry("strength", 40.0);
     }
 
     @Test

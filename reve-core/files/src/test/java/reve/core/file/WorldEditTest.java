@@ -65,7 +65,7 @@ class WorldEditTest {
     }
 
     private void make(WorldEdit... edits) throws ActionRefused {
-        WorldEdit.make(world, List.of(edits), Set.of(), () -> {});
+        WorldEdit.make(world, 1, List.of(edits), Set.of(), () -> {});
     }
 
     private Item item(String name) {
@@ -96,6 +96,51 @@ class WorldEditTest {
         return state;
     }
 
+    /** The world waits while the conditions are compiled. */
+    @Test
+    void oneMessageHasAFewHundredConditions() throws Exception {
+        String name = world.items().getFirst().name();
+        var room = new EditReader.Room();
+        reader.change(name, item(name).kind(), withConditions("a", 0, 200), room);
+        reader.change(name, item(name).kind(), withConditions("a", 200, 250), room);
+        assertThatThrownBy(
+                        () ->
+                                reader.change(
+                                        name,
+                                        item(name).kind(),
+                                        withConditions("b", 250, 251),
+                                        room))
+                .hasMessageContaining("the actions have more than 250 different expressions");
+        change(name, withConditions("c", 0, 250));
+        assertThatThrownBy(() -> change(name, withConditions("d", 0, 251)))
+                .hasMessageContaining("more than 250 different expressions");
+    }
+
+    private static String withConditions(String action, int from, int to) {
+        StringBuilder actions = new StringBuilder();
+        for (int i = from; i < to; i++) {
+            actions.append(actions.isEmpty() ? "" : ", ")
+                    .append(action + i + ": {when: 1 < " + (i + 2) + ", effects: [{raise: e}]}");
+        }
+        return "access: {" + actions + "}";
+    }
+
+    /** Such an item would be stored, and no later start could read the store. */
+    @Test
+    void anItemWithAVoiceGetsNoActionOfTheNameOfItsSpeech() throws Exception {
+        make(
+                reader.add(
+                        "items: [{name: lent, physical: {shape: sphere, radius: 1}, voice: {}}]",
+                        room));
+        List<Object> before = state();
+        assertThatThrownBy(() -> make(change("lent", "access: {say: {effects: [{raise: x}]}}")))
+                .isInstanceOf(ActionRefused.class)
+                .hasMessageContaining("item lent has a voice, so none of its actions");
+        assertThat(state()).isEqualTo(before);
+        make(change("lent", "access: {shout: {effects: [{raise: x}]}}"));
+        assertThat(item("lent").access().find("shout")).isPresent();
+    }
+
     /** An agent may remove its own body. Then the world still keeps the body for the agent. */
     @Test
     void aBodyThatIsGoneHindersNoEdit() throws Exception {
@@ -104,12 +149,13 @@ class WorldEditTest {
         world.remove(gone);
         List<WorldEdit> edits =
                 List.of(new WorldEdit.Remove("sign", false), new WorldEdit.Remove("s", false));
-        WorldEdit.make(world, edits, List.of(gone, body), () -> {});
+        WorldEdit.make(world, 1, edits, List.of(gone, body), () -> {});
         assertThat(world.find("sign")).isEmpty();
         assertThatThrownBy(
                         () ->
                                 WorldEdit.make(
                                         world,
+                                        1,
                                         List.of(
                                                 new WorldEdit.Remove("b", false),
                                                 new WorldEdit.Remove("a", false)),
@@ -169,6 +215,11 @@ class WorldEditTest {
     void endsOfASpringChange() throws Exception {
         make(change("s", "{\"physics\": {\"end2\": \"c\"}}"));
         assertThat(item("s").physics().reference("end2")).isEqualTo(item("c").id());
+        List<Object> before = state();
+        assertThatThrownBy(() -> make(change("s", "{\"physics\": {\"end1\": \"c\"}}")))
+                .isInstanceOf(ActionRefused.class)
+                .hasMessageContaining("item s: physics.end2 refers to c twice");
+        assertThat(state()).isEqualTo(before);
     }
 
     @Test
@@ -260,6 +311,7 @@ class WorldEditTest {
                         () ->
                                 WorldEdit.make(
                                         world,
+                                        1,
                                         edits,
                                         Set.of(),
                                         () -> {
@@ -274,7 +326,7 @@ class WorldEditTest {
         Set<ItemId> kept = Set.of(item("s").id());
         for (WorldEdit edit :
                 List.of(new WorldEdit.Remove("s", false), new WorldEdit.Remove("a", true))) {
-            assertThatThrownBy(() -> WorldEdit.make(world, List.of(edit), kept, () -> {}))
+            assertThatThrownBy(() -> WorldEdit.make(world, 1, List.of(edit), kept, () -> {}))
                     .hasMessageContaining("s is the body of an agent");
             assertThat(world.find("s")).isPresent();
         }
@@ -364,6 +416,35 @@ class WorldEditTest {
         reader.add("{\"items\": [{\"name\": \"y{i}\", \"repeat\": 4000}]}", room);
     }
 
+    /** Each repetition of an item counts with all its texts, in each change of the message. */
+    @Test
+    void changesOfOneMessageAddFourMillionCharactersAtMost() throws Exception {
+        String text = "z".repeat(900);
+        String add =
+                "{\"items\": [{\"name\": \"%s{i}\", \"repeat\": 2000, \"semantic\": {\"a\": [\""
+                        + text
+                        + "\", \""
+                        + text
+                        + "\"]}}]}";
+        reader.add(add.formatted("x"), room);
+        WorldFileException refused =
+                catchThrowableOfType(
+                        WorldFileException.class, () -> reader.add(add.formatted("y"), room));
+        assertThat(refused.problems().getFirst().message())
+                .isEqualTo(
+                        "the symbols of all items with their repetitions have more than 4000000"
+                                + " characters in one message; the item y222 exceeds the limit");
+        byte[] world =
+                ("reve: 1\nname: w\nprefabs: {p: {semantic: {a: ["
+                                + text
+                                + "]}}}\nitems: [{name: 'x{i}', like: p, repeat: 9000}]\n")
+                        .getBytes(StandardCharsets.UTF_8);
+        assertThat(WorldFile.parse("w", world).items()).hasSize(9000);
+        assertThatThrownBy(() -> WorldFile.parseMessage("w", world))
+                .isInstanceOf(WorldFileException.class)
+                .hasMessageContaining("more than 4000000 characters in one message");
+    }
+
     private List<Rule> rules(List<Rule> before, String name, String text) throws ActionRefused {
         return reader.rules(before, Map.of(name, Optional.ofNullable(text)));
     }
@@ -375,7 +456,7 @@ class WorldEditTest {
         assertThat(two).extracting(Rule::symbol).containsExactly("heavy", "lazy");
         List<Rule> changed = rules(two, "heavy", "\"physics.mass > 5.0\"");
         assertThat(changed).extracting(Rule::symbol).containsExactly("heavy", "lazy");
-        assertThat(changed.getFirst().expression()).isNotEqualTo(two.getFirst().expression());
+        assertThat(changed.getFirst().source()).isNotEqualTo(two.getFirst().source());
         assertThat(rules(changed, "heavy", null)).extracting(Rule::symbol).containsExactly("lazy");
         assertThatThrownBy(() -> rules(two, "heavy", "\"semantic.lazy\""))
                 .isInstanceOf(ActionRefused.class)

@@ -92,6 +92,21 @@ class WorldFileDocumentTest {
     }
 
     @Test
+    void aRoomIsFurnishedWithGroups() throws Exception {
+        WorldDescription furniture = WorldFileTest.parse(yaml("# furniture.yaml"));
+        assertThat(furniture.items()).hasSize(1 + 5 * 10);
+        assertThat(furniture.items())
+                .extracting(ItemDefinition::name)
+                .contains("desk.top", "table 2.glue 1 0", "black table.leg 0 1", "table 0.vase");
+        ItemDefinition leg =
+                furniture.items().stream()
+                        .filter(item -> item.name().equals("table 1.leg 1 0"))
+                        .findFirst()
+                        .orElseThrow();
+        assertThat(leg.location()).containsExactly(new double[] {2.55, 0.35, 1.65}, within(1e-12));
+    }
+
+    @Test
     void theCamerasOfTheStageAreThere() throws Exception {
         WorldDescription stage = WorldFileTest.parse(yaml("name: stage"));
         assertThat(stage.cameras())

@@ -34,7 +34,7 @@ class WorldFileProblemsTest {
             textBlock =
                     """
                     prototyp: si-f64                      ! 1  ! unknown key `prototyp`; did you mean `prototype`?
-                    colour: red                           ! 1  ! unknown key `colour`; known here: reve, name, doc, include, prototype, properties, frame, laws, constants, camera, cameras, agents, prefabs, symbols, rules, items, forces
+                    colour: red                           ! 1  ! unknown key `colour`; known here: reve, name, doc, include, prototype, properties, frame, laws, constants, camera, cameras, agents, substances, prefabs, classes, symbols, rules, items, forces
                     prototype: si-f46                     ! 12 ! prototype: found text `si-f46`, expected one of `si-f64`, `si-f32`; did you mean `si-f64`?
                     frame: {rate: 60.5}                   ! 15 ! rate: found number 60.5, expected a whole number
                     frame: {rate: 0}                      ! 15 ! rate: found number 0, expected at least 1
@@ -47,9 +47,9 @@ class WorldFileProblemsTest {
                     laws: hooke                           ! 7  ! laws: found text `hooke`, expected a list
                     laws: [a, b, a]                       ! 14 ! duplicate law `a`, first on line 6
                     laws: [{parameters: {}}]              ! 8  ! laws[0]: found neither, expected one of `name` and `text`
-                    laws: [{name: a, parameters: {x: [1]}}]! 34 ! x: found a list of 1, expected a number or a text
+                    laws: [{name: a, parameters: {x: [1]}}]! 34 ! x: found 1 number, expected 3 numbers
                     laws: [{name: a, parameters: {x: 3 q}}]! 34 ! x: unit `q`: `q` is not a unit that is known here
-                    laws: [{name: a, parameters: {x: 1 2}}]! 34 ! x: found 2 numbers, expected one
+                    laws: [{name: a, parameters: {x: 1 2}}]! 34 ! x: found 2 numbers, expected one, or the three of a vector
                     laws: [{name: a, budget: 3 kg}]       ! 26 ! budget: unit kg does not fit s
                     laws: [{name: a, budget: 0 s}]        ! 26 ! budget: found 0.0 s, expected a time above 0 s, and at most 10 s
                     laws: [{name: a, budget: {frames: 3}}]! 26 ! budget: `time` is missing
@@ -92,11 +92,27 @@ class WorldFileProblemsTest {
                     agents: {bodies: [on]}                ! 19 ! bodies[0]: no item is named `on`; did you mean `one`?
                     agents: {bodies: [one, one]}          ! 24 ! bodies[1]: `one` is listed twice
                     agents: {body: {name: x}}             ! 17 ! unknown key `name`; known here: like, physical, semantic, access, capabilities, physics, sensors, voice
+                    classes: {cup: vesel, vessel: body}   ! 16 ! cup: there is no class or kind `vesel`; did you mean `vessel`?
+                    classes: {cup: {is: bodi}}            ! 21 ! is: there is no class or kind `bodi`; did you mean `body`?
+                    classes: {cup: world}                 ! 16 ! cup: there is only one world, which has no class
+                    classes: {body: {}}                   ! 11 ! `body` is a kind; expected another name of a class
+                    classes: {a: b, b: {is: c}, c: a}     ! 14 ! a: classes are above each other in a circle: a, b, c, a
+                    classes: {a: a}                       ! 14 ! a: classes are above each other in a circle: a, a
+                    classes: {9a: {}}                     ! 11 ! `9a` is not a name; expected a letter, then letters, digits, spaces, - or _, at most 64 in all
+                    classes: {a: {like: x}}               ! 15 ! unknown key `like`; known here: is, doc, semantic, physics
+                    classes: {a: {semantic: {class: b}}}  ! 26 ! class a: symbol class is a standard one; a class cannot give it
+                    classes: {a: {semantic: {on: b}}}     ! 26 ! class a: symbol on is a standard one; a class cannot give it
+                    classes: {a: {physics: {masss: 1}}}   ! 25 ! unknown physics property `masss` of kind body; did you mean `mass`?
+                    classes: {a: {is: spring, physics: {mass: 1}}} ! 37 ! unknown physics property `mass` of kind spring; it is a property of kind body
+                    classes: {a: {physics: {mass: -1}}}   ! 31 ! mass: found -1.0, expected 0 or more [kg]
+                    classes: {a: {physics: {mass: 1, density: 2}}} ! 34 ! density: `mass` is given too, which follows from density and shape; say one of them
+                    classes: {a: {physics: {density: 0}}} ! 34 ! density: 0.0, expected a positive one
+                    classes: {a: {is: spring, physics: {end1: one}}} ! 37 ! end1: refers to items, which a class cannot give to its items
                     properties: [{name: mass, kind: body}]! 21 ! property mass of kind body: the name is already taken by a property of kind body
                     properties: [{name: position, kind: lamp}] ! 21 ! property position of kind body: the name is already taken by a property of kind lamp
                     properties: [{name: 9a, kind: body}]  ! 21 ! name: found text `9a`, expected a letter, then letters, digits or _, at most 47 in all
                     properties: [{name: a, kind: body, unit: foo}] ! 42 ! unit `foo`: `foo` is not a unit that is known here
-                    properties: [{name: a, kind: body, type: f64}] ! 42 ! type: found text `f64`, expected one of `real`, `i32`, `u32`
+                    properties: [{name: a, kind: body, type: f64}] ! 42 ! type: found text `f64`, expected one of `real`, `i32`, `u32`, `field`
                     properties: [{name: a, kind: body, components: 17}] ! 48 ! components: found number 17, expected at most 16
                     name: again                           ! 1  ! duplicate key `name`, first on line 2
                     """)
@@ -124,7 +140,7 @@ class WorldFileProblemsTest {
                     physics: {mass: 1, mass: 2}                 ! 22 ! duplicate key `mass`, first on line 5
                     physics: {mass: {}}                         ! 19 ! mass: found a mapping, expected a number, a text or a list
                     physics: {mass: }                           ! 18 ! mass: found nothing, expected a number, a text or a list
-                    physical: {shape: ball}                     ! 21 ! shape: found text `ball`, expected one of `sphere`, `box`, `plane`, `capsule`, `cylinder`, `terrain`, `mesh`
+                    physical: {shape: ball}                     ! 21 ! shape: found text `ball`, expected one of `sphere`, `box`, `plane`, `capsule`, `cylinder`, `ellipsoid`, `terrain`, `mesh`
                     physical: {shape: sphere}                   ! 21 ! shape sphere needs `radius`
                     physical: {radius: 1}                       ! 14 ! `radius` without a `shape`
                     physical: {shape: box, size: 3}             ! 32 ! size: found 1 number, expected 3 numbers in m
@@ -334,7 +350,9 @@ class WorldFileProblemsTest {
                 "detached",
                 "removed",
                 "spoke",
-                "heard"
+                "heard",
+                "world-asleep",
+                "level-changed"
             })
     void refusesToRaiseAnEventOfTheServers(String event) {
         assertThat(
@@ -351,7 +369,7 @@ class WorldFileProblemsTest {
                                 + "missed, waiting, ready, standby, cluster, snapshot, snapshot-failed, "
                                 + "saved, rewound, "
                                 + "stalled, recovered, late, away, back, end, detached, "
-                                + "removed, spoke and heard");
+                                + "removed, spoke, heard, world-asleep and level-changed");
     }
 
     /** The name of a world becomes a part of file names. */

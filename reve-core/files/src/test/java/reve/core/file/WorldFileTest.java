@@ -254,6 +254,18 @@ class WorldFileTest {
                 .containsExactly(new double[] {0, 0, Math.PI}, within(1e-15));
     }
 
+    /** An item may lose its physics while its world runs; the saved world is still valid. */
+    @Test
+    void aWorldThatRanMayHaveAnActionThatNeedsLostPhysics() throws WorldFileException {
+        String items = "items: [{name: a, access: {push: {effects: [{impulse: [1, 0, 0]}]}}}]\n";
+        WorldDescription saved = parse("reve: 1\nname: w\nframe: {age: 5}\n" + items);
+        assertThat(saved.warnings())
+                .singleElement()
+                .asString()
+                .contains("the item has no `physics`, so this action could never work");
+        assertThat(saved.items()).hasSize(1);
+    }
+
     @Test
     void lawParametersBecomeSi() throws WorldFileException {
         List<LawReference> laws =
@@ -264,7 +276,7 @@ class WorldFileTest {
                                 laws:
                                   - newton_motion
                                   - name: drag
-                                    parameters: {density: 1.2 g/l, wind: 36 km/h, factor: 3, turn: 180 deg}
+                                    parameters: {density: 1.2 g/l, wind: 36 km/h, factor: 3, turn: 180 deg, up: [0, 1, 0], gust: 36 0 72 km/h}
                                 """)
                         .laws();
         assertThat(laws.getFirst())
@@ -273,7 +285,11 @@ class WorldFileTest {
         assertThat(drag.name()).isEqualTo("drag");
         assertThat(drag.place()).isEqualTo("world.yaml:5:11");
         assertThat(drag.parameters())
-                .isEqualTo(Map.of("density", 1.2, "wind", 10.0, "factor", 3.0, "turn", Math.PI));
+                .isEqualTo(
+                        Map.of(
+                                "density", 1.2, "wind", 10.0, "factor", 3.0, "turn", Math.PI,
+                                "up_x", 0.0, "up_y", 1.0, "up_z", 0.0, "gust_x", 10.0, "gust_y",
+                                0.0, "gust_z", 20.0));
         assertThat(drag.mentions())
                 .containsEntry(
                         "wind",
@@ -412,7 +428,7 @@ class WorldFileTest {
                                         """))
                 .hasMessageContaining(
                         "jointType: found text `hing`, expected one of fixed, ball, hinge, slider,"
-                                + " distance");
+                                + " distance, rope, six-axis");
     }
 
     @Test

@@ -94,6 +94,7 @@ final class WorldTrees {
                     "kind",
                     "parent",
                     "repeat",
+                    "parts",
                     "physical",
                     "semantic",
                     "access",

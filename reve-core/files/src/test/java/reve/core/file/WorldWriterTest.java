@@ -57,6 +57,63 @@ class WorldWriterTest {
                 .withMessage("world w has 257 rules, of which a world file holds 256");
     }
 
+    /** Edits of a running world may add conditions again and again. */
+    @Test
+    void aWorldWithMoreConditionsThanAWorldFileHoldsIsNotSaved() throws WorldFileException {
+        WorldDescription world = WorldFileTest.parse(withConditions("a", 0, 3000));
+        WorldFileTest.parse(WorldWriter.write(world));
+        List<ItemDefinition> items = new ArrayList<>(world.items());
+        items.addAll(WorldFileTest.parse(withConditions("b", 1000, 3000)).items());
+        WorldFileTest.parse(WorldWriter.write(withItems(items))); // equal ones count once
+        items.addAll(WorldFileTest.parse(withConditions("c", 3000, 5001)).items());
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> WorldWriter.write(withItems(items)))
+                .withMessage(
+                        "world w has 5001 different conditions and values in its actions, of which"
+                                + " a world file holds 5000");
+    }
+
+    private static WorldDescription withItems(List<ItemDefinition> items)
+            throws WorldFileException {
+        WorldDescription world = WorldFileTest.parse("reve: 1\nname: w\n");
+        return new WorldDescription(
+                world.name(),
+                world.doc(),
+                world.prototype(),
+                world.timing(),
+                world.age(),
+                world.laws(),
+                world.constants(),
+                world.camera(),
+                world.agents(),
+                world.rules(),
+                world.ruleSteps(),
+                items,
+                world.forces(),
+                world.warnings());
+    }
+
+    private static String withConditions(String item, int from, int to) {
+        return "reve: 1\nname: w\nitems: [{name: "
+                + item
+                + ", access: {"
+                + IntStream.range(0, (to - from + 49) / 50)
+                        .mapToObj(
+                                i ->
+                                        "x%d: {when: [%s], effects: [{raise: e}]}"
+                                                .formatted(
+                                                        i,
+                                                        IntStream.range(
+                                                                        from + 50 * i,
+                                                                        Math.min(
+                                                                                to,
+                                                                                from + 50 * i + 50))
+                                                                .mapToObj(k -> "1 < " + (k + 2))
+                                                                .collect(Collectors.joining(", "))))
+                        .collect(Collectors.joining(", "))
+                + "}}]\n";
+    }
+
     @Test
     void writesWhatAWorldFileSays() throws WorldFileException {
         WorldDescription world =

@@ -37,6 +37,7 @@ import javax.imageio.ImageIO;
 final class HeavyAssets {
 
     private static final int MIB = 1 << 20;
+    private static final String DAE = "<COLLADA>";
     private static final String OBJ_TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
     /** Writes the files of a case into a folder and returns the assets to read. */
@@ -81,6 +82,21 @@ final class HeavyAssets {
         CASES.put("gltf-2000-images", HeavyAssets::images);
         CASES.put("gltf-2000-views-of-an-image", HeavyAssets::viewsOfAnImage);
         CASES.put("gltf-points", HeavyAssets::points);
+        CASES.put("dae-numbers", text("x.dae", DAE + "<float_array>", "0 ", ""));
+        CASES.put("dae-indices", text("x.dae", DAE + "<p>", "1234567 ", ""));
+        CASES.put("dae-long-numbers", text("x.dae", DAE + "<p>", "-1.23456789e-12 ", ""));
+        CASES.put("dae-elements", text("x.dae", DAE, "<a/>", ""));
+        CASES.put("dae-levels", text("x.dae", DAE, "<a>", ""));
+        CASES.put("dae-text", text("x.dae", DAE + "<a>", "nothing to see ", "</a></COLLADA>"));
+        CASES.put("dae-one-comment", text("x.dae", DAE + "<!--", "nothing > to < see ", "-->"));
+        CASES.put("dae-comments", text("x.dae", DAE, "<!-- nothing to see -->", ""));
+        CASES.put("dae-raw-text", text("x.dae", DAE + "<a><![CDATA[", "nothing ", "]]></a>"));
+        CASES.put("dae-attribute", text("x.dae", DAE + "<a id=\"", "nothing ", "\"/>"));
+        CASES.put("dae-attributes", HeavyAssets::attributes);
+        CASES.put("dae-entities", text("x.dae", DAE + "<p>", "&lt;", "</p>"));
+        CASES.put("txt-heights", text("x.txt", "", "0 0 0 0 0 0 0 0\n", ""));
+        CASES.put("txt-one-row", text("x.txt", "", "1.5 ", ""));
+        CASES.put("txt-gaps", text("x.txt", "0 0\n", "  \t ", ""));
         CASES.put("jpeg-scans", folder -> write(folder, "x.jpg", Jpegs.withScans(4096, 1500)));
         CASES.put("jpeg-60-scans", folder -> write(folder, "x.jpg", Jpegs.withScans(4096, 54)));
         CASES.put("jpeg-segments", folder -> write(folder, "x.jpg", commented(31 * MIB)));
@@ -89,6 +105,21 @@ final class HeavyAssets {
         CASES.put("png-of-16-bits", folder -> write(folder, "x.png", png(4096, 16, 6)));
         CASES.put("png-16-million-pixels", folder -> write(folder, "x.png", png(4096, 8, 2)));
         CASES.put("png-too-large-a-file", text("x.png", "\u0089PNG\r\n\u001a\n", "\0\0\0\0", ""));
+    }
+
+    /** As many attributes with different names as fit. */
+    private static List<String> attributes(Path folder) throws IOException {
+        try (var out = Files.newBufferedWriter(folder.resolve("x.dae"))) {
+            out.write(DAE);
+            for (int name = 0; name < 6_000_000; ) {
+                out.write("<a");
+                for (int i = 0; i < 190; i++) {
+                    out.write(" a" + Integer.toString(name++, 36) + "=''");
+                }
+                out.write("/>");
+            }
+        }
+        return List.of("x.dae");
     }
 
     private HeavyAssets() {}
@@ -112,6 +143,8 @@ final class HeavyAssets {
                 try {
                     if (path.endsWith("g")) {
                         assets.texture(path);
+                    } else if (path.endsWith(".txt")) {
+                        assets.heights(path);
                     } else {
                         assets.mesh(path);
                     }

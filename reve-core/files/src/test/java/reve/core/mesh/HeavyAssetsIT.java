@@ -27,6 +27,8 @@ class HeavyAssetsIT {
                     "gltf-lists",
                     "gltf-400-buffers",
                     "gltf-2000-images",
+                    "dae-numbers",
+                    "dae-attributes",
                     "jpeg-scans");
 
     @TempDir private Path folder;

@@ -90,6 +90,35 @@ class MassPropertiesTest {
         assertThat(moments[1] / along).isCloseTo(1, within(1e-6));
     }
 
+    /** An ellipsoid of equal axes is a ball. The expected moments of others are sums over discs. */
+    @Test
+    void anEllipsoidHasTheMomentsOfItsDiscs() {
+        MassProperties ball = MassProperties.of(Shape.sphere(0.5), 1000);
+        MassProperties round = MassProperties.of(Shape.ellipsoid(1, 1, 1), 1000);
+        assertThat(round.mass()).isCloseTo(ball.mass(), within(1e-9));
+        assertClose(round.moments(), ball.moments());
+        double[] half = {0.3, 0.7, 0.45};
+        int discs = 20_000;
+        double mass = 0;
+        double[] moments = new double[3];
+        for (int i = 0; i < discs; i++) {
+            double y = half[1] * (2 * (i + 0.5) / discs - 1);
+            double part = Math.sqrt(1 - y * y / (half[1] * half[1]));
+            double a = half[0] * part;
+            double c = half[2] * part;
+            double disc = Math.PI * a * c * 2 * half[1] / discs;
+            mass += disc;
+            moments[0] += disc * (c * c / 4 + y * y);
+            moments[1] += disc * (a * a + c * c) / 4;
+            moments[2] += disc * (a * a / 4 + y * y);
+        }
+        MassProperties solid = MassProperties.of(Shape.ellipsoid(0.6, 1.4, 0.9), 1);
+        assertThat(solid.volume() / mass).isCloseTo(1, within(1e-6));
+        for (int axis = 0; axis < 3; axis++) {
+            assertThat(solid.moments()[axis] / moments[axis]).isCloseTo(1, within(1e-6));
+        }
+    }
+
     @Test
     void aMeshOfABoxWeighsWhatTheBoxDoesWhereverItIs() {
         MassProperties brick = MassProperties.of(box(10, -7, 4, 1, 2, 3), 10);

@@ -74,6 +74,50 @@ class ExpressionTest {
         arena.close();
     }
 
+    @ParameterizedTest(name = "{0} is in {1}")
+    @CsvSource(
+            delimiter = '|',
+            textBlock =
+                    """
+                    physics.mass                                  | kg
+                    -physical.location[1]                         | m
+                    norm(physics.velocity)                        | m/s
+                    physics.range                                 | m
+                    semantic.limit                                | m/s
+                    physical.location[1] - 0.5                    | m
+                    2 + physics.mass                              | kg
+                    norm(physics.velocity) - semantic.limit       | m/s
+                    subtract(physical.location, [0, 1, 0])        | m
+                    distance(physical.location, [0, -1, 0])       | m
+                    scale(physics.velocity, physics.mass)         | kg*m/s
+                    dot(physics.velocity, physics.velocity)       | m^2/s^2
+                    physics.range / norm(physics.velocity)        | s
+                    physics.mass > 1.0 ? physics.mass : 0.0       | kg
+                    rotate(physical.orientation, physics.velocity)| m/s
+                    math.abs(physics.mass)                        | kg
+                    physics.mass / physical.volume                | kg/m^3
+                    """)
+    void theUnitOfAResultFollowsFromThePropertiesThatItReads(String text, String unit)
+            throws Exception {
+        assertThat(SCOPE.compile(text).unit()).map(Unit::symbol).hasValue(unit);
+    }
+
+    /** A number in the text may stand for a quantity, so the unit of its product is not known. */
+    @ParameterizedTest
+    @ValueSource(
+            strings = {
+                "9.81 * physics.mass",
+                "physics.mass + norm(physics.velocity)",
+                "1.0",
+                "item.name",
+                "physics.mass > 1.0",
+                "math.sqrt(physics.mass)",
+                "[1.0].map(x, physics.mass)[0]"
+            })
+    void aUnitThatDoesNotFollowIsNotGuessed(String text) throws Exception {
+        assertThat(SCOPE.compile(text).unit()).isEmpty();
+    }
+
     private static String evaluated(String text, Item item) throws Exception {
         return String.valueOf(SCOPE.compile(text).evaluate(SCOPE.bindings().of(item)));
     }
@@ -107,6 +151,9 @@ class ExpressionTest {
                 "'limit' in semantic                           | true",
                 "'torn' in semantic                            | false",
                 "physical.colour == '#ccccccff'                | true",
+                "physical.movable                              | true",
+                "physical.volume                               | 0.0",
+                "physical.substance                            | \"\"",
                 "physics.mass == 2 && 3 != physics.mass         | true",
                 "item.name.matches('^b[a-z]{3}$')              | true",
                 "item.name.matches('^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$') | false",
@@ -137,6 +184,7 @@ class ExpressionTest {
             value = {
                 "physics.temprature > 350    | 7  | unknown name `temprature`",
                 "physics.mass > 'heavy'      | 13 | `>` does not go with (number, text)",
+                "null > physics.mass         | 5  | `>` does not go with (no value, number)",
                 "physics.mass >              | 14 | ends too early",
                 "physics.mass = 3            | 13 | `=` makes no sense here",
                 "physics.velocity > 3        | 17 | `>` does not go with (list of numbers, number)",
@@ -211,7 +259,7 @@ class ExpressionTest {
         assertThat(refused)
                 .hasMessage(
                         "unknown name `place`; known here: "
-                                + "colour, location, orientation, size");
+                                + "colour, location, movable, orientation, size, substance, volume");
     }
 
     @ParameterizedTest

@@ -95,6 +95,16 @@ class PatternsTest {
     }
 
     @Test
+    void setOfCharactersBeginsNoRange() {
+        for (String set : new String[] {"\\p{Greek}", "\\pL", "\\d", "A-\\x{61}", "A-\\x61"}) {
+            String pattern = "[" + set + "--[:][:a:]{20}:]";
+            assertThat(Patterns.estimate(pattern))
+                    .as(pattern)
+                    .isGreaterThanOrEqualTo(Pattern.compile(pattern).programSize());
+        }
+    }
+
+    @Test
     void estimateOfAnOrdinaryPatternIsClose() {
         assertThat(Patterns.estimate("^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$"))
                 .isBetween(40L, 120L);

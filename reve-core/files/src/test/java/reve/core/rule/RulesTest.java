@@ -3,6 +3,7 @@ package reve.core.rule;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
+import static org.assertj.core.api.Assertions.within;
 
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.Test;
@@ -28,6 +29,7 @@ import reve.core.world.WorldPrototype;
 import java.util.ArrayList;
 import java.util.Collections;
 import java.util.HashMap;
+import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -183,6 +185,52 @@ class RulesTest {
         pot.semantic().set("class", "vase");
         rules.update(2);
         assertThat(of(pot, "hot")).isEqualTo("none");
+    }
+
+    @Test
+    void theVolumeFollowsTheShape() throws Exception {
+        Item thing = world.add(ItemDefinition.named("thing").build());
+        Rules rules = rules("litres", "1000.0 * physical.volume");
+        long frame = 0;
+        Shape tetrahedron =
+                Shape.mesh(
+                        new float[] {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1},
+                        new int[] {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3});
+        Map<Shape, Double> litres = new LinkedHashMap<>();
+        litres.put(Shape.sphere(0.5), 1000 * 4 / 3.0 * Math.PI * 0.125);
+        litres.put(Shape.box(1, 2, 3), 6000.0);
+        litres.put(Shape.box(1, 2, 4), 8000.0);
+        litres.put(Shape.cylinder(0.5, 2), 1000 * Math.PI * 0.5);
+        litres.put(Shape.plane(3, 3), 0.0);
+        litres.put(tetrahedron, 1000 / 6.0);
+        litres.put(Shape.none(), 0.0);
+        for (Map.Entry<Shape, Double> each : litres.entrySet()) {
+            thing.physical().setShape(each.getKey());
+            rules.update(++frame);
+            assertThat((double) of(thing, "litres"))
+                    .as("%s", each.getKey())
+                    .isCloseTo(each.getValue(), within(1e-9));
+        }
+        assertThat(world.events()).isEmpty();
+    }
+
+    @Test
+    void aBodyIsMovableWhileItHasAMass() throws Exception {
+        Item thing = world.add(ItemDefinition.named("thing").build());
+        Item other = body("other", 300);
+        Rules rules = rules("movable", "physical.movable");
+
+        rules.update(1);
+        assertThat(of(thing, "movable")).isEqualTo(false);
+        assertThat(of(other, "movable")).isEqualTo(false);
+        thing.physics().set("mass", 2);
+        rules.update(2);
+        assertThat(of(thing, "movable")).isEqualTo(true);
+        thing.physics().clear();
+        other.physics().set("mass", 1);
+        rules.update(3);
+        assertThat(of(thing, "movable")).isEqualTo(false);
+        assertThat(of(other, "movable")).isEqualTo(true);
     }
 
     @Test

@@ -15,8 +15,11 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.mesh.MassProperties;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Mesh;
+import reve.core.world.Pose;
 import reve.core.world.Shape;
 
+import java.awt.image.BufferedImage;
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
@@ -24,6 +27,8 @@ import java.nio.file.Path;
 import java.util.Map;
 import java.util.Random;
 import java.util.stream.Collectors;
+
+import javax.imageio.ImageIO;
 
 /** Files of MJCF as worlds: joints, layers, actuators and scenery, and files that are wrong. */
 class MjcfImportTest {
@@ -183,6 +188,127 @@ class MjcfImportTest {
         assertThat(others.get("leg shape").physics("passesLayers")).isEmpty();
     }
 
+    /** The file states half axes, and the ends of a spheroid. */
+    @Test
+    void ellipsoidsHaveTheAxesAndTheMassOfTheFile() throws Exception {
+        RobotImport robot =
+                imported(
+                        """
+                        <mujoco><worldbody>
+                        <geom name='hill' type='ellipsoid' size='3 2 1' pos='0 0 -1'/>
+                        <body name='egg' pos='0 0 2'><freejoint/>
+                          <geom type='ellipsoid' size='0.1 0.2 0.3' density='500'/></body>
+                        <body name='bean'><freejoint/>
+                          <geom type='ellipsoid' fromto='0 0 0 0 0 0.8' size='0.1' mass='2'/></body>
+                        </worldbody></mujoco>
+                        """);
+        assertThat(robot.notes()).isEmpty();
+        Map<String, ItemDefinition> items = items(robot);
+        assertThat(items.get("egg shape").shape()).isEqualTo(Shape.ellipsoid(0.2, 0.4, 0.6));
+        assertThat(items.get("egg shape").physics("partOfBody").orElseThrow()).containsExactly(1);
+        MassProperties egg = MassProperties.of(Shape.ellipsoid(0.2, 0.4, 0.6), 500);
+        assertThat(items.get("egg").physics("mass").orElseThrow())
+                .containsExactly(new double[] {egg.mass()}, within(1e-9));
+        assertThat(items.get("egg").physics("inertia").orElseThrow())
+                .containsExactly(egg.moments(), within(1e-9));
+        assertThat(items.get("bean shape").shape()).isEqualTo(Shape.ellipsoid(0.2, 0.2, 0.8));
+        assertThat(items.get("bean").physics("mass").orElseThrow())
+                .containsExactly(new double[] {2}, within(1e-12));
+        assertThat(items.get("hill").shape()).isEqualTo(Shape.ellipsoid(6, 4, 2));
+        assertThat(items.get("hill").hasPhysics()).isFalse();
+    }
+
+    /**
+     * The lowest height becomes 0, and the highest one the third number of the size. The first row
+     * is at the edge +Y of the file, which is -Z of the world.
+     */
+    @Test
+    void heightFieldsBecomeTerrains() throws Exception {
+        var image = new BufferedImage(2, 2, BufferedImage.TYPE_BYTE_GRAY);
+        int[] grey = {51, 51, 102, 153};
+        image.getRaster().setSamples(0, 0, 2, 2, 0, grey);
+        ImageIO.write(image, "png", folder.resolve("hill.png").toFile());
+        RobotImport robot =
+                imported(
+                        """
+                        <mujoco><asset>
+                          <hfield name='steps' nrow='2' ncol='3' size='3 2 0.5 0.1'
+                            elevation='10 10 20 10 15 10'/>
+                          <hfield file='hill.png' size='1 1 4 0.1'/>
+                        </asset><worldbody>
+                        <geom name='ground' type='hfield' hfield='steps' pos='0 0 1'/>
+                        <geom name='hill' type='hfield' hfield='hill' pos='9 0 0'/>
+                        <body name='ball' pos='0 0 5'><freejoint/><geom size='0.1'/></body>
+                        </worldbody></mujoco>
+                        """);
+        assertThat(robot.notes()).isEmpty();
+        assertThat(robot.files()).containsKeys("meshes/steps.txt", "meshes/hill.txt");
+        Map<String, ItemDefinition> items = items(robot);
+        ItemDefinition ground = items.get("ground");
+        assertThat(ground.hasPhysics()).isFalse();
+        assertThat(corners(ground))
+                .containsExactly(
+                        new double[] {
+                            -3, 1, -2, 0, 1, -2, 3, 1.5, -2, -3, 1, 2, 0, 1.25, 2, 3, 1, 2
+                        },
+                        within(1e-6));
+        assertThat(corners(items.get("hill")))
+                .containsExactly(
+                        new double[] {8, 0, -1, 10, 0, -1, 8, 2, 1, 10, 4, 1}, within(1e-6));
+    }
+
+    /** Returns the vertices of a terrain in the axes of the world. */
+    private static double[] corners(ItemDefinition terrain) {
+        Mesh mesh = (Mesh) terrain.shape();
+        Pose pose = Pose.of(terrain.location(), terrain.orientation());
+        double[] corners = new double[mesh.vertices().remaining()];
+        for (int i = 0; i < corners.length; i += 3) {
+            Pose own =
+                    new Pose(
+                            mesh.vertices().get(i),
+                            mesh.vertices().get(i + 1),
+                            mesh.vertices().get(i + 2),
+                            0,
+                            0,
+                            0,
+                            1);
+            System.arraycopy(own.within(pose).location(), 0, corners, i, 3);
+        }
+        return corners;
+    }
+
+    /** The number of dimensions of a contact determines which values of the friction count. */
+    @ParameterizedTest
+    @CsvSource({"1, 0, 0, 0", "3, 0.7, 0, 0", "4, 0.7, 0.02, 0", "6, 0.7, 0.02, 0.003"})
+    void frictionAgainstSpinAndRollingIsThatOfTheFile(
+            int dimensions, double sliding, double spinning, double rolling) throws Exception {
+        String geom = "condim='%d' friction='0.7 0.02 0.003'".formatted(dimensions);
+        RobotImport robot =
+                imported(
+                        """
+                        <mujoco><worldbody><geom name='floor' type='plane' size='1 1 1' %s/>
+                        <body name='a'><freejoint/><geom size='1' %s/></body>
+                        <body name='b'><freejoint/><geom size='1' condim='6'/></body>
+                        </worldbody></mujoco>
+                        """
+                                .formatted(geom, geom));
+        Map<String, ItemDefinition> items = items(robot);
+        assertThat(items.get("a shape").physics("friction").orElseThrow()).containsExactly(sliding);
+        assertThat(items.get("a shape").physics("spinFriction").orElse(new double[1]))
+                .containsExactly(spinning);
+        assertThat(items.get("a shape").physics("rollingFriction").orElse(new double[1]))
+                .containsExactly(rolling);
+        assertThat(items.get("b shape").physics("spinFriction").orElseThrow())
+                .containsExactly(0.005);
+        assertThat(items.get("b shape").physics("rollingFriction").orElseThrow())
+                .containsExactly(0.0001);
+        Map<String, Double> parameters = world(robot).laws().getLast().parameters();
+        assertThat(parameters.getOrDefault("friction", 0.0)).isEqualTo(sliding);
+        assertThat(parameters.getOrDefault("spinFriction", 0.0)).isEqualTo(spinning);
+        assertThat(parameters.getOrDefault("rollingFriction", 0.0)).isEqualTo(rolling);
+        assertThat(robot.notes()).isEmpty();
+    }
+
     @Test
     void actuatorsBecomeActionsInTheUnitsOfTheJoint() throws Exception {
         RobotImport robot = imported(ROBOT);
@@ -195,6 +321,7 @@ class MjcfImportTest {
                         "{set: physics.driveTravel, to: $travel}",
                         "{set: physics.driveStiffness, to: 100}",
                         "{set: physics.driveDamping, to: 20}",
+                        "{set: physics.driveDamping, to: 4}",
                         "speed: {unit: m/s, min: -0.5, max: 0.5} force: {unit: N, min: 0}");
         ItemDefinition rail = items(robot).get("rail");
         assertThat(rail.actions()).hasSize(2);
@@ -205,6 +332,43 @@ class MjcfImportTest {
         ItemDefinition two = items(imported(geared)).get("rail");
         assertThat(two.physics("driveStiffness").orElseThrow()).containsExactly(400);
         assertThat(two.physics("driveForce").orElseThrow()).containsExactly(14);
+    }
+
+    /** The torque of a velocity actuator at the speed w is gear kv (control - gear w). */
+    @Test
+    void aVelocityActuatorIsAMotorWithDamping() throws Exception {
+        String robot =
+                """
+                <mujoco><worldbody><body name='a'><joint name='hinge'/><geom size='1'/>
+                <body name='b'><joint name='slip' type='slide'/><geom size='1'/></body></body>
+                </worldbody><actuator>
+                <velocity joint='hinge' kv='3' gear='2' ctrlrange='-4 4' forcerange='-5 5'/>
+                <velocity joint='slip' kv='7'/>%s</actuator></mujoco>
+                """;
+        RobotImport one = imported(robot.formatted(""));
+        ItemDefinition hinge = items(one).get("hinge");
+        assertThat(hinge.physics("motorDamping").orElseThrow()).containsExactly(12);
+        assertThat(hinge.physics("motorTorque").orElseThrow()).containsExactly(10);
+        assertThat(hinge.physics("motorStiffness")).isEmpty();
+        assertThat(hinge.physics("motorSpeed")).isEmpty();
+        ItemDefinition slip = items(one).get("slip");
+        assertThat(slip.physics("driveDamping").orElseThrow()).containsExactly(7);
+        assertThat(slip.physics("driveForce").orElseThrow()).containsExactly(1e5);
+        assertThat(one.files().get("robot.yaml").replaceAll("\\s+", " "))
+                .contains("speed: {unit: rad/s, min: -2, max: 2}")
+                .doesNotContain("physics.motorDamping", "physics.driveDamping");
+        assertThat(one.notes()).isEmpty();
+        // The damping of a joint with a servo is stated even if it is 0, because an act sets it.
+        RobotImport servo = imported(robot.formatted("<position joint='slip' kp='4'/>"));
+        assertThat(items(servo).get("slip").physics("driveDamping").orElseThrow())
+                .containsExactly(0);
+        assertThat(servo.files().get("robot.yaml")).contains("{set: physics.driveDamping, to: 7}");
+        // A second actuator of the joint has no damping, so each act sets it.
+        String two = imported(robot.formatted("<motor joint='hinge'/>")).files().get("robot.yaml");
+        assertThat(two)
+                .contains(
+                        "{set: physics.motorDamping, to: 12}", "{set: physics.motorDamping, to: 0}")
+                .doesNotContain("physics.motorStiffness");
     }
 
     @Test
@@ -310,6 +474,10 @@ class MjcfImportTest {
                         + " body has the name a",
                 "<mujoco><worldbody><body name='a'><joint/><geom type='plane' size='1'/></body></worldbody></mujoco>"
                         + " | a plane is on a body that moves",
+                "<mujoco><worldbody><geom size='1' condim='2'/></worldbody></mujoco> | condim is 2.0,"
+                        + " expected 1, 3, 4 or 6",
+                "<mujoco><worldbody><geom size='1' friction='1 -1'/></worldbody></mujoco> | the"
+                        + " friction is -1.0, expected 0 or more",
                 "<mujoco><worldbody><body name='a'><joint damping='-1'/></body></worldbody></mujoco>"
                         + " | damping is -1.0, expected 0 or more",
                 "<mujoco><worldbody><geom size='1'/></worldbody><actuator><motor"
@@ -341,5 +509,38 @@ class MjcfImportTest {
                 throw new AssertionError(robot, broken);
             }
         }
+    }
+
+    @Test
+    void aLinearCouplingOfTwoJointsIsAGear() throws Exception {
+        String file =
+                """
+                <mujoco>
+                  <worldbody>
+                    <body name="a"><joint name="one"/><geom size="0.1"/>
+                      <body name="b" pos="1 0 0"><joint name="two" type="slide"/><geom size="0.1"/></body>
+                    </body>
+                  </worldbody>
+                  <equality>
+                    <joint joint1="two" joint2="one" polycoef="0.1 0.3 0 0 0" solref="0.1 1"/>
+                    <joint joint1="two" joint2="one" polycoef="0 1 2 0 0"/>
+                    <joint joint1="two"/>
+                    <weld body1="a"/>
+                  </equality>
+                </mujoco>
+                """;
+        RobotImport robot = imported(file);
+        ItemDefinition gear = items(robot).get("two gear");
+        assertThat(gear.references().get("geared")).containsExactly("two", "one");
+        assertThat(gear.physics("gearRatio").orElseThrow()).containsExactly(0.3);
+        assertThat(gear.physics("offsetTravel").orElseThrow()).containsExactly(0.1);
+        assertThat(robot.notes())
+                .contains(
+                        "not imported: <equality> <joint> of one joint or not active",
+                        "not imported: <equality> <joint> that is not linear",
+                        "not imported: <equality> <weld>",
+                        "not imported: solref of <joint>");
+        assertThatThrownBy(() -> imported(file.replace("joint2=\"one\"", "joint2=\"no\"")))
+                .hasMessageContaining("there is no joint no");
     }
 }

@@ -24,6 +24,7 @@ import java.nio.ByteOrder;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
 import java.util.Random;
@@ -180,7 +181,8 @@ class RobotImportTest {
                     + " damping=\"1\"/></joint>"
                     + "<joint name=\"rail\" type=\"prismatic\"><origin xyz=\"0.4 0 0\"/><parent"
                     + " link=\"upper\"/><child link=\"slide\"/><limit lower=\"0\" upper=\"0.3\""
-                    + " effort=\"0\" velocity=\"0\"/><mimic joint=\"shoulder\"/></joint>"
+                    + " effort=\"0\" velocity=\"0\"/><mimic joint=\"shoulder\" multiplier=\"-0.1\""
+                    + " offset=\"0.05\"/></joint>"
                     + "<transmission/><gazebo/><gazebo/></robot>";
 
     @Test
@@ -190,8 +192,8 @@ class RobotImportTest {
         assertThat(robot.joints()).isEqualTo(2);
         assertThat(robot.notes())
                 .containsExactly(
+                        "joint rail: it is at 0 at the start, and then moves to its offset 0.05",
                         "not imported: <gazebo> (2 times)",
-                        "not imported: <mimic> of joints, which then move freely",
                         "not imported: <transmission>");
         Map<String, ItemDefinition> items = items(robot);
         assertThat(items.get("shoulder").physics("angleDamping").orElseThrow()).containsExactly(1);
@@ -234,9 +236,44 @@ class RobotImportTest {
                                 .location())
                 .containsExactly(new double[] {0, 1, -0.4}, within(1e-9));
         assertThat(items.get("rail").physics("travelLimits").orElseThrow()).containsExactly(0, 0.3);
-        assertThat(items.get("rail").actions())
+        assertThat(items.get("rail").actions()).as("of a joint that mimics another one").isEmpty();
+        assertThat(shoulder.actions())
                 .singleElement()
                 .satisfies(action -> assertThat(action.name()).isEqualTo("drive"));
+        ItemDefinition gear = items.get("rail gear");
+        assertThat(gear.kind()).isEqualTo("gear");
+        assertThat(gear.references().get("geared")).containsExactly("rail", "shoulder");
+        assertThat(gear.physics("gearRatio").orElseThrow()).containsExactly(-0.1);
+        assertThat(gear.physics("offsetTravel").orElseThrow()).containsExactly(0.05);
+    }
+
+    @Test
+    void aJointThatMimicsNoOtherJointIsRefused() {
+        assertThatThrownBy(
+                        () ->
+                                imported(
+                                        ARM.replace("mimic joint=\"shoulder", "mimic joint=\"hip"),
+                                        USUAL))
+                .isInstanceOf(RobotFileException.class)
+                .hasMessageContaining("the joint rail mimics hip, which is no joint of the file");
+        assertThatThrownBy(
+                        () ->
+                                imported(
+                                        ARM.replace("mimic joint=\"shoulder", "mimic joint=\"rail"),
+                                        USUAL))
+                .isInstanceOf(RobotFileException.class)
+                .hasMessageContaining("the joint rail mimics itself");
+    }
+
+    @Test
+    void theCouplingOfARigidJointIsNotImported() throws Exception {
+        RobotImport robot =
+                imported(ARM.replace("lower=\"-1\" upper=\"2\"", "lower=\"0\" upper=\"0\""), USUAL);
+        assertThat(robot.notes())
+                .contains(
+                        "joint rail: its coupling to shoulder is not imported, because one of the two"
+                                + " is no hinge or slider");
+        assertThat(items(robot)).doesNotContainKey("rail gear");
     }
 
     @Test
@@ -319,6 +356,46 @@ class RobotImportTest {
         assertThat(solid.centre()).containsExactly(new double[3], within(1e-6));
     }
 
+    /**
+     * The unit of a COLLADA file counts, and its upward axis does not, because ROS ignores it. The
+     * cube from 0 to 100 cm is a box from 0 to 2, 0 to 3 and 0 to 4.
+     */
+    @ParameterizedTest
+    @CsvSource({"X_UP", "Y_UP", "Z_UP"})
+    void colladaFilesKeepTheirAxes(String up) throws Exception {
+        StringBuilder corners = new StringBuilder();
+        for (int i = 0; i < 24; i++) {
+            corners.append(100 * corner(i / 3, i % 3)).append(' ');
+        }
+        String faces = Arrays.stream(CUBE).mapToObj(i -> i + " ").collect(Collectors.joining());
+        Files.writeString(
+                folder.resolve("cube.dae"),
+                """
+                <COLLADA><asset><unit meter="0.01"/><up_axis>UP</up_axis></asset>
+                <library_geometries><geometry id="g"><mesh>
+                  <source id="s"><float_array id="a" count="24">CORNERS</float_array>
+                    <technique_common><accessor source="#a" count="8" stride="3"/></technique_common></source>
+                  <vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+                  <triangles count="12"><input semantic="VERTEX" source="#v" offset="0"/><p>FACES</p></triangles>
+                </mesh></geometry></library_geometries></COLLADA>
+                """
+                        .replace("UP</", up + "</")
+                        .replace("CORNERS", corners)
+                        .replace("FACES", faces));
+        RobotImport robot =
+                imported(
+                        "<robot name=\"r\"><link name=\"a\">"
+                                + inertial("xyz=\"0 0 0\"", 1, 1, 1, 1)
+                                + "<collision><geometry><mesh filename=\"cube.dae\" scale=\"2 3 4\"/>"
+                                + "</geometry></collision></link></robot>",
+                        Y_UP);
+        assertThat(robot.notes()).isEmpty();
+        assertThat(robot.files()).containsKey("meshes/cube.obj");
+        ItemDefinition shape = items(robot).get("a shape");
+        assertThat(shape.location()).containsExactly(new double[] {1, 1.5, 2}, within(1e-6));
+        assertThat(MassProperties.of(shape.shape(), 1).volume()).isCloseTo(24, within(1e-5));
+    }
+
     private static float corner(int number, int axis) {
         return number >> axis & 1;
     }
@@ -390,7 +467,7 @@ class RobotImportTest {
                 "/etc/passwd.stl | leads out of the folder",
                 "../../../x.stl | leads out of the folder",
                 "file:///etc/x.stl | not found",
-                "x.dae | format is not read",
+                "x.ply | format is not read",
                 "broken.stl | not STL",
                 "endless.stl | a coordinate is NaN",
                 "word.stl | 'one' is no number"

@@ -54,7 +54,9 @@ public final class BoundingBoxes {
                 half[i] *= 0.5;
             }
             for (int row = 0; row < rows; row++) {
-                if (shape[row] != Shape.SPHERE && shape[row] != Shape.NONE) {
+                if (shape[row] == Shape.ELLIPSOID) {
+                    turnEllipsoid(row);
+                } else if (shape[row] != Shape.SPHERE && shape[row] != Shape.NONE) {
                     turn(row, shape[row] == Shape.MESH ? (Mesh) table.shapeAt(first + row) : null);
                 }
             }
@@ -133,6 +135,37 @@ public final class BoundingBoxes {
         if (mesh != null) {
             position[at] += x * centre(mesh, 0) + y * centre(mesh, 1) + z * centre(mesh, 2);
         }
+    }
+
+    /** Turns the half extents of an ellipsoid into those of the axis-aligned box around it. */
+    private void turnEllipsoid(int row) {
+        double x = orientation[4 * row];
+        double y = orientation[4 * row + 1];
+        double z = orientation[4 * row + 2];
+        double w = orientation[4 * row + 3];
+        int at = 3 * row;
+        double a = half[at];
+        double b = half[at + 1];
+        double c = half[at + 2];
+        half[at] =
+                length(
+                        a * (1 - 2 * (y * y + z * z)),
+                        b * 2 * (x * y - z * w),
+                        c * 2 * (x * z + y * w));
+        half[at + 1] =
+                length(
+                        a * 2 * (x * y + z * w),
+                        b * (1 - 2 * (x * x + z * z)),
+                        c * 2 * (y * z - x * w));
+        half[at + 2] =
+                length(
+                        a * 2 * (x * z - y * w),
+                        b * 2 * (y * z + x * w),
+                        c * (1 - 2 * (x * x + y * y)));
+    }
+
+    private static double length(double x, double y, double z) {
+        return Math.sqrt(x * x + y * y + z * z);
     }
 
     private static double centre(Mesh mesh, int axis) {

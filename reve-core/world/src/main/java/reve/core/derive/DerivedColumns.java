@@ -14,8 +14,8 @@ public final class DerivedColumns {
     private DerivedColumns() {}
 
     /**
-     * Subscribes to the phase DERIVE. In every frame it computes the places of attached items, then
-     * the boxes of all bodies.
+     * Subscribes to the phase DERIVE. The listener computes the places of attached items in every
+     * frame, then the boxes of all bodies.
      */
     public static void subscribeTo(FrameBus bus) {
         var boxes = new BoundingBoxes();

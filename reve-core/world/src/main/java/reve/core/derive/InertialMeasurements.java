@@ -7,9 +7,13 @@ import reve.core.world.Instrument;
 import reve.core.world.ItemId;
 import reve.core.world.Table;
 import reve.core.world.World;
+import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 
 import java.util.Arrays;
+import java.util.LinkedHashMap;
+import java.util.Locale;
+import java.util.Map;
 import java.util.Optional;
 import java.util.SortedSet;
 import java.util.function.Supplier;
@@ -18,14 +22,15 @@ import java.util.function.Supplier;
  * Computes the columns {@link WorldPrototype#SPECIFIC_FORCE} and {@link
  * WorldPrototype#ANGULAR_RATE} of bodies with an {@link Instrument.Imu}. The specific force is the
  * change of velocity during the phase PHYSICS divided by the length of the frame, minus the mean of
- * the gravitational acceleration before and after the phase. It is in the axes that the body has in
- * the middle of the frame. Velocities that acts and edits set do not count as acceleration.
+ * the gravitational acceleration before and after the phase. The specific force is given in the
+ * axes that the body has in the middle of the frame. Velocities that acts and edits set do not
+ * count as acceleration.
  *
  * <p>A body that is attached to other bodies moves rigidly with the outermost of them.
  *
- * <p>The cost is proportional to the number of bodies with an IMU. If laws of gravitation between
- * bodies act, it is proportional to this number times the number of all bodies. For the world's
- * thread only.
+ * <p>The cost is proportional to the number of bodies with an IMU. Laws of gravitation between
+ * bodies increase the cost: it is then proportional to this number times the number of all bodies.
+ * For the world's thread only.
  */
 public final class InertialMeasurements {
 
@@ -40,6 +45,12 @@ public final class InertialMeasurements {
         private static final Gravity NONE = new Gravity(false, false);
     }
 
+    /**
+     * Maximum number of pairs of a sensor and a body for which gravitation between bodies is
+     * computed, before and after the phase. The computation takes about 10 ms.
+     */
+    static final int MOST_PAIRS = 500_000;
+
     /** Numbers of each body in {@link #before}: velocity, gravity, orientation. */
     private static final int NUMBERS = 10;
 
@@ -49,12 +60,18 @@ public final class InertialMeasurements {
     private final double[] gravity = new double[3];
     private double[] before = {};
     private int count;
+    private boolean reported;
 
     /**
      * @param acting returns the gravity that the loaded laws exert now
      */
     public InertialMeasurements(Supplier<Gravity> acting) {
         this.acting = acting;
+    }
+
+    /** Makes the next frame with too many sensors report them. Called after a restore. */
+    public void forget() {
+        reported = false;
     }
 
     /** Records velocities and orientations before the laws of a frame act. */
@@ -70,8 +87,12 @@ public final class InertialMeasurements {
         Gravity gravities = acting.get();
         Table bodies = world.table(WorldPrototype.BODY);
         Column orientation = bodies.column("orientation");
+        int end = NUMBERS * most(bodies, gravities);
         int at = 0;
         for (ItemId item : items) {
+            if (at >= end) {
+                return;
+            }
             int row = bodies.rowOf(item);
             int carrier = carrier(world, bodies, item);
             readMotion(bodies, row, carrier);
@@ -87,11 +108,13 @@ public final class InertialMeasurements {
 
     /**
      * Computes the columns after the laws have acted and the places of attached items are known.
-     * Does nothing if no laws have acted since the last call, as after a rewind.
+     * Does nothing if no laws have acted since the last call, for example after a rewind. If there
+     * are too many sensors for the gravitation between the bodies, the specific force of those with
+     * the greatest ids is 0, and a fault is raised once.
      *
      * @param seconds length of the frame [s]
      */
-    public void derive(World world, double seconds) {
+    public void derive(World world, long frame, double seconds) {
         if (count == 0) {
             return;
         }
@@ -101,15 +124,23 @@ public final class InertialMeasurements {
         Column orientation = bodies.column("orientation");
         double[] now = new double[4];
         double[] middle = new double[4];
+        int end = NUMBERS * most(bodies, gravities);
         int at = 0;
         for (ItemId item : control.withImu()) {
             int row = bodies.rowOf(item);
             int carrier = carrier(world, bodies, item);
             readMotion(bodies, row, carrier);
-            readGravity(world, bodies, row, carrier, gravities);
             for (int i = 0; i < 4; i++) {
                 now[i] = orientation.getDouble(row, i);
             }
+            if (at >= end) {
+                turnBack(now, turning);
+                control.derive(WorldPrototype.SPECIFIC_FORCE, row, 0, 0, 0);
+                control.derive(
+                        WorldPrototype.ANGULAR_RATE, row, turning[0], turning[1], turning[2]);
+                continue;
+            }
+            readGravity(world, bodies, row, carrier, gravities);
             putBetween(before, at + 6, now, middle);
             for (int i = 0; i < 3; i++) {
                 velocity[i] =
@@ -123,10 +154,43 @@ public final class InertialMeasurements {
             control.derive(WorldPrototype.ANGULAR_RATE, row, turning[0], turning[1], turning[2]);
             at += NUMBERS;
         }
+        if (at < NUMBERS * count && !reported) {
+            reported = true;
+            report(world, frame, at / NUMBERS, bodies.physicsRowCount());
+        }
         count = 0;
     }
 
-    /** Returns the row of the outermost body that carries an item; of the item itself if none. */
+    /** Returns for how many sensors the specific force is computed. */
+    private int most(Table bodies, Gravity gravities) {
+        return gravities.mutual
+                ? Math.min(count, Math.max(1, MOST_PAIRS / Math.max(1, bodies.physicsRowCount())))
+                : count;
+    }
+
+    private void report(World world, long frame, int measured, int bodies) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("phase", "DERIVE");
+        fields.put("source", "inertial measurements");
+        fields.put("error", "TooManySensors");
+        fields.put(
+                "message",
+                String.format(
+                        Locale.ROOT,
+                        "%,d items have an `imu`, and a law of gravitation acts on %,d bodies:"
+                                + " expected at most %,d sensors times bodies. The specific force"
+                                + " of %,d items is measured, the others measure 0 (reported once)",
+                        count,
+                        bodies,
+                        MOST_PAIRS,
+                        measured));
+        world.raise(new WorldEvent(frame, "fault", fields));
+    }
+
+    /**
+     * Returns the row of the outermost body that carries an item. Returns the row of the item
+     * itself if no body carries it.
+     */
     private static int carrier(World world, Table bodies, ItemId item) {
         ItemId outermost = item;
         for (Optional<ItemId> parent = world.item(item).parent();
@@ -142,7 +206,7 @@ public final class InertialMeasurements {
         Arrays.fill(velocity, 0);
         Arrays.fill(turning, 0);
         if (carrier >= bodies.physicsRowCount()) {
-            return; // scenery
+            return; // scenery has no measurements
         }
         boolean movable = bodies.column("mass").getDouble(carrier, 0) > 0;
         if (movable) {

@@ -77,7 +77,7 @@ public final class OwnedFile implements Closeable {
             if (after.isPresent() && (before.isEmpty() || before.equals(after))) {
                 return new OwnedFile(path, channel, after);
             }
-            channel.close(); // another program moved the file between open and lock
+            channel.close(); // another program moved the file before it was locked
         }
         throw new FileSystemException(
                 path.toString(), null, "something moves or removes it again and again");
@@ -113,8 +113,8 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Returns whether the path still leads to the open file. It does not after another program has
-     * moved or removed the file.
+     * Returns whether the path still leads to the open file. The result is false after another
+     * program has moved or removed the file.
      */
     public boolean isInPlace() {
         try {
@@ -147,7 +147,7 @@ public final class OwnedFile implements Closeable {
 
     /**
      * Renames a file to {@code FILE.1}. First renames {@code FILE.1} to {@code FILE.2} and so on,
-     * up to the first free number. If no number is free, the oldest file is replaced.
+     * up to the first free number. The oldest file is replaced if no number is free.
      *
      * @param keep maximum number of older files, at least 1
      * @param kind check of the content of each older file
@@ -177,6 +177,8 @@ public final class OwnedFile implements Closeable {
     @FunctionalInterface
     public interface Kind {
         /**
+         * Checks the content of a file.
+         *
          * @throws IOException naming the file, if it has other content
          */
         void require(Path file) throws IOException;
@@ -233,7 +235,7 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Checks that the file system permits names of the length of the file's name and an ending.
+     * Checks that the file system permits a name that consists of the file's name and an ending.
      *
      * @param ending longest ending that the program appends to the name
      */

@@ -2,9 +2,12 @@
 package reve.core.disk;
 
 import java.io.IOException;
+import java.nio.file.CopyOption;
 import java.nio.file.FileAlreadyExistsException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.Set;
+import java.util.concurrent.ConcurrentHashMap;
 
 /**
  * Creation of incomplete files. A program writes a file beside its final place and moves the
@@ -13,12 +16,20 @@ import java.nio.file.Path;
 public final class PartFile {
     private static final int MOST = 1000;
 
+    /** Incomplete files of this process. They are removed if a signal ends the process. */
+    private static final Set<Path> UNFINISHED = ConcurrentHashMap.newKeySet();
+
+    static {
+        Runtime.getRuntime()
+                .addShutdownHook(new Thread(PartFile::removeUnfinished, "incomplete files"));
+    }
+
     private PartFile() {}
 
     /**
-     * Creates an empty file beside {@code place}, with the ending {@code .part}. If a file, link or
-     * pipe of this name exists, uses {@code .part2} and so on. An existing file stays unchanged,
-     * because another program may own it.
+     * Creates an empty file beside {@code place}, with the ending {@code .part}. Uses {@code
+     * .part2} and so on if a file, link or pipe of this name exists. An existing file stays
+     * unchanged, because another program may own it.
      *
      * @throws IOException if the file cannot be created
      */
@@ -27,11 +38,39 @@ public final class PartFile {
         for (int number = 1; ; number++) {
             Path part = place.resolveSibling(number == 1 ? name : name + number);
             try {
-                return Files.createFile(part);
+                Path created = Files.createFile(part);
+                UNFINISHED.add(created);
+                return created;
             } catch (FileAlreadyExistsException taken) {
                 if (number == MOST) {
                     throw taken;
                 }
+            }
+        }
+    }
+
+    /**
+     * Moves a complete file to its place.
+     *
+     * @throws IOException if it cannot be moved; the caller then removes it
+     */
+    public static void move(Path part, Path place, CopyOption... options) throws IOException {
+        Files.move(part, place, options);
+        UNFINISHED.remove(part);
+    }
+
+    /** Removes an incomplete file. */
+    public static void remove(Path part) throws IOException {
+        UNFINISHED.remove(part);
+        Files.deleteIfExists(part);
+    }
+
+    private static void removeUnfinished() {
+        for (Path part : UNFINISHED) {
+            try {
+                Files.deleteIfExists(part);
+            } catch (IOException stays) {
+                // The exception is ignored, because the process ends.
             }
         }
     }

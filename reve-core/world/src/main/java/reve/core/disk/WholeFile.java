@@ -26,7 +26,8 @@ public final class WholeFile implements AutoCloseable {
      * @throws IOException if it cannot be created, or a folder, pipe or device is at the place
      */
     public WholeFile(Path place) throws IOException {
-        if (Files.exists(place) && !Files.isRegularFile(place)) { // for example /dev/null
+        if (Files.exists(place) && !Files.isRegularFile(place)) {
+            // A device such as /dev/null must not be replaced by a file.
             throw new IOException("it is no regular file, expected a file or nothing");
         }
         this.place = place;
@@ -34,7 +35,7 @@ public final class WholeFile implements AutoCloseable {
         this.out = new BufferedOutputStream(Files.newOutputStream(part), BUFFER_BYTES);
     }
 
-    /** Writes the content of a file. */
+    /** A function that writes the content of a file. */
     @FunctionalInterface
     public interface Content {
         /** Writes the content to the stream, which the caller closes. */
@@ -42,7 +43,7 @@ public final class WholeFile implements AutoCloseable {
     }
 
     /**
-     * Writes a whole file. If this fails, an older file at the place stays as it is.
+     * Writes a whole file. An older file at the place stays as it is if the write fails.
      *
      * @throws IOException naming the file and the reason
      */
@@ -65,9 +66,9 @@ public final class WholeFile implements AutoCloseable {
         closed = true;
         try {
             out.close();
-            Files.move(part, place, StandardCopyOption.REPLACE_EXISTING);
+            PartFile.move(part, place, StandardCopyOption.REPLACE_EXISTING);
         } catch (IOException e) {
-            Files.deleteIfExists(part);
+            PartFile.remove(part);
             throw e;
         }
     }
@@ -80,9 +81,10 @@ public final class WholeFile implements AutoCloseable {
             try {
                 out.close();
             } catch (IOException e) {
-                // On a full disk, the rest of the data cannot be written, and is not needed.
+                // The exception is ignored. The rest of the data cannot be written to a full disk,
+                // and it is not needed.
             }
-            Files.deleteIfExists(part);
+            PartFile.remove(part);
         }
     }
 }

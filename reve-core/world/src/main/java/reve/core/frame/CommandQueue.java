@@ -49,7 +49,7 @@ public final class CommandQueue {
     }
 
     /**
-     * @param nanoTime clock that measures costly commands [ns]. Its times determine in which frame
+     * @param nanoTime clock that measures costly commands [ns]; its times determine in which frame
      *     a costly command is executed
      */
     CommandQueue(int capacity, LongSupplier nanoTime) {
@@ -107,8 +107,8 @@ public final class CommandQueue {
     }
 
     private void take(FrameEvent event) {
-        // Commands that arrive during this loop belong to the next frame. Otherwise a fast sender
-        // could keep the loop running.
+        // Commands that arrive during this loop belong to the next frame. A fast sender could
+        // otherwise keep the loop running.
         for (int i = waiting.get(); i > 0; i--) {
             Command command = arrived.poll();
             if (command == null) {
@@ -117,7 +117,8 @@ public final class CommandQueue {
             waiting.decrementAndGet();
             taken.add(command);
         }
-        if (!postponed.isEmpty()) { // addAll allocates even for an empty list
+        if (!postponed.isEmpty()) {
+            // The check avoids that addAll allocates memory for an empty list.
             waiting.addAndGet(-postponed.size());
             taken.addAll(postponed);
             postponed.clear();

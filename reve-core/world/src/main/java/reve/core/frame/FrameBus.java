@@ -12,7 +12,10 @@ public final class FrameBus {
 
     private static final Subscriber[] NONE = {};
 
-    /** Subscribers by phase (copy-on-write: a subscription replaces the array). */
+    /**
+     * Subscribers by phase. A new subscription replaces the array of its phase, so that a dispatch
+     * needs no lock.
+     */
     private final AtomicReferenceArray<Subscriber[]> subscribers =
             new AtomicReferenceArray<>(FramePhase.values().length);
 
@@ -49,8 +52,8 @@ public final class FrameBus {
     }
 
     /**
-     * Calls the listeners of the event's phase. After an exception of one listener, the others are
-     * still called. Each distinct exception message raises one "fault" event.
+     * Calls the listeners of the event's phase. An exception of one listener does not prevent the
+     * calls of the others. Each distinct exception message raises one "fault" event.
      */
     void dispatch(FrameEvent event) {
         for (Subscriber subscriber : subscribers.get(event.phase().ordinal())) {

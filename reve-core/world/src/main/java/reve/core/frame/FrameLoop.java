@@ -37,8 +37,8 @@ public final class FrameLoop {
     private static final long AT_WORK = Long.MIN_VALUE;
 
     /**
-     * Maximum time for which a paused loop sleeps at a stretch [ns]. The end of the pause wakes it
-     * earlier.
+     * Maximum time for which a paused loop sleeps without a check [ns]. The end of the pause wakes
+     * the loop earlier.
      */
     private static final long PAUSE_NANOSECONDS = 100_000_000;
 
@@ -58,6 +58,7 @@ public final class FrameLoop {
     private final Pacer pacer;
     private final AtomicLongArray phaseNanoseconds = new AtomicLongArray(PHASES.length);
     private final AtomicLong busyNanoseconds = new AtomicLong();
+    private final FrameTimes frameTimes = new FrameTimes();
     private final AtomicLong frames = new AtomicLong();
     private final FrameClock clock;
 
@@ -70,8 +71,8 @@ public final class FrameLoop {
     private final AtomicReference<@Nullable FramePhase> phase = new AtomicReference<>();
 
     /**
-     * Time at which the loop's thread will end its wait [ns]; {@link #AT_WORK} while it does not
-     * wait.
+     * Time at which the loop's thread will end its wait [ns]; {@link #AT_WORK} while the thread
+     * does not wait.
      */
     private final AtomicLong waitEnd = new AtomicLong(AT_WORK);
 
@@ -81,6 +82,7 @@ public final class FrameLoop {
     private boolean making;
     private volatile FrameGate gate = FrameGate.OPEN;
     private volatile boolean stopped;
+    private volatile boolean suspended;
     private volatile @Nullable Thread runner;
 
     /** Creates a loop that uses the system's clock. */
@@ -122,13 +124,15 @@ public final class FrameLoop {
         control.endPhysics();
         dispatch(frame, FramePhase.DERIVE);
         publish(frame);
-        add(busyNanoseconds, clock.nanoTime() - start);
+        long duration = clock.nanoTime() - start;
+        add(busyNanoseconds, duration);
+        frameTimes.add(duration);
         frames.setRelease(frame);
     }
 
     /**
      * Continues with the frame after {@code frame}, because the caller has replaced the state of
-     * the world. Before that frame, the loop runs the phases DERIVE and PUBLISH for the new state.
+     * the world. The loop runs the phases DERIVE and PUBLISH for the new state before that frame.
      * For the world's thread, between frames.
      *
      * @param frame number of the last completed frame, or a higher number
@@ -257,11 +261,12 @@ public final class FrameLoop {
      * @return number of the last frame before the pause, which may still be in progress
      */
     public synchronized long pause() {
-        // From here on, the loop begins no frame, or notices the pause at its second check.
+        // After this assignment, the loop begins no frame. A loop that is just beginning a frame
+        // notices the pause at its second check.
         lastAllowed.set(0);
         long last = begunFrame.get();
         lastAllowed.set(last);
-        wake(); // ends a wait for the gate
+        wake(); // a loop that waits for the gate checks it again
         return last;
     }
 
@@ -275,7 +280,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Resumes {@link #run} for {@code count} more frames. For any thread.
+     * Resumes {@link #run} for {@code count} more frames, after which the loop pauses again. For
+     * any thread.
      *
      * @return number of the frame after which the loop pauses again
      */
@@ -290,6 +296,23 @@ public final class FrameLoop {
     /** Returns true while the loop must not begin another frame. For any thread. */
     public boolean isPaused() {
         return lastAllowed.get() <= frame();
+    }
+
+    /**
+     * Prevents {@link #run} from beginning another frame, or permits it again. This is independent
+     * of {@link #pause}: resuming the loop does not end it. The loop runs errands meanwhile. The
+     * duration does not count as delay. For any thread.
+     */
+    public void suspend(boolean isSuspended) {
+        if (suspended != isSuspended) {
+            suspended = isSuspended;
+            wake(); // a loop that waits for the gate checks it again
+        }
+    }
+
+    /** Returns whether {@link #suspend} prevents the next frame. For any thread. */
+    public boolean isSuspended() {
+        return suspended;
     }
 
     /**
@@ -319,7 +342,10 @@ public final class FrameLoop {
         return world;
     }
 
-    /** Returns which rule, condition or action the world's thread evaluates now. For any thread. */
+    /**
+     * Returns the activity, which describes the rule, condition or action that the world's thread
+     * evaluates now. For any thread.
+     */
     public Activity activity() {
         return world.activity();
     }
@@ -355,6 +381,14 @@ public final class FrameLoop {
         return busyNanoseconds.getAcquire();
     }
 
+    /**
+     * Returns the time in the listeners of a phase so far [ns], as in {@link #profile}. For any
+     * thread.
+     */
+    public long phaseNanoseconds(FramePhase phase) {
+        return phaseNanoseconds.getAcquire(phase.ordinal());
+    }
+
     /** Returns the number of frames and their times so far. For any thread. */
     public FrameProfile profile() {
         Map<FramePhase, Long> byPhase = new EnumMap<>(FramePhase.class);
@@ -366,7 +400,8 @@ public final class FrameLoop {
                 pacer.overruns(),
                 pacer.droppedFrames(),
                 busyNanoseconds.getAcquire(),
-                byPhase);
+                byPhase,
+                frameTimes.counts());
     }
 
     private void begin() {
@@ -452,7 +487,7 @@ public final class FrameLoop {
 
     private void await(long nanoseconds) {
         waitEnd.setRelease(clock.nanoTime() + nanoseconds);
-        if (isPaused()) {
+        if (isPaused() || suspended) {
             park(nanoseconds);
         } else {
             gate.await(nanoseconds, disturbed, clock);
@@ -461,7 +496,7 @@ public final class FrameLoop {
     }
 
     private boolean isDisturbed() {
-        return !errands.isEmpty() || isPaused() || stopped;
+        return !errands.isEmpty() || isPaused() || suspended || stopped;
     }
 
     /**
@@ -469,7 +504,7 @@ public final class FrameLoop {
      * if the frame may begin.
      */
     private long nanosecondsHeld(long frame) {
-        if (lastAllowed.get() < frame) {
+        if (suspended || lastAllowed.get() < frame) {
             gate.paused();
             return PAUSE_NANOSECONDS;
         }
@@ -477,8 +512,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Begins a frame and returns true, unless the loop is paused. If another thread pauses the loop
-     * meanwhile, this frame either runs before the pause or does not begin.
+     * Begins a frame and returns true, unless the loop is paused. Another thread may pause the loop
+     * meanwhile. This frame then either runs before the pause or does not begin.
      */
     private boolean begin(long frame) {
         if (lastAllowed.get() < frame) {

@@ -3,15 +3,15 @@ package reve.core.frame;
 
 /** The parts of a frame in order of execution, all on the world's thread. */
 public enum FramePhase {
-    /** Takes queued commands into this frame, in a fixed order. */
+    /** Phase that takes queued commands into this frame, in a fixed order. */
     INTAKE(true),
-    /** Executes the commands: joins, actions, law changes. */
+    /** Phase that executes the commands: joins, actions and changes of laws. */
     ACT(true),
-    /** Advances the world. The only listener of this phase is the physics adapter. */
+    /** Phase that advances the world. Its only listener is the physics adapter. */
     PHYSICS(false),
-    /** Computes derived properties. */
+    /** Phase that computes derived properties. */
     DERIVE(false),
-    /** Passes a snapshot to readers. */
+    /** Phase that passes a snapshot to readers. */
     PUBLISH(false);
 
     private final boolean structureMayChange;

@@ -7,9 +7,9 @@ import java.util.Optional;
 
 /** The way in which a new version of a loaded law replaces the old version. */
 public enum LawSwap {
-    /** The new version first runs in a copy of the world beside the world, as a trial. */
+    /** Way in which the new version first runs as a trial, in a copy of the world. */
     SHADOW,
-    /** The new version takes over between two frames, without a trial. */
+    /** Way in which the new version takes over between two frames, without a trial. */
     AT_ONCE;
 
     /** Finds the constant whose {@link #text} is given. */

@@ -55,9 +55,9 @@ final class Pacer {
     }
 
     /**
-     * Advances the schedule by one frame. If the loop is late by more than {@link
-     * FrameLoop#MAX_CATCH_UP_FRAMES} frames, moves the schedule so that it is late by this number
-     * only.
+     * Advances the schedule by one frame. The loop may be late by more than {@link
+     * FrameLoop#MAX_CATCH_UP_FRAMES} frames. The schedule is then moved, so that the loop is late
+     * by this number only.
      */
     void frameDone() {
         framesSinceOrigin++;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
-/** The relation of simulated time to wall time. */
+/** The relation of simulated time to the time of the clock. */
 public enum Pacing {
     /**
-     * Simulated time follows wall time, without drift. {@link FrameProfile} counts the frames that
-     * were late.
+     * Pacing in which simulated time follows the clock, without drift. {@link FrameProfile} counts
+     * the frames that were late.
      */
     REAL_TIME,
-    /** Frames follow each other as fast as possible. */
+    /** Pacing in which frames follow each other as fast as possible. */
     FAST
 }

@@ -5,8 +5,8 @@ package reve.core.frame;
 public interface Subscription extends AutoCloseable {
 
     /**
-     * Ends the subscription. A dispatch in progress may still call the listener, but later ones do
-     * not. Idempotent.
+     * Ends the subscription. A dispatch in progress may still call the listener, but later
+     * dispatches do not. Idempotent.
      */
     @Override
     void close();

@@ -13,8 +13,8 @@ import java.util.Optional;
  *
  * @param nanoseconds maximum time of all laws of the library together in one frame [ns], above 0
  * @param frames number of successive frames that must exceed the time before the response
- * @param every with {@link Response#SKIP_STEPS}: the laws are evaluated in every n-th step, at
- *     least 2
+ * @param every number n, at least 2: the response {@link Response#SKIP_STEPS} evaluates the laws in
+ *     every n-th step only
  */
 public record TimeBudget(long nanoseconds, int frames, Response response, int every) {
     /** Default of {@code frames}. */
@@ -36,11 +36,13 @@ public record TimeBudget(long nanoseconds, int frames, Response response, int ev
 
     /** The response to a library that exceeds its budget. */
     public enum Response {
-        /** An event reports the library. */
+        /** Response in which an event reports the library. */
         WARN,
-        /** The library is unloaded. */
+        /** Response in which the library is unloaded. */
         UNLOAD,
-        /** The force laws of the library are evaluated only in every n-th step. */
+        /**
+         * Response in which the force laws of the library are evaluated only in every n-th step.
+         */
         SKIP_STEPS;
 
         /** Finds the response whose {@link #text} is given. */

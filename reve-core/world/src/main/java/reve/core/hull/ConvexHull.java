@@ -10,8 +10,8 @@ import java.util.Locale;
  * hull also has a core, which is the same polyhedron with all faces moved inwards. Immutable.
  * Callers must not change the returned arrays.
  *
- * <p>If more than {@link #MAX_CORNERS} points would become corners, the hull uses only those that
- * are farthest outside.
+ * <p>A hull has at most {@link #MAX_CORNERS} corners. If more points would become corners, the hull
+ * uses the outermost points and ignores the others.
  */
 public final class ConvexHull {
     /** Maximum number of corners. */

@@ -124,8 +124,8 @@ final class Core {
     }
 
     /**
-     * Returns the corners of the hull, scaled towards the centre so far that every face moves
-     * inwards by at least {@link #rounding}.
+     * Returns the corners of the hull, scaled towards the centre. The scale is chosen so that every
+     * face moves inwards by at least {@link #rounding}.
      */
     private double[] shrunk() {
         double scale = 1 - rounding / Arrays.stream(distances).min().orElseThrow();

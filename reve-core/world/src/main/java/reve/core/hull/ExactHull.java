@@ -19,7 +19,8 @@ import java.util.PriorityQueue;
  */
 final class ExactHull {
     /**
-     * Maximum coordinate. With it, the height of a point above a triangle fits in a {@code long}.
+     * Maximum coordinate. The limit ensures that the height of a point above a triangle fits in a
+     * {@code long}.
      */
     static final long LARGEST = 1 << 20;
 
@@ -83,8 +84,8 @@ final class ExactHull {
         }
 
         /**
-         * Adds a point to the points above this facet, if it is above it. Returns whether the point
-         * was added.
+         * Adds a point to the list of points above this facet if the point is above the facet.
+         * Returns whether the point was added.
          */
         boolean take(int point) {
             long height = height(point);
@@ -96,8 +97,8 @@ final class ExactHull {
             }
             above[aboveCount++] = point;
             double far = height / length;
-            // Among equally high points, choose the one farthest from the first corner, because it
-            // cannot be in the middle of a face.
+            // Several points may be equally high. The point that is farthest from the first corner
+            // is chosen, because it cannot be in the middle of a face.
             double wide = squareOfDistance(point, corners[0]);
             if (far > distance || far == distance && wide > spread) {
                 distance = far;
@@ -145,15 +146,15 @@ final class ExactHull {
      * from outside.
      *
      * @param points (count x 3) coordinates from 0 to {@link #LARGEST}
-     * @param most maximum number of points that are joined to the hull; those that are farthest
-     *     outside come first
+     * @param most maximum number of points that are joined to the hull; the points that are
+     *     farthest outside come first
      * @throws IllegalArgumentException if all points coincide, or lie on a line or in a plane
      */
     static List<int[]> of(long[] points, int most) {
         ExactHull hull = new ExactHull(points);
         hull.begin();
         for (int joined = 4; joined < most && hull.join(); joined++) {
-            // Each call of the condition joins one point.
+            // The loop body is empty, because each call in the condition joins one point.
         }
         return hull.created.stream()
                 .filter(facet -> !facet.removed)
@@ -295,7 +296,10 @@ final class ExactHull {
         return facet.corners[0] == from ? 0 : facet.corners[1] == from ? 1 : 2;
     }
 
-    /** Returns the facets that are visible from a point outside. They are connected. */
+    /**
+     * Returns the facets that are visible from a point outside of the hull. These facets are
+     * connected, so the search starts at one of them.
+     */
     private static List<Facet> visible(Facet start, int point) {
         List<Facet> found = new ArrayList<>(List.of(start));
         start.visible = true;

@@ -5,7 +5,10 @@ package reve.core.space;
 public record Box(double minX, double minY, double minZ, double maxX, double maxY, double maxZ) {
 
     /**
-     * @throws IllegalArgumentException if a number is NaN or a lower corner is above the upper
+     * Checks the corners.
+     *
+     * @throws IllegalArgumentException if a number is NaN, or a lower coordinate is above the upper
+     *     one
      */
     public Box {
         if (!(minX <= maxX && minY <= maxY && minZ <= maxZ)) {

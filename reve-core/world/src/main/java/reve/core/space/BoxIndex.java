@@ -12,14 +12,14 @@ import java.util.function.LongPredicate;
  * loads, and have a fixed order. For one thread.
  *
  * <p>A load with the same number of boxes reuses their order along the curve and computes only the
- * nodes. If the boxes have moved far since they were sorted, the load sorts them again.
+ * nodes. The load sorts the boxes again if they have moved far since they were sorted.
  */
 public final class BoxIndex {
 
     static final int FAN_OUT = 8;
     private static final int AXES = 3;
     private static final int SIDES = 2 * AXES;
-    private static final int MAX_LEVELS = 12;
+    static final int MAX_LEVELS = 12;
     private static final int NOTHING = -1;
 
     /**
@@ -63,6 +63,7 @@ public final class BoxIndex {
     private final int[] firstOf = new int[MAX_LEVELS + 2];
 
     private int levels;
+    private long visited;
 
     /**
      * Replaces the boxes. Allocates memory only if there are more boxes than in all earlier calls.
@@ -82,6 +83,15 @@ public final class BoxIndex {
             fill(count);
             rememberExtents();
         }
+    }
+
+    /**
+     * Returns the number of boxes and nodes that all calls of {@link #isOnWay} have examined. The
+     * number depends on the boxes and the calls only, so it may limit work in the same way on every
+     * machine.
+     */
+    public long visited() {
+        return visited;
     }
 
     /** Returns the number of boxes. */
@@ -133,6 +143,7 @@ public final class BoxIndex {
         int depth = pushTop();
         while (depth > 0) {
             int node = stack[--depth];
+            visited++;
             if (isOnLine(node, from, to, ends)) {
                 if (node >= size()) {
                     depth = pushChildren(node, depth);
@@ -145,7 +156,7 @@ public final class BoxIndex {
     }
 
     /**
-     * Returns whether the segment meets a node, by the slab method. It does if the segment's
+     * Returns whether the segment meets a node. The slab method tests whether the segment's
      * intervals between the three pairs of opposite faces overlap. Rounding is monotonic, so a
      * segment that meets a box also meets the nodes around the box.
      */
@@ -171,9 +182,11 @@ public final class BoxIndex {
         return enter <= leave;
     }
 
-    /** The exact distance along a ray to the content of a box. */
+    /** A function that computes the exact distance along a ray to the content of a box. */
     public interface RayTest {
         /**
+         * Returns the distance to the content of a box.
+         *
          * @param most distance above which the result does not matter [m]
          * @return the distance [m], infinite if the ray does not meet the content
          */
@@ -187,9 +200,12 @@ public final class BoxIndex {
      * @param direction of length 1
      * @param most greatest distance [m]
      * @param test called for boxes that the ray meets, in no particular order
-     * @return infinite if the ray meets nothing up to the greatest distance
+     * @param effort limit on the search; {@code test} may use it for searches of its own
+     * @return infinite if the ray meets nothing up to the greatest distance, or if the effort is
+     *     exhausted
      */
-    public double nearestOnRay(double[] from, double[] direction, double most, RayTest test) {
+    public double nearestOnRay(
+            double[] from, double[] direction, double most, RayTest test, Effort effort) {
         double nearest = Double.POSITIVE_INFINITY;
         double limit = most;
         int depth = pushTop();
@@ -197,6 +213,9 @@ public final class BoxIndex {
             entries[0] = entry(stack[0], from, direction, limit);
         }
         while (depth > 0) {
+            if (!effort.spend(1)) {
+                return Double.POSITIVE_INFINITY;
+            }
             int node = stack[--depth];
             if (entries[depth] > limit + ROUNDING * (1 + limit)) {
                 continue;
@@ -215,8 +234,8 @@ public final class BoxIndex {
     }
 
     /**
-     * Pushes those children of a node on the stack that a ray meets, the nearest last, so that the
-     * search visits it first. Returns the new depth of the stack.
+     * Pushes the children of a node that a ray meets on the stack. The nearest child is pushed
+     * last, so that the search visits it first. Returns the new depth of the stack.
      */
     private int pushNearestLast(
             int node, int depth, double[] from, double[] direction, double most) {
@@ -239,9 +258,9 @@ public final class BoxIndex {
     }
 
     /**
-     * Returns the distance at which a ray enters a node, by the slab method; infinite if it does
-     * not meet the node up to a distance. Rounding errors never hide a box whose content the ray
-     * meets.
+     * Returns the distance at which a ray enters a node, by the slab method; infinite if the ray
+     * does not meet the node up to the distance {@code most}. Rounding errors never hide a box
+     * whose content the ray meets.
      */
     private double entry(int node, double[] from, double[] direction, double most) {
         int at = SIDES * node;
@@ -320,8 +339,8 @@ public final class BoxIndex {
         return after;
     }
 
-    // The following methods are for searches of this package. Nodes with an index below size() are
-    // the boxes, and the last node is the root.
+    // ---- methods for searches of this package ---- Nodes with an index below size() are the
+    // boxes, and the last node is the root.
 
     /** Returns the number of nodes, including boxes. */
     int nodes() {
@@ -364,7 +383,8 @@ public final class BoxIndex {
         return Math.min(first + FAN_OUT, firstOf[level]);
     }
 
-    private double squaredDistance(int node, double x, double y, double z) {
+    /** Returns the squared distance from a point to a node [m²]; 0 inside it. */
+    double squaredDistance(int node, double x, double y, double z) {
         int at = SIDES * node;
         double dx = Math.max(0, Math.max(sides[at] - x, x - sides[at + 3]));
         double dy = Math.max(0, Math.max(sides[at + 1] - y, y - sides[at + 4]));

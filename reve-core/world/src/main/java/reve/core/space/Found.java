@@ -20,6 +20,8 @@ public final class Found {
     }
 
     /**
+     * Returns a key.
+     *
      * @param index 0 to {@link #size()} - 1
      */
     public long key(int index) {

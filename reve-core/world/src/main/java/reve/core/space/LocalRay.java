@@ -6,8 +6,9 @@ import static java.lang.Double.POSITIVE_INFINITY;
 /**
  * A ray (half-line) in the axes of a shape, and its intersections with shapes at the origin of
  * these axes. A distance is that of the nearest point of the surface in front of the ray's origin
- * [m]. The surface is seen from both sides, so a ray that begins inside a shape meets it where it
- * leaves. A distance is infinite if the ray meets no point. Reusable; for one thread.
+ * [m]. The surface counts from both sides. A ray that begins inside a shape therefore meets the
+ * surface at the point where it leaves the shape. A distance is infinite if the ray meets no point.
+ * Reusable; for one thread.
  */
 public final class LocalRay {
 
@@ -31,6 +32,18 @@ public final class LocalRay {
      * @param place location (3) [m] and orientation (4, unit quaternion xyzw) of the shape
      */
     public void set(double[] origin, double[] direction, double[] place) {
+        setOrigin(origin, place);
+        setDirection(direction, 0, place);
+    }
+
+    /**
+     * Sets only the origin of the ray. A caller with many rays from one origin converts the origin
+     * once, and then calls {@link #setDirection} for each ray.
+     *
+     * @param origin (3) [m]
+     * @param place as for {@link #set}
+     */
+    public void setOrigin(double[] origin, double[] place) {
         double x = origin[0] - place[0];
         double y = origin[1] - place[1];
         double z = origin[2] - place[2];
@@ -44,12 +57,26 @@ public final class LocalRay {
         ox = x + w * cx + (uy * cz - uz * cy);
         oy = y + w * cy + (uz * cx - ux * cz);
         oz = z + w * cz + (ux * cy - uy * cx);
-        double a = direction[0];
-        double b = direction[1];
-        double c = direction[2];
-        cx = 2 * (uy * c - uz * b);
-        cy = 2 * (uz * a - ux * c);
-        cz = 2 * (ux * b - uy * a);
+    }
+
+    /**
+     * Sets only the direction of the ray.
+     *
+     * @param directions contains the direction (3) of length 1
+     * @param at index of the direction's first component
+     * @param place as for {@link #set}
+     */
+    public void setDirection(double[] directions, int at, double[] place) {
+        double ux = -place[3];
+        double uy = -place[4];
+        double uz = -place[5];
+        double w = place[6];
+        double a = directions[at];
+        double b = directions[at + 1];
+        double c = directions[at + 2];
+        double cx = 2 * (uy * c - uz * b);
+        double cy = 2 * (uz * a - ux * c);
+        double cz = 2 * (ux * b - uy * a);
         dx = a + w * cx + (uy * cz - uz * cy);
         dy = b + w * cy + (uz * cx - ux * cz);
         dz = c + w * cz + (ux * cy - uy * cx);
@@ -67,6 +94,23 @@ public final class LocalRay {
     /** Returns the distance to a sphere. */
     public double toSphere(double radius) {
         crossSphere(0, radius);
+        return nearest();
+    }
+
+    /** Returns the distance to an ellipsoid with these half extents. */
+    public double toEllipsoid(double halfX, double halfY, double halfZ) {
+        double x = ox / halfX; // in axes in which the ellipsoid is a ball of radius 1
+        double y = oy / halfY;
+        double z = oz / halfZ;
+        double u = dx / halfX;
+        double v = dy / halfY;
+        double w = dz / halfZ;
+        double square = u * u + v * v + w * w;
+        double foot = -(x * u + y * v + z * w) / square;
+        double px = x + foot * u;
+        double py = y + foot * v;
+        double pz = z + foot * w;
+        chord(foot, (1 - (px * px + py * py + pz * pz)) / square);
         return nearest();
     }
 
@@ -125,7 +169,8 @@ public final class LocalRay {
      * Journal of Graphics Tools 2 (1997) 21.
      *
      * @param corners coordinates of points, three each
-     * @param a index of the first coordinate of a corner, likewise b and c
+     * @param a index of the first coordinate of the first corner; b and c are those of the other
+     *     two corners
      */
     double toTriangle(float[] corners, int a, int b, int c) {
         double ux = (double) corners[b] - corners[a];
@@ -197,7 +242,7 @@ public final class LocalRay {
     }
 
     private void chord(double foot, double squaredHalf) {
-        double half = Math.sqrt(squaredHalf); // NaN if the line does not meet the solid
+        double half = Math.sqrt(squaredHalf); // NaN if the line misses the solid
         enter = foot - half;
         leave = foot + half;
     }

@@ -5,7 +5,7 @@ import java.util.Arrays;
 
 /**
  * A priority queue of nodes of a {@link BoxIndex} by distance from a point, nearest first. It is a
- * binary heap in arrays. At equal distance, inner nodes precede boxes, because a node may contain a
+ * binary heap in arrays. Inner nodes precede boxes at equal distance, because a node may contain a
  * box with a lower key. Boxes at equal distance are ordered by key.
  */
 final class Queue {

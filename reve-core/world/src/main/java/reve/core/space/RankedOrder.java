@@ -6,7 +6,8 @@ import java.util.Arrays;
 /**
  * Sorter of points along a Z-order curve (Morton curve). Points that are neighbours in space mostly
  * become neighbours in this order. The curve uses the rank of each point on each axis instead of
- * its coordinate. Therefore one distant point does not press all others into one cell of the curve.
+ * its coordinate. A single distant point therefore does not move all other points into one cell of
+ * the curve.
  *
  * <p>The sorter uses radix sorts, whose time is proportional to the number of points. It allocates
  * memory only for more points than in all earlier calls.

@@ -43,7 +43,7 @@ public final class RelatedBoxes {
     private double[] highs = {};
     private int count;
 
-    // The following arrays contain one element per node of the tree.
+    // This array and the next ones contain one element per node of the tree.
     private long[] firstBox = {};
     private double[] diagonal = {};
     private double[] lowestTop = {};
@@ -168,8 +168,10 @@ public final class RelatedBoxes {
     }
 
     /**
-     * Returns the index of a found box. Place 0 is the box with the smallest gap, and equal gaps
-     * are ordered by index.
+     * Returns the index of a found box.
+     *
+     * @param place place in the order of gaps, from 0 for the smallest gap; equal gaps are ordered
+     *     by index
      */
     public int found(int relation, int place) {
         return boxes[relation][place];
@@ -303,9 +305,9 @@ public final class RelatedBoxes {
         others[at] = other;
     }
 
-    // The tests below serve nodes and boxes. A node's bounds contain the bounds of its boxes, and
-    // rounding is monotonic. Therefore a condition that is true for a box is also true for the
-    // nodes around the box.
+    // The tests below are used for nodes and for boxes. A node's bounds contain the bounds of its
+    // boxes, and rounding is monotonic. Therefore a condition that is true for a box is also true
+    // for the nodes around the box.
 
     private boolean meets(int node, double[] fromLow, double[] toHigh) {
         double[] sides = index.sides();

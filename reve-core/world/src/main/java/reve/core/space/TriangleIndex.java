@@ -50,11 +50,12 @@ public final class TriangleIndex {
      * if there is none up to a distance.
      *
      * @param ray in the axes of the item
+     * @param effort limit on the search, see {@link BoxIndex#nearestOnRay}
      */
-    public double distance(LocalRay ray, double most) {
+    public double distance(LocalRay ray, double most, Effort effort) {
         this.ray = ray;
         ray.copyTo(origin, direction);
-        return boxes.nearestOnRay(origin, direction, most, test);
+        return boxes.nearestOnRay(origin, direction, most, test, effort);
     }
 
     private double distance(long triangle, double most) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Spatial search over boxes. Independent of worlds. */
+/** Spatial search over boxes. This package does not depend on worlds. */
 @NullMarked
 package reve.core.space;
 

@@ -55,8 +55,8 @@ public final class Suggestion {
 
     /**
      * Returns the minimum number of insertions, deletions, replacements and swaps of neighbours
-     * that turn one text into the other. If this number exceeds {@code limit}, returns any number
-     * above the limit.
+     * that turn one text into the other. Returns any number above the limit if this number exceeds
+     * {@code limit}.
      *
      * <p>Uses dynamic programming, but stores only the last three rows of the table and computes
      * only the cells near the diagonal.

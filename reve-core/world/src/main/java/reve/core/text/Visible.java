@@ -82,13 +82,15 @@ public final class Visible {
     }
 
     /**
+     * Returns whether all characters of a text are safe.
+     *
      * @param least first ASCII character that is safe without a check
      */
     private static boolean isSafe(String text, int least) {
         for (int i = 0; i < text.length(); i++) {
             char c = text.charAt(i);
             if ((c < least || c > LAST_ASCII) && !isSafe(c)) {
-                return false; // a surrogate, possibly of a safe character: the slower check decides
+                return false; // a surrogate needs the slower check
             }
         }
         return true;

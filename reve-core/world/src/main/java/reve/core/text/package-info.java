@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Makes untrusted text safe to display. */
+/**
+ * Text for people: safe display of untrusted text, rounded numbers, and suggestions for misspelt
+ * names.
+ */
 @NullMarked
 package reve.core.text;
 

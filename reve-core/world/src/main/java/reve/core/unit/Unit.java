@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.unit;
 
+import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.List;
 
 /**
  * A physical unit: {@code scale * m^a * kg^b * s^c * A^d * K^e * mol^f * cd^g}. Angles are numbers
@@ -14,6 +16,17 @@ import java.util.Arrays;
 public final class Unit {
     /** The unit of pure numbers and of angles in radians. */
     public static final Unit ONE = new Unit(new byte[SiBase.values().length], 1.0, "1");
+
+    /** The order of base units in the symbol of a unit, such as kg*m^2/s^2. */
+    private static final List<SiBase> ORDER =
+            List.of(
+                    SiBase.KILOGRAM,
+                    SiBase.METRE,
+                    SiBase.SECOND,
+                    SiBase.AMPERE,
+                    SiBase.KELVIN,
+                    SiBase.MOLE,
+                    SiBase.CANDELA);
 
     private final byte[] exponents;
     private final double scale;
@@ -54,6 +67,70 @@ public final class Unit {
     /** Returns the unit as written, without blanks. */
     public String symbol() {
         return symbol;
+    }
+
+    /**
+     * Returns the coherent SI unit of this dimension: kg for g, m/s for km/h. A unit that is
+     * already coherent keeps its symbol: N, rad. Degrees become rad.
+     */
+    public Unit si() {
+        if (scale == 1) {
+            return this;
+        }
+        return symbol.equals("deg") || symbol.equals("°")
+                ? new Unit(exponents, 1, "rad")
+                : coherent(exponents);
+    }
+
+    /**
+     * Returns the coherent SI unit of a product of numbers in the SI units of both dimensions.
+     *
+     * @throws IllegalArgumentException if an exponent is out of range
+     */
+    public Unit times(Unit other) {
+        return combined(other, 1);
+    }
+
+    /**
+     * Returns the coherent SI unit of a quotient of numbers in the SI units of both dimensions.
+     *
+     * @throws IllegalArgumentException if an exponent is out of range
+     */
+    public Unit per(Unit other) {
+        return combined(other, -1);
+    }
+
+    private Unit combined(Unit other, int sign) {
+        byte[] sums = new byte[exponents.length];
+        for (int i = 0; i < sums.length; i++) {
+            int sum = exponents[i] + sign * other.exponents[i];
+            if (sum != (byte) sum) {
+                throw new IllegalArgumentException(
+                        "the exponent " + sum + " is out of range, which is -128 to 127");
+            }
+            sums[i] = (byte) sum;
+        }
+        return coherent(sums);
+    }
+
+    private static Unit coherent(byte[] exponents) {
+        List<String> above = new ArrayList<>();
+        List<String> below = new ArrayList<>();
+        for (SiBase base : ORDER) {
+            int exponent = exponents[base.ordinal()];
+            if (exponent != 0) {
+                int power = Math.abs(exponent);
+                (exponent > 0 ? above : below).add(base.symbol() + (power == 1 ? "" : "^" + power));
+            }
+        }
+        String symbol =
+                (above.isEmpty() ? "1" : String.join("*", above))
+                        + (below.isEmpty()
+                                ? ""
+                                : below.size() == 1
+                                        ? "/" + below.getFirst()
+                                        : "/(" + String.join("*", below) + ")");
+        return new Unit(exponents.clone(), 1, symbol);
     }
 
     /** Returns whether numbers in this unit can be converted to the other unit. */

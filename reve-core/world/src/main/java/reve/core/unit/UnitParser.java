@@ -22,7 +22,7 @@ final class UnitParser {
     private final String text;
     private int at;
 
-    /** Whether the text read so far ends with a power that was written with {@code ^}. */
+    /** True if the text read so far ends with a power that was written with {@code ^}. */
     private boolean endsWithExponent;
 
     /** A unit under construction. Its scale is a fraction, so that ratios stay exact. */
@@ -65,7 +65,8 @@ final class UnitParser {
                                     + " is no exponent; write m^2 for square metres"
                             : found() + ", expected *, /, ^ or the end" + EXAMPLE);
         }
-        // A text without any letter, such as "1000", is probably a typing error and not a scale.
+        // A text without any letter, such as "1000", is refused. It is probably a typing error and
+        // not a scale.
         if (text.chars().allMatch(c -> c < 'A' && c != '%')) {
             throw refuse("it is a number; a plain number has the unit 1");
         }
@@ -230,7 +231,7 @@ final class UnitParser {
         return quantity;
     }
 
-    /** Computes product *= factor^power. */
+    /** Multiplies a product by a power of a factor: product *= factor^power. */
     private void multiply(Quantity product, Quantity factor, int power) {
         for (int i = 0; i < BASES; i++) {
             product.exponents[i] += factor.exponents[i] * power;

@@ -41,8 +41,13 @@ public final class AccessAspect {
         return Optional.empty();
     }
 
-    /** Adds an action, or replaces the action of the same name. */
+    /**
+     * Adds an action, or replaces the action of the same name.
+     *
+     * @throws IllegalArgumentException if the item has a voice and the action is named {@code say}
+     */
     public void set(Action action) {
+        Voice.requireNoAction(item.name(), item.voice(), List.of(action));
         change(action.name(), action);
     }
 

@@ -5,7 +5,8 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * One call of an action. Valid during {@link PerformableAction#perform}, on the world's thread.
+ * One call of an action. The object is valid during {@link PerformableAction#perform}, on the
+ * world's thread.
  *
  * @param frame number of the frame
  * @param target the item that has the action

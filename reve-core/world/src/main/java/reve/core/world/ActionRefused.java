@@ -4,8 +4,8 @@ package reve.core.world;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Reports that an action was refused. The world is unchanged. Programs evaluate the code, which
- * never changes its meaning, and people read the message.
+ * Reports that an action was refused. The world is unchanged. The code is for programs and never
+ * changes its meaning. The message is for people.
  */
 public final class ActionRefused extends Exception {
     private static final long serialVersionUID = 1L;

@@ -9,8 +9,9 @@ import java.util.Map;
 import java.util.stream.Collectors;
 
 /**
- * The arguments of one call, checked against the action's parameters. None is missing, unknown or
- * not finite, and all have the declared type and length. Immutable. For any thread.
+ * The arguments of one call, checked against the action's parameters. No argument is missing,
+ * unknown or not finite, and all arguments have the declared type and length. Immutable. For any
+ * thread.
  */
 public final class Arguments {
     /** Maximum length of a text argument [characters]. */

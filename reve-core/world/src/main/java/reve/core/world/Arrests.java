@@ -87,8 +87,8 @@ public final class Arrests {
 
     /**
      * Returns the largest absolute value of the item's numbers that laws read. The inverse of the
-     * mass counts as such a number. Coordinates count only if they are extreme. Returns 0 if the
-     * item is arrested and was not moved far away since then.
+     * mass is included. Coordinates are included only if they are extreme. Returns 0 if the item is
+     * arrested and was not moved far away after its arrest.
      */
     public double excess(Item item) {
         double most = 0;
@@ -117,7 +117,7 @@ public final class Arrests {
     /**
      * Arrests an item with a physics aspect. The item is then at rest, immovable, and exerts no
      * force. Extreme coordinates become 0, because distances to them would not be finite. The
-     * arrest is not recorded as a change, like changes by laws.
+     * arrest is not recorded as a change, just as changes by laws are not recorded.
      *
      * @return undoes the arrest; may be called in the same frame only
      */

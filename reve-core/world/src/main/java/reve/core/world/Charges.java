@@ -13,7 +13,7 @@ import java.util.TreeMap;
  * the item's rules. For the world's thread only.
  */
 public final class Charges {
-    /** The agent that last changed each item before the current pass of the rules began. */
+    /** For each item, the agent that last changed it before the current pass of the rules began. */
     private Map<ItemId, String> changedBefore = new HashMap<>();
 
     private Map<ItemId, String> changedSince = new HashMap<>();
@@ -52,7 +52,7 @@ public final class Charges {
             case WorldChange.Detached detached -> changed(detached.item());
             case WorldChange.Edited edited -> changed(edited.item());
             case WorldChange.Pushed pushed -> changed(pushed.force().item());
-            case WorldChange.ColumnEdited column -> {} // changes a whole column and names no item
+            case WorldChange.ColumnEdited column -> {} // this change names no item
         }
     }
 

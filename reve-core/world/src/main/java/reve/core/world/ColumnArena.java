@@ -5,7 +5,7 @@ import java.lang.foreign.MemorySegment;
 
 /**
  * Allocator of the memory for a world's columns. The world allocates memory when items are added.
- * The arena must outlive the world. Only the world's thread uses either.
+ * The arena must outlive the world. Only the world's thread uses the arena and its memory.
  */
 public interface ColumnArena extends AutoCloseable {
 
@@ -20,9 +20,9 @@ public interface ColumnArena extends AutoCloseable {
     MemorySegment reserve(String name, long bytes);
 
     /**
-     * Frees memory from {@link #reserve}. After a column has moved to larger memory, the world
-     * frees the old memory at the end of the next PHYSICS phase. By then the engine uses the new
-     * memory.
+     * Frees memory from {@link #reserve}. The world frees the old memory of a column that has moved
+     * to larger memory at the end of the next PHYSICS phase. The engine uses the new memory by
+     * then.
      */
     void release(MemorySegment memory);
 

@@ -45,14 +45,14 @@ final class ColumnBuffers {
     private final List<Buffer> idle = new ArrayList<>();
     private long largest;
 
-    /** Counts one more slot that holds the buffer, and returns the buffer. */
+    /** Records that one more slot holds the buffer, and returns the buffer. */
     Buffer share(Buffer buffer) {
         buffer.slots++;
         return buffer;
     }
 
     /**
-     * Returns an unused buffer or a new one, and counts one slot that holds it. Discards unused
+     * Returns an unused buffer or a new one, and records that one slot holds it. Discards unused
      * buffers that are too small.
      */
     Buffer take(long bytes) {
@@ -80,7 +80,10 @@ final class ColumnBuffers {
         return Arena.ofAuto().allocate(bytes, ALIGNMENT_BYTES);
     }
 
-    /** Counts one slot less that holds the buffer. A buffer that no slot holds can be reused. */
+    /**
+     * Records that one slot does not hold the buffer any more. A buffer that no slot holds can be
+     * reused.
+     */
     void release(Buffer buffer) {
         if (!buffer.constant && --buffer.slots == 0) {
             idle.add(buffer);

@@ -57,8 +57,8 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
     public abstract int rowCount();
 
     /**
-     * Returns the memory of the used rows. Call again whenever {@link World#layoutVersion()} has
-     * changed.
+     * Returns the memory of the used rows. The caller must call this method again whenever {@link
+     * World#layoutVersion()} has changed.
      */
     public abstract MemorySegment segment();
 

@@ -31,6 +31,8 @@ final class DefinitionCheck {
     }
 
     /**
+     * Runs all checks.
+     *
      * @throws IllegalArgumentException naming the first item that cannot be added, and the reason
      */
     void run() {

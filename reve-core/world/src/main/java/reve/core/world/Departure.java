@@ -20,7 +20,8 @@ public record Departure(List<String> detached, List<String> removed) {
 
     /**
      * Removes an item. Items that are attached to it are detached first and keep their pose in the
-     * world. Items that refer to it are removed too. Items that are attached to those are detached.
+     * world. Items that refer to the removed item are also removed, and items that are attached to
+     * those are detached.
      *
      * @throws IllegalArgumentException if it is the item {@code world}
      * @throws IllegalStateException naming the phase of the frame if it permits no removal

@@ -72,7 +72,8 @@ public final class ForceBudget {
     }
 
     private void begin(long now) {
-        if (now < frame) { // the world was rewound to an earlier frame
+        if (now < frame) {
+            // The world was rewound to an earlier frame.
             acting.clear();
             byAgent.clear();
         }

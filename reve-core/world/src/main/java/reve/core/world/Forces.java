@@ -6,8 +6,8 @@ import java.util.List;
 
 /**
  * Forces that actions exert on bodies for a number of frames. During the phase PHYSICS they are
- * added to the column {@code appliedForce}, from which laws read them. At other times this column
- * contains only the values that the designer of the world set. For the world's thread only.
+ * added to the column {@code appliedForce}, from which laws read them. This column contains only
+ * the values of the world's designer at other times. For the world's thread only.
  */
 public final class Forces {
 
@@ -90,8 +90,8 @@ public final class Forces {
     }
 
     /**
-     * Restores the column {@code appliedForce} to the bit, and removes forces that have ended.
-     * Called after the phase PHYSICS.
+     * Restores the bits that the column {@code appliedForce} had before {@link #apply}. Removes
+     * forces that have ended. Called after the phase PHYSICS.
      */
     void withdraw() {
         if (active.isEmpty()) {

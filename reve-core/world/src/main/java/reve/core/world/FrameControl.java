@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
+import java.util.Map;
+import java.util.Optional;
 import java.util.SortedSet;
 
 /**
@@ -11,10 +13,12 @@ public final class FrameControl {
 
     private final WorldData data;
     private final Forces forces;
+    private final LawSizes sizes;
 
-    FrameControl(WorldData data, Forces forces) {
+    FrameControl(WorldData data, Forces forces, Items items) {
         this.data = data;
         this.forces = forces;
+        this.sizes = new LawSizes(data, items);
     }
 
     /** Returns the frame control of a world. */
@@ -51,8 +55,30 @@ public final class FrameControl {
     }
 
     /**
-     * Ends the phase PHYSICS. Removes the forces of actions from {@code appliedForce} again, to the
-     * bit. Frees replaced column memory, because the engine uses the new memory by then.
+     * Makes the shapes of bodies follow the column {@code size}. Called after laws that may write
+     * this column, in the phase PHYSICS. Allocates memory only for shapes that change. These
+     * changes are not recorded, like other changes by laws.
+     *
+     * <p>A sphere takes its diameter from the first component. A capsule or cylinder takes its
+     * diameter from the first and its height from the second component. A capsule is at least as
+     * high as wide. A box or ellipsoid takes all three. A plane takes its edges from the first and
+     * the third component. Meshes and bodies without a shape keep their size. The other components
+     * of the column are set to the size of the shape.
+     *
+     * <p>If a shape cannot have the size, because a length is not within 1e-100 m to 1e12 m, the
+     * body keeps its shape, and its numbers in the column are set to the size of this shape.
+     *
+     * @return the refused size of the body in the first row that has one
+     */
+    public Optional<RefusedSize> followSizes() {
+        data.guard.requireEditable();
+        return sizes.follow();
+    }
+
+    /**
+     * Ends the phase PHYSICS. Removes the forces of actions from {@code appliedForce}, which then
+     * has the same bits as before the phase. Frees replaced column memory, because the engine uses
+     * the new memory by then.
      */
     public void endPhysics() {
         data.guard.checkOwner();
@@ -84,6 +110,36 @@ public final class FrameControl {
     public SortedSet<ItemId> withImu() {
         data.guard.checkOwner();
         return data.symbols.withImu();
+    }
+
+    /**
+     * Returns a view of the ids of the items whose levels have conditions, in ascending order; see
+     * {@link LevelCondition}.
+     */
+    public SortedSet<ItemId> withLevelConditions() {
+        data.guard.checkOwner();
+        return data.symbols.withConditions();
+    }
+
+    /**
+     * Returns a view of the ids of the items with an {@link Instrument.Provided}, in ascending
+     * order.
+     */
+    public SortedSet<ItemId> withProvided() {
+        data.guard.checkOwner();
+        return data.symbols.withProvided();
+    }
+
+    /**
+     * Sets the numbers that the providers of sensors have measured in this frame. Snapshots contain
+     * them.
+     *
+     * @param readings numbers by item and name of the sensor; the maps and arrays must not change
+     *     afterwards
+     */
+    public void setReadings(Map<ItemId, Map<String, double[]>> readings) {
+        data.guard.checkOwner();
+        data.readings = readings;
     }
 
     /**

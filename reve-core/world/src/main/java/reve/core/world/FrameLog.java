@@ -40,8 +40,8 @@ final class FrameLog<T> {
     }
 
     /**
-     * Returns the entries of this frame in the order of addition. Before {@link #fix()} this is a
-     * copy, later it is the final list.
+     * Returns the entries of this frame in the order of addition. The result is a copy before
+     * {@link #fix()}, and the final list after it.
      */
     List<T> entries() {
         return published != null ? published : List.copyOf(noted);

@@ -54,7 +54,7 @@ final class Hierarchy {
     private long rowsVersion = -1;
 
     /**
-     * @param layout has a version that changes when rows have moved
+     * @param layout layout of the tables; its version changes when rows have moved
      * @param activity counts an evaluation step for each level of parents
      */
     Hierarchy(Table bodies, Layout layout, Activity activity) {
@@ -73,6 +73,8 @@ final class Hierarchy {
     }
 
     /**
+     * Checks that a child can be attached to a parent.
+     *
      * @throws IllegalArgumentException if the child cannot be attached to the parent
      */
     void requireAttachable(ItemSymbols child, ItemSymbols parent) {
@@ -177,7 +179,7 @@ final class Hierarchy {
         return result;
     }
 
-    /** Writes the present pose of an attached item to its row. */
+    /** Computes the present pose of an attached item, and writes it to the item's row. */
     void settle(ItemId item) {
         write(bodies.rowOf(item), worldPose(item));
     }

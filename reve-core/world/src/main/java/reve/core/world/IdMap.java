@@ -43,8 +43,8 @@ final class IdMap {
         }
         keys[gap] = 0;
         size--;
-        // A later entry may be in its slot only because the gap was occupied. Such an entry moves
-        // up.
+        // A later entry may be in its slot only because the slot of the removed entry was occupied.
+        // Such an entry moves into the gap, because searches would not find it otherwise.
         for (int i = after(gap); keys[i] != 0; i = after(i)) {
             long moved = keys[i];
             keys[i] = 0;

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
+import java.util.List;
+
 /**
  * Settings of a sensor that measures numbers. Such a sensor senses no items. Its agent receives the
  * numbers with its perceptions, as readings.
  */
 public sealed interface Instrument
-        permits Instrument.Imu, Instrument.Lidar, Instrument.ContactForce {
+        permits Instrument.Imu, Instrument.Lidar, Instrument.ContactForce, Instrument.Provided {
 
-    /** Greatest seed of noise, the greatest integer that a double represents with all below it. */
+    /** Greatest seed of noise. A double can represent all integers from 0 to this number. */
     long GREATEST_SEED = (1L << 53) - 1;
 
     /**
@@ -23,7 +25,7 @@ public sealed interface Instrument
      *
      * @param specificForce errors of the specific force [m/s²]
      * @param angularVelocity errors of the angular velocity [rad/s]
-     * @param seed of the noise, 0 to {@link #GREATEST_SEED}
+     * @param seed seed of the noise, 0 to {@link #GREATEST_SEED}
      */
     record Imu(Errors specificForce, Errors angularVelocity, long seed) implements Instrument {
         /** Checks the seed. */
@@ -43,7 +45,7 @@ public sealed interface Instrument
      * @param height angle between the first and the last row [rad], 0 to π; 0 for one row
      * @param range maximum distance [m]
      * @param noise standard deviation of each distance [m]
-     * @param seed of the noise, 0 to {@link #GREATEST_SEED}
+     * @param seed seed of the noise, 0 to {@link #GREATEST_SEED}
      */
     record Lidar(
             int columns,
@@ -117,11 +119,32 @@ public sealed interface Instrument
     /**
      * A sensor of the force [N] that other items exert on the body at its contacts: the sum of the
      * properties {@link WorldPrototype#CONTACT_FORCE} and {@link WorldPrototype#REACTION_FORCE},
-     * which laws of contact write. It is that of the last physics step of the frame.
+     * which laws of contact write. The sensor measures the force in the last physics step of the
+     * frame.
      *
-     * @param ownAxes true for the axes of the body, false for those of the world
+     * @param ownAxes true to measure in the axes of the body, false to measure in the axes of the
+     *     world
      */
     record ContactForce(boolean ownAxes) implements Instrument {}
+
+    /**
+     * A sensor whose measurement is written in Java.
+     *
+     * @param gauge the declaration of the measurement
+     * @param quantities the quantities of the gauge
+     * @param numbers number of components of all quantities
+     */
+    record Provided(Gauge gauge, List<Gauge.Quantity> quantities, int numbers)
+            implements Instrument {
+        /**
+         * Reads the quantities of a gauge.
+         *
+         * @throws IllegalArgumentException if the quantities are impossible
+         */
+        public static Provided by(Gauge gauge) {
+            return new Provided(gauge, List.copyOf(gauge.quantities()), Gauge.numbers(gauge));
+        }
+    }
 
     /**
      * The errors of a measured vector, in the unit of the vector. Noise is normally distributed and
@@ -134,7 +157,7 @@ public sealed interface Instrument
      * @param biasZ constant error along the z axis
      */
     record Errors(double noise, double biasX, double biasY, double biasZ) {
-        /** No errors. */
+        /** The value for a measurement without errors. */
         public static final Errors NONE = new Errors(0, 0, 0, 0);
 
         /** Checks the numbers. */

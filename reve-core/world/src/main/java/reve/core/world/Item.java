@@ -64,8 +64,8 @@ public final class Item {
     }
 
     /**
-     * Returns the sensors for an agent with this item as its body. If there are none, the agent
-     * perceives everything.
+     * Returns the sensors for an agent with this item as its body. The agent perceives everything
+     * if the item has no sensors.
      */
     public List<Sensor> sensors() {
         return symbols.sensors();
@@ -74,6 +74,23 @@ public final class Item {
     /** Returns the voice of an agent with this item as its body; empty if it cannot speak. */
     public Optional<Voice> voice() {
         return symbols.voice();
+    }
+
+    /** Returns the levels of the item, see {@link Level}; empty for most items. */
+    public List<Level> levels() {
+        return symbols.levels();
+    }
+
+    /** Returns the active level; empty if the item has no levels. */
+    public Optional<Level> level() {
+        return levels().stream()
+                .filter(level -> level.name().equals(symbols.given().get(Level.SYMBOL)))
+                .findFirst();
+    }
+
+    /** Returns whether a symbol contains the name of the active level. */
+    public boolean isLevel(String symbol) {
+        return symbol.equals(Level.SYMBOL) && !levels().isEmpty();
     }
 
     /**
@@ -85,9 +102,9 @@ public final class Item {
     }
 
     /**
-     * Returns a definition of the item in its current state, for a file. If another world of the
-     * same prototype creates an item from it, this item is equal to the bit. The definition omits
-     * physics properties that are 0.
+     * Returns a definition of the item in its current state, for a file. Another world of the same
+     * prototype can create an item from the definition, and this item has the same bits. The
+     * definition omits physics properties that are 0.
      */
     public ItemDefinition definition() {
         checkedRow();
@@ -111,6 +128,7 @@ public final class Item {
         now.capabilities = symbols.capabilities();
         now.sensors = symbols.sensors();
         now.voice = symbols.voice();
+        now.levels = symbols.levels();
         for (String property : physics().properties()) {
             if (table.physicsColumn(property).type() == ScalarType.REF) {
                 List<ItemId> targets = physics().references(property);

@@ -12,7 +12,7 @@ import java.util.Optional;
 
 /**
  * The initial state of an item. This class makes the checks that need no world, and {@link
- * World#add} makes the others. Immutable. Worlds may share a definition.
+ * World#add} makes all other checks. Immutable. Worlds may share a definition.
  */
 public final class ItemDefinition {
 
@@ -30,6 +30,7 @@ public final class ItemDefinition {
     private final List<String> capabilities;
     private final List<Sensor> sensors;
     private final Optional<Voice> voice;
+    private final List<Level> levels;
     private final Named<double[]> numbers;
     private final Named<List<String>> references;
 
@@ -51,6 +52,8 @@ public final class ItemDefinition {
         capabilities = builder.capabilities;
         sensors = builder.sensors;
         voice = builder.voice;
+        Voice.requireNoAction(name, voice, actions);
+        levels = builder.levels;
         numbers = builder.numbers;
         references = builder.references;
     }
@@ -80,8 +83,8 @@ public final class ItemDefinition {
     }
 
     /**
-     * Returns a copy with these symbols instead. Their values are texts, truth values, finite
-     * numbers or lists.
+     * Returns a copy with other symbols, which replace those of this definition. Their values are
+     * texts, truth values, finite numbers or lists.
      */
     public ItemDefinition withSymbols(Map<String, Object> otherSymbols) {
         Builder copy = copy(name);
@@ -90,7 +93,7 @@ public final class ItemDefinition {
         return copy.build();
     }
 
-    /** Begins a definition with another name and otherwise the content of this one. */
+    /** Begins a definition that has another name and the content of this definition. */
     public Builder copy(String newName) {
         Builder copy = new Builder(newName);
         copy.kind = kind;
@@ -106,6 +109,7 @@ public final class ItemDefinition {
         copy.capabilities = capabilities;
         copy.sensors = sensors;
         copy.voice = voice;
+        copy.levels = levels;
         copy.numbers = numbers;
         copy.references = references;
         return copy;
@@ -132,8 +136,8 @@ public final class ItemDefinition {
     }
 
     /**
-     * Returns the material of the whole shape. If it is empty, a mesh keeps the materials of its
-     * file.
+     * Returns the material of the whole shape. A mesh keeps the materials of its file if the result
+     * is empty.
      */
     public Optional<Material> material() {
         return material;
@@ -183,6 +187,14 @@ public final class ItemDefinition {
     /** Returns the voice of an agent with this item as its body; empty if it cannot speak. */
     public Optional<Voice> voice() {
         return voice;
+    }
+
+    /**
+     * Returns the levels, which are several physical descriptions of the item; empty for most
+     * items. The symbol {@link Level#SYMBOL} contains the name of the active level.
+     */
+    public List<Level> levels() {
+        return levels;
     }
 
     /** Returns whether laws act on the item. An item on which they do not act is scenery. */
@@ -262,6 +274,7 @@ public final class ItemDefinition {
         List<String> capabilities = List.of();
         List<Sensor> sensors = List.of();
         Optional<Voice> voice = Optional.empty();
+        List<Level> levels = List.of();
         Named<double[]> numbers = Named.none();
         Named<List<String>> references = Named.none();
 
@@ -390,7 +403,7 @@ public final class ItemDefinition {
         }
 
         /**
-         * Adds a sensor for an agent with the item as its body. If a body has no sensors, its agent
+         * Adds a sensor for an agent with the item as its body. The agent of a body without sensors
          * perceives everything.
          */
         public Builder sensor(Sensor sensor) {
@@ -405,6 +418,16 @@ public final class ItemDefinition {
         /** Sets the voice of an agent with the item as its body. */
         public Builder voice(Voice newVoice) {
             voice = Optional.of(newVoice);
+            return this;
+        }
+
+        /**
+         * Sets the levels. The definition describes the item at one of them, whose name is the
+         * symbol {@link Level#SYMBOL}. If this level is a group, its parts are items of their own,
+         * and the item is attached to the first part with a mass.
+         */
+        public Builder levels(List<Level> newLevels) {
+            levels = List.copyOf(newLevels);
             return this;
         }
 
@@ -434,7 +457,11 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Returns the definition. */
+        /**
+         * Returns the definition.
+         *
+         * @throws IllegalArgumentException if the item has a voice and an action {@code say}
+         */
         public ItemDefinition build() {
             return new ItemDefinition(this);
         }

@@ -58,8 +58,8 @@ final class ItemIndex<K> {
         int gap = slotOf(keyOf.apply(item));
         slots[gap] = null;
         size--;
-        // A later entry may be in its slot only because the gap was occupied. Such an entry moves
-        // up.
+        // A later entry may be in its slot only because the slot of the removed entry was occupied.
+        // Such an entry moves into the gap, because searches would not find it otherwise.
         Item next;
         for (int i = after(gap); (next = slots[i]) != null; i = after(i)) {
             slots[i] = null;

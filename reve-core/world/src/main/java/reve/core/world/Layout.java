@@ -42,7 +42,7 @@ final class Layout {
         return version;
     }
 
-    /** Frees the former memory of columns. No code may access this memory any more. */
+    /** Frees the former memory of columns. No code may access this memory after the call. */
     void releaseReplaced() {
         for (int i = 0; i < replaced.size(); i++) {
             arena.release(replaced.get(i));

@@ -14,6 +14,7 @@ import java.util.Optional;
  * @param sensors sensors for an agent with this item as its body; if empty, the agent perceives
  *     everything
  * @param voice voice of an agent with this item as its body; empty if the agent cannot speak
+ * @param levels several physical descriptions of the item; empty for most items
  */
 public record Likeness(
         String kind,
@@ -22,7 +23,8 @@ public record Likeness(
         List<Action> actions,
         List<String> capabilities,
         List<Sensor> sensors,
-        Optional<Voice> voice) {
+        Optional<Voice> voice,
+        List<Level> levels) {
 
     static Likeness of(ItemDefinition definition) {
         return new Likeness(
@@ -32,18 +34,22 @@ public record Likeness(
                 definition.actions(),
                 definition.capabilities(),
                 definition.sensors(),
-                definition.voice());
+                definition.voice(),
+                definition.levels());
     }
 
     Likeness with(Shape newShape) {
-        return new Likeness(kind, newShape, material, actions, capabilities, sensors, voice);
+        return new Likeness(
+                kind, newShape, material, actions, capabilities, sensors, voice, levels);
     }
 
     Likeness with(Optional<Material> newMaterial) {
-        return new Likeness(kind, shape, newMaterial, actions, capabilities, sensors, voice);
+        return new Likeness(
+                kind, shape, newMaterial, actions, capabilities, sensors, voice, levels);
     }
 
     Likeness with(List<Action> newActions) {
-        return new Likeness(kind, shape, material, newActions, capabilities, sensors, voice);
+        return new Likeness(
+                kind, shape, material, newActions, capabilities, sensors, voice, levels);
     }
 }

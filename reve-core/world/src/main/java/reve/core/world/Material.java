@@ -11,7 +11,7 @@ import java.util.Optional;
  * @param roughness 0 (a small and bright highlight, like a mirror) to 1 (no visible highlight)
  * @param metallic 0 (plastic, wood, stone) to 1 (bare metal: its colour appears in reflections
  *     only)
- * @param texture multiplies the colour, if the shape has texture coordinates
+ * @param texture image that multiplies the colour, if the shape has texture coordinates
  */
 public record Material(
         Colour colour, double roughness, double metallic, Optional<Texture> texture) {
@@ -20,6 +20,8 @@ public record Material(
     public static final Material DEFAULT = new Material(Colour.WHITE, 0.45, 0, Optional.empty());
 
     /**
+     * Checks the numbers.
+     *
      * @throws IllegalArgumentException if roughness or metallic are not 0 to 1
      */
     public Material {

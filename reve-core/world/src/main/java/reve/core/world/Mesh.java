@@ -28,6 +28,7 @@ public final class Mesh implements Shape {
     private final int @Nullable [] colours;
     private final List<Part> parts;
     private final Optional<String> file;
+    private final Optional<Relief> relief;
     private final float[] low = filled(Float.POSITIVE_INFINITY);
     private final float[] high = filled(Float.NEGATIVE_INFINITY);
 
@@ -90,6 +91,7 @@ public final class Mesh implements Shape {
         parts = List.copyOf(builder.parts);
         requireParts(parts, triangles.length / 3);
         file = builder.file;
+        relief = builder.relief;
     }
 
     /**
@@ -135,8 +137,8 @@ public final class Mesh implements Shape {
     }
 
     /**
-     * Returns the ranges of triangles by material, in order and without gaps. If there are none,
-     * all triangles have the item's material.
+     * Returns the ranges of triangles by material, in order and without gaps. All triangles have
+     * the item's material if the list is empty.
      */
     public List<Part> parts() {
         return parts;
@@ -147,6 +149,11 @@ public final class Mesh implements Shape {
      */
     public Optional<String> file() {
         return file;
+    }
+
+    /** Returns the measures of the terrain, if the mesh is one. */
+    public Optional<Relief> relief() {
+        return relief;
     }
 
     /** Returns the smallest coordinate along an axis of the shape (0, 1, 2) [m]. */
@@ -284,6 +291,7 @@ public final class Mesh implements Shape {
         private int @Nullable [] colours;
         private final List<Part> parts = new ArrayList<>();
         private Optional<String> file = Optional.empty();
+        private Optional<Relief> relief = Optional.empty();
 
         private Builder(float[] vertices, int[] triangles) {
             this.vertices = vertices;
@@ -324,7 +332,15 @@ public final class Mesh implements Shape {
             return this;
         }
 
+        /** Sets the measures of a terrain, see {@link Mesh#relief}. */
+        public Builder relief(Relief measures) {
+            relief = Optional.of(measures);
+            return this;
+        }
+
         /**
+         * Returns the mesh.
+         *
          * @throws IllegalArgumentException if a number is missing, not finite or out of range
          */
         public Mesh build() {

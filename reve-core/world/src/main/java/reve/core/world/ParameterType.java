@@ -3,12 +3,12 @@ package reve.core.world;
 
 /** The type of an action's parameter. */
 public enum ParameterType {
-    /** Finite numbers, one or several, in the parameter's unit. */
+    /** Type of one or several finite numbers in the parameter's unit. */
     NUMBER,
-    /** A text of at most {@link Arguments#MAX_TEXT_LENGTH} characters. */
+    /** Type of a text of at most {@link Arguments#MAX_TEXT_LENGTH} characters. */
     TEXT,
-    /** True or false. */
+    /** Type of a truth value. */
     TRUTH,
-    /** The name of a body. */
+    /** Type of a text that is the name of a body. */
     ITEM
 }

@@ -39,7 +39,7 @@ public final class PhysicalAspect {
     }
 
     /**
-     * Sets the location. For an attached item, this changes its pose relative to the parent.
+     * Sets the location. This changes the pose of an attached item relative to its parent.
      *
      * @throws IllegalArgumentException naming item and value if a number is not finite
      */
@@ -60,8 +60,8 @@ public final class PhysicalAspect {
     }
 
     /**
-     * Sets the rotation. The quaternion must not be 0, and is normalised. For an attached item,
-     * this changes its pose relative to the parent.
+     * Sets the rotation. The quaternion must not be 0, and is normalised. This changes the pose of
+     * an attached item relative to its parent.
      */
     public void setOrientation(double x, double y, double z, double w) {
         double[] from = orientation();
@@ -90,13 +90,17 @@ public final class PhysicalAspect {
         note("shape", from, shape);
     }
 
-    /** Returns the material of the whole shape. If it is empty, a mesh has its own materials. */
+    /**
+     * Returns the material of the whole shape. A mesh has its own materials if the result is empty.
+     */
     public Optional<Material> material() {
         requirePlace();
         return item.symbols().material();
     }
 
     /**
+     * Sets the material.
+     *
      * @param material the material of the whole shape; empty if a mesh has its own materials
      */
     public void setMaterial(Optional<Material> material) {
@@ -135,7 +139,7 @@ public final class PhysicalAspect {
     }
 
     /**
-     * Writes the values of a definition that was checked before. The phase DERIVE computes the
+     * Writes the values of a definition that was already checked. The phase DERIVE computes the
      * bounding box.
      */
     void place(ItemDefinition definition) {

@@ -8,6 +8,7 @@ import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import java.util.Set;
 
 /**
@@ -79,7 +80,33 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Sets a numeric property. If the aspect was empty, the item changes from scenery into an item
+     * Returns the name of the body's substance; empty if it has none. The name is that of the item
+     * of the kind {@link WorldPrototype#SUBSTANCE_PAIR} with the values of the substance, without
+     * {@link WorldPrototype#SUBSTANCE_PREFIX}.
+     */
+    public Optional<String> substance() {
+        if (isEmpty()
+                || !item.kind().equals(WorldPrototype.BODY)
+                || !item.world().prototype.hasSubstances()) {
+            return Optional.empty();
+        }
+        int code = (int) scalar(WorldPrototype.SUBSTANCE);
+        Table rows = item.world().table(WorldPrototype.SUBSTANCE_PAIR);
+        Column codes = rows.column("substances");
+        for (int row = 0; code != 0 && row < rows.rowCount(); row++) {
+            if (codes.getInt(row, 0) == 0 && codes.getInt(row, 1) == code) {
+                String name = item.world().symbols.name(rows.idAt(row));
+                return Optional.of(
+                        name.startsWith(WorldPrototype.SUBSTANCE_PREFIX)
+                                ? name.substring(WorldPrototype.SUBSTANCE_PREFIX.length())
+                                : name);
+            }
+        }
+        return Optional.empty();
+    }
+
+    /**
+     * Sets a numeric property. An item whose aspect was empty changes from scenery into an item
      * with a physics aspect, and its row moves. The phases PHYSICS, DERIVE and PUBLISH of a frame
      * refuse such a move.
      *

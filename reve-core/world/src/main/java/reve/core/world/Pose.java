@@ -13,6 +13,8 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     public static final Pose ORIGIN = new Pose(0, 0, 0, 0, 0, 0, 1);
 
     /**
+     * Checks the numbers.
+     *
      * @throws IllegalArgumentException if a number is not finite, or the length of the quaternion
      *     differs from 1 by more than 1e-6
      */
@@ -42,6 +44,8 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     }
 
     /**
+     * Returns a pose.
+     *
      * @param location (3) [m]
      * @param orientation quaternion xyzw (4) of any length except 0; it is normalised
      */

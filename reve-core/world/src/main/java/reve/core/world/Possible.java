@@ -18,6 +18,11 @@ public final class Possible {
      * if they are allowed.
      */
     public static Optional<String> refusal(PropertyDescriptor property, double... values) {
+        if (property.accumulated()) {
+            return Optional.of(
+                    "it is the sum of what laws add in each step, so it cannot be set; set a"
+                            + " property that a law adds to it");
+        }
         for (double value : values) {
             Optional<String> refusal = property.type().refusal(value);
             if (refusal.isPresent()) {
@@ -32,8 +37,8 @@ public final class Possible {
 
     /**
      * Returns the reason why a body cannot have these principal moments of inertia [kg*m^2]; empty
-     * if it can. No moment of a solid exceeds the sum of the two others. A moment of 0 means that
-     * the body does not rotate about this axis, so the check ignores it.
+     * if it can. No moment of a solid exceeds the sum of the other two moments. A moment of 0 means
+     * that the body does not rotate about this axis, so the check ignores it.
      */
     public static Optional<String> impossibleInertia(double... moments) {
         for (int axis = 0; axis < 3; axis++) {

@@ -15,6 +15,8 @@ import java.util.Optional;
  * @param refersTo the kind of items to which a {@link ScalarType#REF} property refers; empty for
  *     numbers
  * @param minimum smallest number that may be set [unit]; negative infinity for no limit
+ * @param accumulated whether the engine sets the numbers to 0 in each step and sums what laws add.
+ *     Actions, edits and world files do not set such a property
  */
 public record PropertyDescriptor(
         String name,
@@ -24,6 +26,7 @@ public record PropertyDescriptor(
         Unit unit,
         Optional<String> refersTo,
         double minimum,
+        boolean accumulated,
         String doc) {
 
     /** Maximum number of components, which is the size of a 4 by 4 matrix. */
@@ -67,6 +70,28 @@ public record PropertyDescriptor(
             throw new IllegalArgumentException(
                     "property " + name + ": a reference has no least value");
         }
+        if (accumulated
+                && (type != ScalarType.F32 && type != ScalarType.F64
+                        || minimum != Double.NEGATIVE_INFINITY)) {
+            throw new IllegalArgumentException(
+                    "property "
+                            + name
+                            + ": only a real number without a least value is a sum of what laws"
+                            + " add");
+        }
+    }
+
+    /** Creates a property that is no sum of what laws add. */
+    public PropertyDescriptor(
+            String name,
+            String kind,
+            ScalarType type,
+            int components,
+            Unit unit,
+            Optional<String> refersTo,
+            double minimum,
+            String doc) {
+        this(name, kind, type, components, unit, refersTo, minimum, false, doc);
     }
 
     /** Creates a property whose only limits are those of its type. */

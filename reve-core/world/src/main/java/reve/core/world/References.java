@@ -26,6 +26,8 @@ final class References {
     }
 
     /**
+     * Checks that a reference property can refer to an item.
+     *
      * @throws IllegalArgumentException if a reference property cannot refer to an item
      */
     static void requireTarget(
@@ -101,8 +103,16 @@ final class References {
      * order.
      */
     Set<ItemId> referrers(ItemId item) {
+        return holding(Set.of(item));
+    }
+
+    /**
+     * Returns the items that refer to one of the items or are attached to one of them. Equal worlds
+     * give the same order.
+     */
+    Set<ItemId> holding(Collection<ItemId> items) {
         Set<ItemId> referring = new LinkedHashSet<>();
-        addReferrers(Set.of(item), referring);
+        addReferrers(items, referring);
         return referring;
     }
 
@@ -123,7 +133,7 @@ final class References {
         return all.subList(1, all.size());
     }
 
-    /** Adds the items that refer to one of the targets or are attached to one. */
+    /** Adds the items that refer to one of the targets or are attached to one of them. */
     private void addReferrers(Collection<ItemId> targets, Set<ItemId> into) {
         for (ItemId target : targets) {
             into.addAll(hierarchy.children(target));

@@ -44,8 +44,8 @@ public enum ScalarType {
 
     /**
      * Returns the reason why an action or an edit must not store the number in a column of this
-     * type; empty if it is allowed. Allowed are 0 and magnitudes of 1e-100 to 1e100, in single
-     * precision 1e-35 to 1e30.
+     * type; empty if it is allowed. The number 0 is allowed. Other numbers need a magnitude of
+     * 1e-100 to 1e100, or of 1e-35 to 1e30 in single precision.
      *
      * <p>The limits are narrower than the range of the type. Sums of forces, cubes of distances and
      * quotients of masses therefore stay finite.

@@ -8,6 +8,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
+import java.util.function.Predicate;
 
 /**
  * The semantic aspect of an item: its symbols. A symbol is a named value that agents perceive (a
@@ -22,10 +23,12 @@ public final class SemanticAspect {
     }
 
     /**
-     * Returns a symbol of the designer or of a rule, or one of these standard symbols:
+     * Returns a symbol of the designer or of a rule, a symbol that the item inherits from its
+     * class, or one of these standard symbols:
      *
      * <ul>
      *   <li>{@code name}, {@code class} and {@code dimensions}
+     *   <li>in worlds that declare classes, {@code classes} (a list of names)
      *   <li>for bodies {@code location} (three numbers [m])
      *   <li>for bodies the {@link Relations} {@code near}, {@code on}, {@code inside} and {@code
      *       touching} (lists of names)
@@ -41,6 +44,15 @@ public final class SemanticAspect {
             return relations().of(item.id(), symbol).map(names -> names);
         }
         return item.symbols().get(symbol);
+    }
+
+    /**
+     * Returns whether the item belongs to a class: its own class, or one above it in the world's
+     * {@link ClassHierarchy}. Allocates nothing.
+     */
+    public boolean isA(String itemClass) {
+        item.checkedRow();
+        return item.symbols().isA(itemClass);
     }
 
     /**
@@ -75,9 +87,19 @@ public final class SemanticAspect {
      * @param value String, Boolean, a finite number or a List of these. If the prototype declares a
      *     type for the symbol, the value must have this type
      * @throws IllegalArgumentException naming item and symbol for any other value, and for symbols
-     *     that the world computes itself
+     *     that the world computes itself, and for the symbol of an item's level, which only a
+     *     change of the level sets
      */
     public void set(String symbol, Object value) {
+        requireNoLevel(symbol);
+        restore(symbol, value);
+    }
+
+    /**
+     * Sets a symbol like {@link #set}. Also sets the symbol of an item's level, for the repetition
+     * of recorded changes.
+     */
+    public void restore(String symbol, Object value) {
         item.checkedRow();
         Object checked = requireSettable(item.world().prototype, item.name(), symbol, value);
         change(symbol, checked, item.symbols().with(symbol, checked));
@@ -89,6 +111,7 @@ public final class SemanticAspect {
      */
     public void remove(String symbol) {
         item.checkedRow();
+        requireNoLevel(symbol);
         if (item.symbols().given().containsKey(symbol)) {
             change(symbol, null, item.symbols().without(symbol));
         }
@@ -96,8 +119,8 @@ public final class SemanticAspect {
 
     /**
      * Sets the symbol of a rule, in the phase DERIVE. A symbol of the same name from the designer
-     * or an action takes precedence. This is not recorded as a change, because rules can compute
-     * the symbol again from the rest of the world.
+     * or an action takes precedence. The setting is not recorded as a change, because rules can
+     * compute the symbol again from the rest of the world.
      *
      * @param value as in {@link #set}, or null to remove the symbol
      * @throws IllegalArgumentException like {@link #set}
@@ -120,12 +143,40 @@ public final class SemanticAspect {
     }
 
     /**
+     * Removes symbols of rules, for example of rules that the world does not have any more. The
+     * removal is not recorded as a change, like {@link #derive}.
+     *
+     * @param isStale whether the symbol of this name is removed
+     */
+    public void dropDerived(Predicate<String> isStale) {
+        item.checkedRow();
+        PMap<String, Object> left = item.symbols().derived();
+        for (String symbol : item.symbols().derived().keySet()) {
+            if (isStale.test(symbol)) {
+                left = left.minus(symbol);
+            }
+        }
+        if (left != item.symbols().derived()) {
+            item.change(item.symbols().withDerived(left));
+        }
+    }
+
+    /**
      * Returns all stored symbols, beginning with the standard symbols, see {@link
      * ItemSymbols#symbols()}. Omits location and relations, which are computed when they are read.
      */
     public Map<String, Object> symbols() {
         item.checkedRow();
         return item.symbols().symbols();
+    }
+
+    private void requireNoLevel(String symbol) {
+        if (item.isLevel(symbol)) {
+            throw new IllegalArgumentException(
+                    item
+                            + ": the symbol level names its active level, which only a change of the"
+                            + " level changes");
+        }
     }
 
     private void change(String symbol, @Nullable Object to, ItemSymbols changed) {
@@ -135,5 +186,14 @@ public final class SemanticAspect {
                 .note(
                         new WorldChange.Edited(
                                 item.id(), WorldChange.Aspect.SEMANTIC, symbol, from, to));
+    }
+
+    /** Returns the number of characters of all texts of a symbol's value. */
+    public static long characters(Object value) {
+        return switch (value) {
+            case String text -> text.length();
+            case List<?> list -> list.stream().mapToLong(SemanticAspect::characters).sum();
+            default -> 0;
+        };
     }
 }

@@ -16,19 +16,21 @@ import java.util.TreeSet;
  * with a {@link Voice} say, and senses no items.
  *
  * @param name name, unique among the sensors of a body
- * @param touch true if it senses items whose boxes are within the range of the body's box;
- *     otherwise it looks from the body's origin along its own +Z axis, the front of a glTF model
+ * @param touch true if the sensor senses items whose boxes are within the range of the body's box.
+ *     Otherwise it looks from the body's origin along the body's own +Z axis, which is the front of
+ *     a glTF model
  * @param range maximum distance [m], infinite for no limit
- * @param fieldOfView full angle of the cone that it sees [rad], 2π for all directions; for a camera
- *     the vertical angle of its picture, {@link #NARROWEST_CAMERA} to {@link #WIDEST_CAMERA}
+ * @param fieldOfView full angle of the cone that the sensor sees [rad], 2π for all directions; for
+ *     a camera the vertical angle of its picture, {@link #NARROWEST_CAMERA} to {@link
+ *     #WIDEST_CAMERA}
  * @param lineOfSight true if the bounding boxes of items hide the items behind them
- * @param every interval between perceptions [frames]; between them, the agent keeps the last
- *     perception
+ * @param every interval between perceptions [frames]; the agent keeps the last perception meanwhile
  * @param symbols names of the perceived symbols; empty for all
  * @param aspects the perceived aspects of an item, in addition to its name
  * @param camera settings of the pictures; empty if the sensor is not a camera
- * @param instrument what the sensor measures; empty if it senses items or takes pictures
- * @param hearing true if it hears voices within its range, measured between the bodies' origins
+ * @param instrument settings of a sensor that measures numbers; empty for other sensors
+ * @param hearing true if the sensor hears voices within its range, which is measured between the
+ *     bodies' origins
  */
 public record Sensor(
         String name,
@@ -66,6 +68,8 @@ public record Sensor(
         public static final int MAX_PIXELS = 1 << 16;
 
         /**
+         * Checks the settings.
+         *
          * @throws IllegalArgumentException if the size is out of bounds
          */
         public Camera {
@@ -82,7 +86,7 @@ public record Sensor(
             layers = EnumSet.copyOf(layers);
         }
 
-        /** Returns a copy. */
+        /** Returns a copy of the set of layers. */
         @Override
         public Set<Layer> layers() {
             return EnumSet.copyOf(layers);
@@ -91,9 +95,9 @@ public record Sensor(
 
     /** A kind of data of each pixel. */
     public enum Layer {
-        /** Red, green and blue. */
+        /** Colour of the pixel: red, green and blue. */
         COLOUR,
-        /** Distance along the view axis [m]. */
+        /** Distance of the visible surface along the view axis [m]. */
         DEPTH,
         /** Index of the visible item. */
         ITEMS
@@ -101,16 +105,19 @@ public record Sensor(
 
     /** An aspect of an item that can be perceived. */
     public enum Aspect {
-        /** Location and orientation. */
+        /** The physical aspect: location and orientation. */
         PHYSICAL,
-        /** Symbols. */
+        /** The semantic aspect: symbols. */
         SEMANTIC,
-        /** Actions. */
+        /** The access aspect: actions. */
         ACCESS
     }
 
     /**
-     * @throws IllegalArgumentException if range, field of view or every is out of bounds
+     * Checks the numbers.
+     *
+     * @throws IllegalArgumentException if {@code range}, {@code fieldOfView} or {@code every} is
+     *     out of bounds
      */
     public Sensor {
         if (!(range > 0)) {

@@ -9,6 +9,7 @@ public sealed interface Shape
                 Shape.Plane,
                 Shape.Capsule,
                 Shape.Cylinder,
+                Shape.Ellipsoid,
                 Mesh {
 
     /** Code of {@link None}. */
@@ -31,6 +32,9 @@ public sealed interface Shape
 
     /** Code of {@link Cylinder}. */
     int CYLINDER = 6;
+
+    /** Code of {@link Ellipsoid}. */
+    int ELLIPSOID = 7;
 
     /** Returns the value for the column {@code shape}. The codes never change their meaning. */
     int code();
@@ -66,6 +70,11 @@ public sealed interface Shape
     /** Returns a cylinder with this radius and height [m]. */
     static Shape cylinder(double radius, double height) {
         return new Cylinder(radius, height);
+    }
+
+    /** Returns an ellipsoid with these extents [m]. */
+    static Shape ellipsoid(double x, double y, double z) {
+        return new Ellipsoid(x, y, z);
     }
 
     /** Returns a mesh, see {@link Mesh#Mesh}. */
@@ -203,6 +212,26 @@ public sealed interface Shape
         @Override
         public double size(int axis) {
             return axis == 1 ? height : 2 * radius;
+        }
+    }
+
+    /** An ellipsoid centred on the origin, with its principal axes along its own axes. */
+    record Ellipsoid(double x, double y, double z) implements Shape {
+        /** Checks the extents. */
+        public Ellipsoid {
+            requireLength("x size of ellipsoid", x);
+            requireLength("y size of ellipsoid", y);
+            requireLength("z size of ellipsoid", z);
+        }
+
+        @Override
+        public int code() {
+            return ELLIPSOID;
+        }
+
+        @Override
+        public double size(int axis) {
+            return axis == 0 ? x : axis == 1 ? y : z;
         }
     }
 

@@ -58,9 +58,9 @@ final class SlotTable {
     }
 
     /**
-     * Returns a view of the copy. If the world's thread overwrites the copy while it is read,
-     * reading is safe, but the values are invalid. The reader notices this by the stamp of the
-     * slot.
+     * Returns a view of the copy. The world's thread may overwrite the copy while it is read.
+     * Reading is then safe, but the values are invalid. The stamp of the slot shows this to the
+     * reader.
      */
     TableSnapshot view() {
         return new TableSnapshot(kind, rowCount, physicsRowCount, properties, buffers.clone());

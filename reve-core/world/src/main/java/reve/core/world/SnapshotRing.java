@@ -10,8 +10,8 @@ import java.util.Optional;
 /**
  * A fixed number of slots with the last published frames of a world, for any number of readers.
  * Neither the world nor a reader ever waits. A frame is written to the oldest slot without readers.
- * If all slots have readers, it is written to the oldest slot, and the readers of this slot lose
- * their snapshot.
+ * If all slots have readers, the frame is written to the oldest slot, and the readers of this slot
+ * lose their snapshot.
  *
  * <p>A slot allocates memory when it is first needed. Slots share columns that did not change from
  * frame to frame.

@@ -8,13 +8,14 @@ import org.pcollections.TreePMap;
 import java.lang.invoke.VarHandle;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
  * Memory for one snapshot, guarded by a stamp (a sequence lock). The stamp is odd while the world's
- * thread writes. Otherwise it is even, and every write gives it another value.
+ * thread writes, and even at all other times. Every write gives it another value.
  */
 final class SnapshotSlot {
 
@@ -42,6 +43,7 @@ final class SnapshotSlot {
     private double timeSeconds;
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private List<WorldEvent> events = List.of();
+    private Map<ItemId, Map<String, double[]>> readings = Map.of();
 
     /**
      * @param memory memory that all slots of the ring share
@@ -57,8 +59,8 @@ final class SnapshotSlot {
     }
 
     /**
-     * Overwrites the slot, even if it has readers. After an exception, readers cannot acquire the
-     * slot until it is written again. For the world's thread only.
+     * Overwrites the slot, even if it has readers. Readers cannot acquire the slot after an
+     * exception until it is written again. For the world's thread only.
      *
      * @param before the slot of the previous frame, with which the new frame shares unchanged
      *     columns
@@ -71,6 +73,7 @@ final class SnapshotSlot {
         timeSeconds = newTimeSeconds;
         symbols = world.symbols();
         events = world.events();
+        readings = world.readings();
         for (int i = 0; i < tables.size(); i++) {
             tables.get(i)
                     .copyFrom(world.tables().get(i), before == null ? null : before.tables.get(i));
@@ -86,7 +89,9 @@ final class SnapshotSlot {
         for (SlotTable table : tables) {
             views.add(table.view());
         }
-        var snapshot = new WorldSnapshot(this, before, frame, timeSeconds, views, symbols, events);
+        var snapshot =
+                new WorldSnapshot(
+                        this, before, frame, timeSeconds, views, symbols, events, readings);
         if (before % 2 == 1 || snapshot.lost()) {
             snapshot.close();
             return Optional.empty();

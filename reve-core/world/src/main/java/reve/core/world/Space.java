@@ -15,8 +15,8 @@ import java.util.function.LongSupplier;
  * the last DERIVE phase computed. The search ignores later moves and changes of shape, does not
  * find items that were added later, and omits removed items. A body without a shape is a point.
  *
- * <p>Uses a tree of boxes, which only the first search after a DERIVE phase updates. For the thread
- * that owns the world or uses the snapshot.
+ * <p>The search uses a tree of boxes, which only the first search after a DERIVE phase updates. For
+ * the thread that owns the world or uses the snapshot.
  */
 public final class Space {
 
@@ -32,6 +32,8 @@ public final class Space {
     private long builtRemovals;
 
     /**
+     * Creates a search.
+     *
      * @param ids ids of the bodies, by row
      * @param version returns a number, 0 or more, that increases when the boxes are computed
      * @param removals returns the number of bodies removed so far
@@ -107,7 +109,8 @@ public final class Space {
             if (all || found.size() >= most) {
                 return present(most);
             }
-            // Some bodies of the tree were removed since the DERIVE phase, so search for more.
+            // Some results were bodies that were removed since the DERIVE phase. The search is
+            // therefore repeated for a larger number of results.
             asked = 2 * asked;
         }
     }

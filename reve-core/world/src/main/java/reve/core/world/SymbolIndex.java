@@ -8,8 +8,8 @@ import java.util.Map;
 import java.util.TreeSet;
 
 /**
- * An index that finds the items with a given value of a symbol. It contains only symbols for which
- * a search was made, so other symbols cost nothing. For the world's thread only.
+ * An index that finds the items with a given value of a symbol. It contains only the symbols that
+ * were searched for, so other symbols cost nothing. For the world's thread only.
  */
 final class SymbolIndex {
 
@@ -47,24 +47,31 @@ final class SymbolIndex {
     }
 
     private static void add(Map<Object, TreeSet<ItemId>> index, String symbol, ItemSymbols item) {
-        item.get(symbol)
-                .ifPresent(
-                        value ->
-                                index.computeIfAbsent(key(value), none -> new TreeSet<>())
-                                        .add(item.id()));
+        for (Object value : values(symbol, item)) {
+            index.computeIfAbsent(key(value), none -> new TreeSet<>()).add(item.id());
+        }
     }
 
     private static void remove(
             Map<Object, TreeSet<ItemId>> index, String symbol, ItemSymbols item) {
-        item.get(symbol)
-                .ifPresent(
-                        value ->
-                                index.computeIfPresent(
-                                        key(value),
-                                        (same, items) -> {
-                                            items.remove(item.id());
-                                            return items.isEmpty() ? null : items;
-                                        }));
+        for (Object value : values(symbol, item)) {
+            index.computeIfPresent(
+                    key(value),
+                    (same, items) -> {
+                        items.remove(item.id());
+                        return items.isEmpty() ? null : items;
+                    });
+        }
+    }
+
+    /** Returns the value of a symbol. Returns each class of the item if the symbol lists them. */
+    private static Collection<?> values(String symbol, ItemSymbols item) {
+        Object value = item.get(symbol).orElse(null);
+        return value == null
+                ? List.of()
+                : symbol.equals(StandardSymbols.CLASSES) && value instanceof List<?> classes
+                        ? classes
+                        : List.of(value);
     }
 
     /** Returns a key for the index. Equal numbers of any type have equal keys, also 0 and -0. */

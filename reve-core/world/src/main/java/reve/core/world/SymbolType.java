@@ -3,12 +3,15 @@ package reve.core.world;
 
 /** The type of a semantic symbol. */
 public enum SymbolType {
-    /** A text. */
+    /** Type of a text. */
     TEXT,
-    /** One finite number. */
+    /** Type of one finite number. */
     NUMBER,
-    /** True or false. */
+    /** Type of a truth value. */
     TRUTH,
-    /** Texts, numbers and truth values, at most {@link SymbolDescriptor#MAX_ELEMENTS}. */
+    /**
+     * Type of a list of at most {@link SymbolDescriptor#MAX_ELEMENTS} texts, numbers and truth
+     * values.
+     */
     LIST
 }

@@ -172,7 +172,8 @@ public final class Table implements TableView {
 
     /**
      * Removes an item's row. The last row of the same part (physics or scenery) moves into the gap.
-     * If this moves the end of the physics rows, the last row of the scenery fills the gap there.
+     * A removal from the physics rows leaves a gap at their end, which the last row of the scenery
+     * fills.
      */
     void remove(ItemId id) {
         int gap = rowOf(id);
@@ -275,7 +276,7 @@ public final class Table implements TableView {
         shapes[to] = shapes[from];
     }
 
-    /** Records that the item whose id is in this row has this row now. */
+    /** Records this row as the row of the item whose id it contains. */
     private void settle(int row) {
         rows.put(ids.getReference(row, 0), row);
     }

@@ -17,7 +17,9 @@ public final class TableCopy {
     private int physicsRowCount;
 
     /**
-     * @param allocate returns memory with the given number of bytes. This class never frees memory
+     * Creates an empty copy.
+     *
+     * @param allocate returns memory with the given number of bytes, which this class never frees
      */
     TableCopy(Table table, LongFunction<MemorySegment> allocate) {
         this.kind = table.kind();
@@ -65,7 +67,7 @@ public final class TableCopy {
     }
 
     /**
-     * Sets the number of rows. The old values are lost, so the caller must write all values next.
+     * Sets the number of rows. The old values are lost, so the caller must then write all values.
      */
     public void resize(int rows, int physicsRows) {
         if (rows < 0 || physicsRows < 0 || physicsRows > rows) {
@@ -102,6 +104,8 @@ public final class TableCopy {
     }
 
     /**
+     * Checks that the copy matches a table.
+     *
      * @throws IllegalArgumentException naming the difference if the copy does not match the table
      */
     void requireOf(Table table) {

@@ -22,8 +22,8 @@ public final class TableSnapshot implements TableView {
     private final ColumnBuffers.Buffer[] buffers;
 
     /**
-     * Views of the columns. Each is created when it is first requested, because few readers need
-     * all.
+     * Views of the columns. A view is created when it is first requested, because few readers need
+     * all columns.
      */
     private final @Nullable ColumnSnapshot[] made;
 

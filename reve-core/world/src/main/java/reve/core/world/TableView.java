@@ -26,6 +26,8 @@ public sealed interface TableView permits Table, TableSnapshot {
     int rowOf(ItemId id);
 
     /**
+     * Returns the column of a property.
+     *
      * @throws IllegalArgumentException if the kind has no such property
      */
     ColumnView column(String name);

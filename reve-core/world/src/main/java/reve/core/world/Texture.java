@@ -13,7 +13,7 @@ public final class Texture {
     /** Maximum number of pixels of one texture. */
     public static final int MAX_PIXELS = 1 << 24;
 
-    /** Maximum width and height [px] that any graphics library supports. */
+    /** Maximum width and height [px]. Any graphics library supports textures of this size. */
     public static final int MAX_SIDE = 8192;
 
     private final int width;
@@ -22,6 +22,8 @@ public final class Texture {
     private final Optional<String> file;
 
     /**
+     * Creates a texture.
+     *
      * @param width [px]
      * @param height [px]
      * @param rgba (height x width x 4) bytes r g b a, by rows from the upper left pixel; the array
@@ -59,7 +61,7 @@ public final class Texture {
         this.file = file;
     }
 
-    /** Returns whether a texture may have that size. */
+    /** Returns whether a texture may have this size [px]. */
     public static boolean fits(int width, int height) {
         return width >= 1
                 && height >= 1

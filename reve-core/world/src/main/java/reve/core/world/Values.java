@@ -4,6 +4,7 @@ package reve.core.world;
 import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 
 /** Checks of numbers and symbol values before a world stores them. */
 final class Values {
@@ -107,21 +108,56 @@ final class Values {
      */
     static Object requireSymbol(
             WorldPrototype prototype, String item, String symbol, Object value) {
+        if (symbol.equals(StandardSymbols.CLASSES) && !prototype.classes().isEmpty()) {
+            throw new IllegalArgumentException(
+                    at(item, symbol) + "is a symbol that the world derives; it cannot be set");
+        }
         Object checked = requireSymbol(item, symbol, value);
-        prototype
-                .symbol(symbol)
+        misfit(prototype, symbol, checked)
                 .ifPresent(
-                        declared -> {
-                            if (typeOf(checked) != declared.type()) {
-                                throw new IllegalArgumentException(
-                                        at(item, symbol)
-                                                + "is "
-                                                + words(typeOf(checked))
-                                                + ", declared as "
-                                                + words(declared.type()));
-                            }
+                        misfit -> {
+                            throw new IllegalArgumentException(at(item, symbol) + misfit);
                         });
         return checked;
+    }
+
+    /** Checks a symbol that items inherit from a class, like {@link #requireSymbol}. */
+    static Object requireInheritable(
+            WorldPrototype prototype, String itemClass, String symbol, Object value) {
+        if (StandardSymbols.DERIVED.contains(symbol)
+                || symbol.equals(StandardSymbols.CLASS)
+                || symbol.equals(StandardSymbols.CLASSES)) {
+            throw new IllegalArgumentException(
+                    "class "
+                            + itemClass
+                            + ": symbol "
+                            + symbol
+                            + " is a standard one; a class cannot give it");
+        }
+        Object checked = requireSymbol("of class " + itemClass, symbol, value);
+        misfit(prototype, symbol, checked)
+                .ifPresent(
+                        misfit -> {
+                            throw new IllegalArgumentException(
+                                    at("of class " + itemClass, symbol) + misfit);
+                        });
+        return checked;
+    }
+
+    /**
+     * Returns what is wrong with the type of a symbol; empty if the type is not declared or fits.
+     */
+    private static Optional<String> misfit(
+            WorldPrototype prototype, String symbol, Object checked) {
+        return prototype
+                .symbol(symbol)
+                .filter(declared -> typeOf(checked) != declared.type())
+                .map(
+                        declared ->
+                                "is "
+                                        + words(typeOf(checked))
+                                        + ", declared as "
+                                        + words(declared.type()));
     }
 
     /**

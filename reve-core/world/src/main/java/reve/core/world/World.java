@@ -6,8 +6,10 @@ import org.pcollections.PMap;
 
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
+import java.util.Set;
 
 /**
  * The virtual world store. It contains one {@link Table} of columns per kind for numbers, and one
@@ -38,7 +40,7 @@ public final class World {
         data = new WorldData(Names.requireWorldName(name), prototype, arena);
         forces = new Forces(table(WorldPrototype.BODY), data.guard, data.record);
         arrests = new Arrests(items, data.guard);
-        frameControl = new FrameControl(data, forces);
+        frameControl = new FrameControl(data, forces, items);
         var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
         register(List.of(insert(constants.build(), true, null)));
     }
@@ -124,7 +126,10 @@ public final class World {
         return List.copyOf(added);
     }
 
-    /** Throws if {@link #addAll} would throw now, and adds nothing. */
+    /**
+     * Checks whether items can be added, and adds nothing. Throws an exception if {@link #addAll}
+     * would throw one now.
+     */
     public void requireAddable(List<ItemDefinition> definitions) {
         new DefinitionCheck(data, items, definitions).run();
     }
@@ -143,11 +148,14 @@ public final class World {
         data.note(new WorldChange.Removed(id, item.name(), List.of()));
     }
 
-    /** Throws if {@link #remove} would refuse the item now, and removes nothing. */
+    /**
+     * Checks whether an item can be removed, and removes nothing. Throws an exception if {@link
+     * #remove} would refuse the item now.
+     */
     public void requireRemovable(ItemId id) {
         Item item = item(id);
         WorldData.requireNotConstants(item.symbols(), "it stays");
-        if (data.references.isReferredTo(id) || !data.hierarchy.children(id).isEmpty()) {
+        if (isHeld(id)) {
             throw new IllegalArgumentException(
                     item
                             + " cannot be removed: "
@@ -159,7 +167,7 @@ public final class World {
 
     /**
      * Removes an item. First removes all items that refer to it or are attached to it, directly or
-     * through other items. Otherwise like {@link #remove}.
+     * through other items. The method is otherwise like {@link #remove}.
      */
     public void removeCascade(ItemId id) {
         Item item = removable(id);
@@ -201,7 +209,10 @@ public final class World {
         data.note(new WorldChange.Renamed(id, oldName, newName));
     }
 
-    /** Throws if {@link #attach} would refuse the items now, and attaches nothing. */
+    /**
+     * Checks whether items can be attached, and attaches nothing. Throws an exception if {@link
+     * #attach} would refuse the items now.
+     */
     public void requireAttachable(ItemId child, ItemId parent) {
         data.hierarchy.requireAttachable(item(child).symbols(), item(parent).symbols());
     }
@@ -220,8 +231,8 @@ public final class World {
      * attached gets a new parent. Attached bodies may be parents of other bodies. The phase DERIVE
      * computes their poses in the world's reference frame.
      *
-     * <p>Laws do not move attached items, which are scenery or have mass 0. Forces on attached
-     * items do not act on the parent.
+     * <p>Laws do not move attached items, because attached items are scenery or have mass 0. Forces
+     * on attached items do not act on the parent.
      *
      * @throws IllegalArgumentException naming both items if one is not a body, the child has a
      *     mass, or the parent is attached to the child, directly or through other items
@@ -270,8 +281,9 @@ public final class World {
     }
 
     /**
-     * Restores, to the bit, the state of the world that an image contains. An {@link Item} object
-     * stays valid if its id is in the image. The objects of other items count as removed items.
+     * Restores the state of the world that an image contains, with the same bits. An {@link Item}
+     * object stays valid if its id is in the image. The objects of other items count as removed
+     * items.
      *
      * @param image image of a world of the same prototype
      * @throws IllegalArgumentException naming the difference if the image has another prototype
@@ -310,6 +322,8 @@ public final class World {
     }
 
     /**
+     * Returns the item of an id.
+     *
      * @throws IllegalArgumentException if the item is not in the world
      */
     public Item item(ItemId id) {
@@ -325,7 +339,8 @@ public final class World {
      * Returns a copy of the items whose symbol has a value, in the order of their ids. The first
      * search for a symbol builds an index, which the world keeps up to date.
      *
-     * @param symbol a symbol of the designer, or the standard symbol {@code class} or {@code name}
+     * @param symbol a symbol of the designer, or the standard symbol {@code class}, {@code name} or
+     *     {@code classes}; {@code classes} finds the items of a class and of all classes below it
      * @param value a text, a truth value or a number
      */
     public List<Item> withSymbol(String symbol, Object value) {
@@ -349,6 +364,8 @@ public final class World {
     }
 
     /**
+     * Returns the table of a kind.
+     *
      * @throws IllegalArgumentException if the prototype has no such kind
      */
     public Table table(String kind) {
@@ -387,16 +404,25 @@ public final class World {
     /**
      * Adds an event to the frame that is being made. Events that are raised in the phase PUBLISH or
      * between frames belong to the next frame.
+     *
+     * @throws IllegalArgumentException if a listener of a plugin raises an event of a type in
+     *     {@link WorldEvent#OF_THE_SERVER}
      */
     public void raise(WorldEvent event) {
+        providerFaults().requireOwn(event);
+        raiseOwn(event);
+    }
+
+    /** Adds an event of the server, like {@link #raise}. */
+    void raiseOwn(WorldEvent event) {
         data.guard.requireEditable();
         data.record.raise(event);
     }
 
     /**
      * Returns a copy of the changes of the frame that is being made, in order. Omits changes by
-     * laws and changes in the phase DERIVE. In the phase PUBLISH, all callers receive the same
-     * changes.
+     * laws and changes in the phase DERIVE. All callers receive the same changes in the phase
+     * PUBLISH.
      *
      * <p>Changes made in PUBLISH and between frames belong to the next frame. Changes made before
      * the first frame belong to frame 0.
@@ -408,8 +434,8 @@ public final class World {
 
     /**
      * Returns the number of changes of the frame that exceeded the limit (2^20) and were not
-     * stored. If it is not 0, a listener that follows a world by its changes must read the whole
-     * world.
+     * stored. A listener that follows a world by its changes must read the whole world if this
+     * number is not 0.
      */
     public long changesLost() {
         data.guard.checkOwner();
@@ -418,11 +444,24 @@ public final class World {
 
     /**
      * Returns a copy of the events of the frame that is being made, in the order in which they were
-     * raised. In the phase PUBLISH, all callers receive the same events.
+     * raised. All callers receive the same events in the phase PUBLISH.
      */
     public List<WorldEvent> events() {
         data.guard.checkOwner();
         return data.record.events();
+    }
+
+    /**
+     * Returns the reporter of failures in the code of providers, such as actions and listeners in
+     * Java. For the world's thread only.
+     */
+    public ProviderFaults providerFaults() {
+        return data.providerFaults;
+    }
+
+    /** Returns the readings of {@link FrameControl#setReadings}. */
+    Map<ItemId, Map<String, double[]>> readings() {
+        return data.readings;
     }
 
     /** Returns the forces that actions exert on bodies for a number of frames. */
@@ -456,6 +495,16 @@ public final class World {
         return items.of(data.references.referring(id));
     }
 
+    /** Returns the items that refer to one of the items or are attached to one of them. */
+    Set<ItemId> holding(List<ItemId> ids) {
+        return data.references.holding(ids);
+    }
+
+    /** Returns whether other items refer to an item or are attached to it. */
+    boolean isHeld(ItemId id) {
+        return data.references.isReferredTo(id) || !data.hierarchy.children(id).isEmpty();
+    }
+
     /** Returns the number of existing items that actions of this agent created. */
     public int made(String agent) {
         data.guard.checkOwner();
@@ -466,6 +515,12 @@ public final class World {
     public int made() {
         data.guard.checkOwner();
         return data.symbols.made();
+    }
+
+    /** Returns the size of the designer's symbols of all items, see {@link SymbolBytes}. */
+    public long symbolBytes() {
+        data.guard.checkOwner();
+        return data.symbols.bytes();
     }
 
     /** Returns the highest id that was ever assigned to an item. */

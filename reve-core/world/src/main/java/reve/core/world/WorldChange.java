@@ -7,25 +7,25 @@ import java.util.List;
 
 /**
  * A change of a world by a command or by the program. Changes by laws and changes in the phase
- * DERIVE are not recorded. {@link World#changes()} returns the changes of a frame. If they are
- * applied in this order to equal worlds, the results are equal worlds. Immutable.
+ * DERIVE are not recorded. {@link World#changes()} returns the changes of a frame. Equal worlds
+ * stay equal if these changes are applied to them in this order. Immutable.
  */
 public sealed interface WorldChange {
 
     /** The aspect of an item that an edit changed. */
     enum Aspect {
-        /** Place, shape and appearance of a body. */
+        /** The physical aspect: place, shape and appearance of a body. */
         PHYSICAL,
-        /** Symbols. */
+        /** The semantic aspect: symbols. */
         SEMANTIC,
-        /** Actions and capabilities. */
+        /** The access aspect: actions and capabilities. */
         ACCESS,
-        /** Physics properties. */
+        /** The physics aspect: physics properties. */
         PHYSICS
     }
 
     /**
-     * Several items were added together.
+     * Records that several items were added together.
      *
      * @param first id of the first item; the ids of the others follow without a gap
      * @param definitions initial states of the items
@@ -41,28 +41,28 @@ public sealed interface WorldChange {
     }
 
     /**
-     * An item was removed.
+     * Records that an item was removed.
      *
      * @param cascade items that were removed with it because they referred to it or were attached
      *     to it
      */
     record Removed(ItemId item, String name, List<ItemId> cascade) implements WorldChange {}
 
-    /** An item was renamed. */
+    /** Records that an item was renamed. */
     record Renamed(ItemId item, String from, String to) implements WorldChange {}
 
     /**
-     * An item was attached to a parent.
+     * Records that an item was attached to a parent.
      *
      * @param from the former attachment, null for none
      */
     record Attached(ItemId item, @Nullable Attachment from, Attachment to) implements WorldChange {}
 
-    /** An item was detached. */
+    /** Records that an item was detached. */
     record Detached(ItemId item, Attachment from) implements WorldChange {}
 
     /**
-     * Part of an aspect was changed. The values have these types:
+     * Records that a part of an aspect was changed. The values have these types:
      *
      * <ul>
      *   <li>numbers of columns: {@code List<Double>}
@@ -82,17 +82,18 @@ public sealed interface WorldChange {
             ItemId item, Aspect aspect, String property, @Nullable Object from, @Nullable Object to)
             implements WorldChange {}
 
-    /** A force was added to an item. It acts for a number of frames. */
+    /** Records that a force was added to an item. The force acts for a number of frames. */
     record Pushed(Force force) implements WorldChange {}
 
     /**
-     * Numbers of any rows were written to a column directly, through {@link Column}. This change is
-     * recorded once per frame and without values, because the column itself contains them.
+     * Records that numbers of any rows were written to a column directly, through {@link Column}.
+     * This change is recorded once per frame and without values, because the column itself contains
+     * them.
      */
     record ColumnEdited(String kind, String property) implements WorldChange {}
 
     /**
-     * The world was restored to the end of an earlier frame.
+     * Records that the world was restored to the end of an earlier frame.
      *
      * @param frame the frame of the image
      */

@@ -21,9 +21,10 @@ final class WorldData {
     final WorldGuard guard;
     final FrameRecord record = new FrameRecord();
     final Activity activity = new Activity();
+    final ProviderFaults providerFaults;
     final Layout layout;
     final List<Table> tables;
-    final Symbols symbols = new Symbols();
+    final Symbols symbols;
     final Hierarchy hierarchy;
     final References references;
     final Space space;
@@ -33,12 +34,17 @@ final class WorldData {
     /** Number of simulated frames so far. */
     long age;
 
+    /** Numbers that the providers of sensors measured in this frame, by item and sensor. */
+    Map<ItemId, Map<String, double[]>> readings = Map.of();
+
     private long boundsVersion;
 
     WorldData(String name, WorldPrototype prototype, ColumnArena arena) {
         this.name = name;
         this.prototype = prototype;
         guard = new WorldGuard(name);
+        providerFaults = new ProviderFaults(name, guard, record);
+        symbols = new Symbols(prototype.classes());
         layout = new Layout(arena);
         tables =
                 prototype.kinds().stream()
@@ -63,6 +69,8 @@ final class WorldData {
     }
 
     /**
+     * Returns the table of a kind.
+     *
      * @throws IllegalArgumentException if the prototype has no such kind
      */
     Table table(String kind) {
@@ -75,6 +83,8 @@ final class WorldData {
     }
 
     /**
+     * Returns the symbolic data of an item.
+     *
      * @throws IllegalArgumentException if the item is not in the world
      */
     ItemSymbols require(ItemId id) {
@@ -85,7 +95,7 @@ final class WorldData {
         return symbolsOf;
     }
 
-    /** Makes spatial searches use the bounding boxes that were computed now. */
+    /** Makes spatial searches use the bounding boxes that have just been computed. */
     void boundsChanged() {
         boundsVersion++;
     }
@@ -129,6 +139,8 @@ final class WorldData {
     }
 
     /**
+     * Sets the references of an item.
+     *
      * @throws IllegalArgumentException naming item and property if a target is not allowed
      */
     void setReferences(ItemSymbols item, Column column, List<ItemId> targets) {

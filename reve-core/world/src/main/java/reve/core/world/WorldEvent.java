@@ -4,6 +4,7 @@ package reve.core.world;
 import java.nio.charset.StandardCharsets;
 import java.util.Collections;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 
 /**
@@ -14,6 +15,41 @@ import java.util.Map;
  * @param fields values by name, in the order given: String, Number or Boolean
  */
 public record WorldEvent(long frame, String type, Map<String, Object> fields) {
+    /**
+     * Types of events that the server itself raises, sends or prints. Actions and plugins must not
+     * raise them.
+     */
+    public static final List<String> OF_THE_SERVER =
+            List.of(
+                    "joined",
+                    "left",
+                    "acted",
+                    "law-loaded",
+                    "law-unloaded",
+                    "law-shadow",
+                    "fault",
+                    "over-budget",
+                    "missed",
+                    "waiting",
+                    "ready",
+                    "standby",
+                    "cluster",
+                    "snapshot",
+                    "snapshot-failed",
+                    "saved",
+                    "rewound",
+                    "stalled",
+                    "recovered",
+                    "late",
+                    "away",
+                    "back",
+                    "end",
+                    "detached",
+                    "removed",
+                    "spoke",
+                    "heard",
+                    "world-asleep",
+                    LevelChange.EVENT);
 
     /** Checks the type, and copies the fields in their order. */
     public WorldEvent {

@@ -19,7 +19,7 @@ public final class WorldGuard {
     private @Nullable String lockedBy;
     private @Nullable String inspectedBy;
 
-    /** Code that may read but not change the world. */
+    /** A function that may read the world but must not change it. */
     public interface Inspection<T, E extends Exception> {
         /** Reads the world, and returns a result. */
         T look() throws E;
@@ -52,8 +52,8 @@ public final class WorldGuard {
     }
 
     /**
-     * Runs code that must not change the world. Until it returns, every change is refused with an
-     * IllegalStateException that names {@code inspector}.
+     * Runs code that must not change the world. Every change that this code attempts is refused
+     * with an IllegalStateException that names {@code inspector}.
      */
     public <T, E extends Exception> T inspect(String inspector, Inspection<T, E> inspection)
             throws E {

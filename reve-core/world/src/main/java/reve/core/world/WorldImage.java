@@ -48,21 +48,24 @@ public final class WorldImage implements AutoCloseable {
         setForces(world.forces().active());
     }
 
-    /** Sets the symbolic data. For decoders, which fill the tables themselves. */
+    /** Sets the symbolic data. This method is for decoders, which fill the tables themselves. */
     public void setSymbolic(long atFrame, long lastItemId, PMap<ItemId, ItemSymbols> itemSymbols) {
         frame = atFrame;
         lastId = lastItemId;
         symbols = itemSymbols;
     }
 
-    /** Sets the age of the world [frames]. For decoders, which fill the tables themselves. */
+    /**
+     * Sets the age of the world [frames]. This method is for decoders, which fill the tables
+     * themselves.
+     */
     public void setAge(long frames) {
         age = frames;
     }
 
     /**
-     * Sets the forces that still act in later frames. For decoders, which fill the tables
-     * themselves.
+     * Sets the forces that still act in later frames. This method is for decoders, which fill the
+     * tables themselves.
      */
     public void setForces(List<Force> active) {
         forces = List.copyOf(active);

@@ -11,10 +11,12 @@ import reve.core.unit.Unit;
 import java.util.ArrayList;
 import java.util.Collections;
 import java.util.HashMap;
+import java.util.HashSet;
 import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.stream.Stream;
 
 /**
  * The declared properties and symbols of the items of a world, by kind. It is the schema that a
@@ -44,38 +46,68 @@ public final class WorldPrototype {
     public static final String JOINT = "joint";
 
     /**
-     * The specific force of a body [m/s²], in the body's own axes: its mean acceleration during the
-     * last frame minus the acceleration of gravity. Computed in DERIVE, for bodies with an {@link
-     * Instrument.Imu} only.
+     * Name of the property for the specific force of a body [m/s²], in the body's own axes. It is
+     * the mean acceleration during the last frame minus the acceleration of gravity. The phase
+     * DERIVE computes it for bodies with an {@link Instrument.Imu}.
      */
     public static final String SPECIFIC_FORCE = "specificForce";
 
     /**
-     * The angular velocity of a body [rad/s], in the body's own axes, at the end of the last frame.
-     * Computed in DERIVE, for bodies with an {@link Instrument.Imu} only.
+     * Name of the property for the angular velocity of a body [rad/s], in the body's own axes, at
+     * the end of the last frame. The phase DERIVE computes it for bodies with an {@link
+     * Instrument.Imu}.
      */
     public static final String ANGULAR_RATE = "angularRate";
 
     /**
-     * Force on a body at its contacts [N], in the axes of the world, by laws that exert forces,
-     * such as {@code sphere_contact}.
+     * Name of the property for the force on a body at its contacts [N], in the axes of the world.
+     * Laws that exert forces write it, such as {@code sphere_contact}.
      */
     public static final String CONTACT_FORCE = "contactForce";
 
     /**
-     * Force on a body at its contacts [N], in the axes of the world, by laws that move bodies, such
-     * as {@code rigid_contact}.
+     * Name of the property for the force on a body at its contacts [N], in the axes of the world.
+     * Laws that move bodies write it, such as {@code rigid_contact}.
      */
     public static final String REACTION_FORCE = "reactionForce";
 
-    /** The mass of a body. Laws do not move a body of mass 0. */
-    static final String MASS = "mass";
+    /**
+     * The kind of gears between two joints. Only worlds that use gears have this kind, see {@link
+     * #withGears()}.
+     */
+    public static final String GEAR = "gear";
+
+    /**
+     * Name of the property for the code of a body's substance, see {@link #withSubstances()}; 0 for
+     * none.
+     */
+    public static final String SUBSTANCE = "substance";
+
+    /**
+     * The kind of the rows that contain friction and restitution of substances and of pairs of
+     * substances. Only worlds that use substances have this kind, see {@link #withSubstances()}.
+     */
+    public static final String SUBSTANCE_PAIR = "substancePair";
+
+    /** Beginning of the name of an item with the values of one substance. */
+    public static final String SUBSTANCE_PREFIX = "substance ";
+
+    /** Name of the property for the lever arm of a substance or a pair against rolling [m]. */
+    public static final String PAIR_ROLLING_FRICTION = "pairRollingFriction";
+
+    /** Name of the property for the lever arm of a substance or a pair against spinning [m]. */
+    public static final String PAIR_SPIN_FRICTION = "pairSpinFriction";
+
+    /** Name of the property for the mass of a body. Laws do not move a body of mass 0. */
+    public static final String MASS = "mass";
 
     private final String name;
     private final ScalarType realType;
     private final List<PropertyDescriptor> properties;
     private final List<PropertyDescriptor> physicalProperties;
+    private final List<FieldDescriptor> fields;
     private final List<SymbolDescriptor> symbols;
+    private final ClassHierarchy classes;
     private final List<String> kinds;
     private final Map<String, PropertyDescriptor> byName = new HashMap<>();
     private final Map<String, SymbolDescriptor> symbolsByName = new HashMap<>();
@@ -87,10 +119,13 @@ public final class WorldPrototype {
             String name,
             ScalarType realType,
             List<PropertyDescriptor> properties,
-            List<SymbolDescriptor> symbols) {
+            List<FieldDescriptor> fields,
+            List<SymbolDescriptor> symbols,
+            List<ItemClass> classes) {
         this.name = name;
         this.realType = realType;
         this.properties = List.copyOf(properties);
+        this.fields = List.copyOf(fields);
         this.symbols = List.copyOf(symbols);
         this.physicalProperties = standardPhysical(realType);
         var distinctKinds = new LinkedHashSet<String>();
@@ -110,7 +145,23 @@ public final class WorldPrototype {
             }
         }
         physicalProperties.forEach(this::addUnique);
+        requireOtherNames(this.fields);
         this.kinds = List.copyOf(distinctKinds);
+        this.classes = classes.isEmpty() ? ClassHierarchy.NONE : hierarchy(classes);
+    }
+
+    private ClassHierarchy hierarchy(List<ItemClass> declared) {
+        if (symbolsByName.containsKey(StandardSymbols.CLASSES)) {
+            throw new IllegalArgumentException(
+                    "symbol "
+                            + StandardSymbols.CLASSES
+                            + " is derived by a world with classes; it cannot be declared");
+        }
+        for (ItemClass each : declared) {
+            each.symbols()
+                    .forEach((symbol, value) -> requireInheritable(each.name(), symbol, value));
+        }
+        return new ClassHierarchy(declared, kinds);
     }
 
     /**
@@ -128,7 +179,8 @@ public final class WorldPrototype {
                             throw new IllegalArgumentException(
                                     "prototype \"" + name + "\": expected si-f64 or si-f32");
                 };
-        return new WorldPrototype(name, real, standardPhysics(real), List.of());
+        return new WorldPrototype(
+                name, real, standardPhysics(real), List.of(), List.of(), List.of());
     }
 
     /**
@@ -138,9 +190,69 @@ public final class WorldPrototype {
         return extendedBy(joints(realType));
     }
 
-    /** Returns whether a property is one of those that {@link #withJoints()} adds. */
+    /**
+     * Returns a copy with the kind {@code gear} and its properties, for worlds that use gears.
+     *
+     * @throws IllegalArgumentException if this prototype has no kind {@code joint}
+     */
+    public WorldPrototype withGears() {
+        return extendedBy(gears(realType));
+    }
+
+    /**
+     * Returns whether a property is one of those that {@link #withJoints()} or {@link #withGears()}
+     * adds.
+     */
     public boolean isOfJoints(PropertyDescriptor property) {
-        return property.kind().equals(JOINT) && joints(realType).contains(property);
+        return property.kind().equals(JOINT) && joints(realType).contains(property)
+                || property.kind().equals(GEAR) && gears(realType).contains(property);
+    }
+
+    /**
+     * Returns a copy with the substances of bodies: the property {@link #SUBSTANCE} and the kind
+     * {@link #SUBSTANCE_PAIR}.
+     */
+    public WorldPrototype withSubstances() {
+        return extendedBy(substances(realType));
+    }
+
+    /** Returns whether this prototype has the property that {@link #withSubstances()} adds. */
+    public boolean hasSubstances() {
+        return find(BODY, SUBSTANCE).filter(substances(realType)::contains).isPresent();
+    }
+
+    /**
+     * Returns {@code friction} and {@code restitution} of bodies. A world with substances has them
+     * if an item sets them. In such a world, the value 0 means that the value is not set.
+     */
+    public List<PropertyDescriptor> ownContacts() {
+        return List.of(
+                notNegative(BODY, "friction", realType, 1, "1", "Coefficient of friction."),
+                notNegative(BODY, "restitution", realType, 1, "1", "Coefficient of restitution."));
+    }
+
+    /**
+     * Returns the resistances of substances to rolling and to spinning. A world with substances has
+     * each of them if one of its substances states it. The value 0 of such a property, and of
+     * {@code rollingFriction} or {@code spinFriction} of a body, then means that the value is not
+     * set.
+     */
+    public List<PropertyDescriptor> resistancesOfSubstances() {
+        return List.of(
+                notNegative(
+                        SUBSTANCE_PAIR,
+                        PAIR_ROLLING_FRICTION,
+                        realType,
+                        1,
+                        "m",
+                        "Lever arm against rolling; 0: not set."),
+                notNegative(
+                        SUBSTANCE_PAIR,
+                        PAIR_SPIN_FRICTION,
+                        realType,
+                        1,
+                        "m",
+                        "Lever arm against spinning; 0: not set."));
     }
 
     /**
@@ -148,6 +260,7 @@ public final class WorldPrototype {
      *
      * <ul>
      *   <li>properties of contacts of bodies, except {@code friction} and {@code restitution}
+     *   <li>substances, and their resistances to rolling and spinning
      *   <li>springs, damping, friction, rotors, servos and speeds of joints
      *   <li>measurements of the instruments of bodies
      * </ul>
@@ -156,14 +269,34 @@ public final class WorldPrototype {
         List<PropertyDescriptor> properties = new ArrayList<>(contacts(realType));
         properties.addAll(loadsOfJoints(realType));
         properties.addAll(measurements(realType));
+        properties.addAll(substances(realType));
+        properties.addAll(resistancesOfSubstances());
         return properties;
+    }
+
+    /**
+     * Returns whether a kind has a standard property of this name, also if this prototype does not
+     * contain it. The engine limits the access of laws to such a property.
+     */
+    public boolean isStandard(String kind, String propertyName) {
+        return Stream.of(
+                        standardPhysics(realType),
+                        joints(realType),
+                        gears(realType),
+                        propertiesOnDemand(),
+                        ownContacts())
+                .flatMap(List::stream)
+                .anyMatch(
+                        property ->
+                                property.kind().equals(kind)
+                                        && property.name().equals(propertyName));
     }
 
     /** Returns the names of the properties of a body that an instrument of the body needs. */
     public static List<String> measuredBy(Instrument instrument) {
         return switch (instrument) {
             case Instrument.Imu _ -> List.of(SPECIFIC_FORCE, ANGULAR_RATE);
-            case Instrument.Lidar _ -> List.of();
+            case Instrument.Lidar _, Instrument.Provided _ -> List.of();
             case Instrument.ContactForce _ -> List.of(CONTACT_FORCE, REACTION_FORCE);
         };
     }
@@ -178,7 +311,7 @@ public final class WorldPrototype {
     public WorldPrototype extendedBy(List<PropertyDescriptor> more) {
         var all = new ArrayList<>(properties);
         all.addAll(more);
-        var extended = new WorldPrototype(name, realType, all, symbols);
+        var extended = new WorldPrototype(name, realType, all, fields, symbols, classes.all());
         for (PropertyDescriptor property : more) {
             property.refersTo()
                     .filter(kind -> !extended.kinds.contains(kind))
@@ -197,6 +330,22 @@ public final class WorldPrototype {
     }
 
     /**
+     * Returns a copy with further fields, which the designer of a world declares.
+     *
+     * @throws IllegalArgumentException if a name is taken by a property or another field
+     */
+    public WorldPrototype withFields(List<FieldDescriptor> more) {
+        var all = new ArrayList<>(fields);
+        all.addAll(more);
+        return new WorldPrototype(name, realType, properties, all, symbols, classes.all());
+    }
+
+    /** Returns the declared fields, in the order of declaration. */
+    public List<FieldDescriptor> fields() {
+        return fields;
+    }
+
+    /**
      * Returns a copy with declared types of semantic symbols. Undeclared symbols may have any type.
      *
      * @throws IllegalArgumentException if a symbol is declared twice
@@ -204,7 +353,34 @@ public final class WorldPrototype {
     public WorldPrototype withSymbols(List<SymbolDescriptor> more) {
         var all = new ArrayList<>(symbols);
         all.addAll(more);
-        return new WorldPrototype(name, realType, properties, all);
+        return new WorldPrototype(name, realType, properties, fields, all, classes.all());
+    }
+
+    /**
+     * Returns a copy with these classes of items instead of the previous ones.
+     *
+     * @throws IllegalArgumentException naming the class if it is declared twice, has the name of a
+     *     kind, has an unknown parent, is above itself, or has a symbol that does not fit
+     */
+    public WorldPrototype withClasses(List<ItemClass> declared) {
+        return new WorldPrototype(name, realType, properties, fields, symbols, declared);
+    }
+
+    /**
+     * Checks a symbol that the items of a class are to inherit.
+     *
+     * @param itemClass name of the class, for messages
+     * @return the value in the form in which it is stored
+     * @throws IllegalArgumentException naming class and symbol if the symbol is a standard one, or
+     *     the value is not a value of this symbol
+     */
+    public Object requireInheritable(String itemClass, String symbol, Object value) {
+        return Values.requireInheritable(this, itemClass, symbol, value);
+    }
+
+    /** Returns the hierarchy of the declared classes of items. */
+    public ClassHierarchy classes() {
+        return classes;
     }
 
     /** Returns the name of the prototype, for example {@code si-f64}. */
@@ -266,6 +442,22 @@ public final class WorldPrototype {
         return Optional.ofNullable(byName.get(propertyName))
                 .filter(property -> property.kind().equals(kind))
                 .filter(property -> !physicalProperties.contains(property));
+    }
+
+    private void requireOtherNames(List<FieldDescriptor> declared) {
+        var names = new HashSet<String>();
+        for (FieldDescriptor field : declared) {
+            if (byName.containsKey(field.name())) {
+                throw new IllegalArgumentException(
+                        "field "
+                                + field.name()
+                                + ": the name is already taken by a property of kind "
+                                + byName.get(field.name()).kind());
+            }
+            if (!names.add(field.name())) {
+                throw new IllegalArgumentException("field " + field.name() + " is declared twice");
+            }
+        }
     }
 
     private void addUnique(PropertyDescriptor property) {
@@ -383,7 +575,9 @@ public final class WorldPrototype {
                 number(BODY, "passesLayers", I32, 1, "1", "Layers it passes through, as bits."),
                 number(BODY, "touchSensor", I32, 1, "1", "1: counts what touches it, no force."),
                 number(BODY, "partOfBody", I32, 1, "1", "1: collides as part of its carrier."),
-                number(BODY, "touchCount", I32, 1, "1", "Number of shapes that touch it."));
+                number(BODY, "touchCount", I32, 1, "1", "Number of shapes that touch it."),
+                number(BODY, "asleep", I32, 1, "1", "1 while it rests and is not moved."),
+                notNegative(BODY, "spinFriction", real, 1, "m", "Lever arm; stops spinning."));
     }
 
     private static List<PropertyDescriptor> loadsOfJoints(ScalarType real) {
@@ -405,7 +599,30 @@ public final class WorldPrototype {
                 notNegative(JOINT, "motorDamping", real, 1, "N*m*s", "Torque per speed."),
                 number(JOINT, "driveTravel", real, 1, "m", "Travel to which the drive moves."),
                 notNegative(JOINT, "driveStiffness", real, 1, "N/m", "Force per travel."),
-                notNegative(JOINT, "driveDamping", real, 1, "N*s/m", "Force per speed."));
+                notNegative(JOINT, "driveDamping", real, 1, "N*s/m", "Force per speed."),
+                notNegative(JOINT, "ropeLength", real, 1, "m", "Length of a rope."),
+                number(JOINT, "offsetLeast", real, 3, "m", "Least offsets of six-axis."),
+                number(JOINT, "offsetGreatest", real, 3, "m", "Below the least: no limit."),
+                number(JOINT, "turnLeast", real, 3, "1", "Least angles of six-axis."),
+                number(JOINT, "turnGreatest", real, 3, "1", "Below the least: no limit."));
+    }
+
+    private static List<PropertyDescriptor> gears(ScalarType real) {
+        return List.of(
+                new PropertyDescriptor(
+                        "geared",
+                        GEAR,
+                        REF,
+                        2,
+                        Unit.parse("1"),
+                        Optional.of(JOINT),
+                        "The two joints."),
+                number(GEAR, "gearRatio", real, 1, "1", "Angle or travel of one per other."),
+                number(GEAR, "offsetAngle", real, 1, "1", "Angle of the first one at 0."),
+                number(GEAR, "offsetTravel", real, 1, "m", "Travel of the first one at 0."),
+                number(GEAR, "gearTorque", real, 1, "N*m", "Torque on a first hinge."),
+                number(GEAR, "gearForce", real, 1, "N", "Force on a first slider."),
+                number(GEAR, "gearPlaces", real, 2, "1", "Angles with turns, or travels."));
     }
 
     private static List<PropertyDescriptor> measurements(ScalarType real) {
@@ -414,6 +631,15 @@ public final class WorldPrototype {
                 number(BODY, ANGULAR_RATE, real, 3, "rad/s", "Of an IMU, in the body's axes."),
                 number(BODY, CONTACT_FORCE, real, 3, "N", "Force of contacts, by force laws."),
                 number(BODY, REACTION_FORCE, real, 3, "N", "Force of contacts, by movers."));
+    }
+
+    private static List<PropertyDescriptor> substances(ScalarType real) {
+        return List.of(
+                number(BODY, SUBSTANCE, I32, 1, "1", "Code of its substance; 0: none."),
+                number(SUBSTANCE_PAIR, "substances", I32, 2, "1", "Codes of two; 0: any other."),
+                notNegative(SUBSTANCE_PAIR, "pairFriction", real, 1, "1", "Friction; 0: not set."),
+                notNegative(
+                        SUBSTANCE_PAIR, "pairRestitution", real, 1, "1", "Restitution, likewise."));
     }
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {
@@ -426,7 +652,13 @@ public final class WorldPrototype {
                         "m",
                         "Place of the item's origin in the world frame."),
                 number(BODY, "orientation", real, 4, "1", "Rotation as a unit quaternion xyzw."),
-                number(BODY, "size", F64, 3, "m", "Extent of the shape along the item's own axes."),
+                notNegative(
+                        BODY,
+                        "size",
+                        F64,
+                        3,
+                        "m",
+                        "Extent of the shape along the item's own axes."),
                 number(BODY, "shape", I32, 1, "1", "Code of the shape, see Shape.code()."),
                 number(BODY, "colour", U32, 1, "1", "Colour, see Colour.rgba()."),
                 number(

@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 
 import java.util.List;
+import java.util.Map;
 import java.util.concurrent.atomic.AtomicBoolean;
 
 /**
@@ -24,6 +25,7 @@ public final class WorldSnapshot implements AutoCloseable {
     private final List<TableSnapshot> tables;
     private final PMap<ItemId, ItemSymbols> symbols;
     private final List<WorldEvent> events;
+    private final Map<ItemId, Map<String, double[]>> readings;
     private @Nullable Space space;
     private final AtomicBoolean closed = new AtomicBoolean();
 
@@ -34,7 +36,8 @@ public final class WorldSnapshot implements AutoCloseable {
             double timeSeconds,
             List<TableSnapshot> tables,
             PMap<ItemId, ItemSymbols> symbols,
-            List<WorldEvent> events) {
+            List<WorldEvent> events,
+            Map<ItemId, Map<String, double[]>> readings) {
         this.slot = slot;
         this.stamp = stamp;
         this.frame = frame;
@@ -42,6 +45,7 @@ public final class WorldSnapshot implements AutoCloseable {
         this.tables = List.copyOf(tables);
         this.symbols = symbols;
         this.events = events;
+        this.readings = readings;
     }
 
     /** Returns the frame of the snapshot. */
@@ -55,6 +59,8 @@ public final class WorldSnapshot implements AutoCloseable {
     }
 
     /**
+     * Returns the table of a kind.
+     *
      * @throws IllegalArgumentException if the prototype has no such kind
      * @throws IllegalStateException after {@link #close()}
      */
@@ -119,6 +125,15 @@ public final class WorldSnapshot implements AutoCloseable {
      */
     public List<WorldEvent> events() {
         return events;
+    }
+
+    /**
+     * Returns the numbers that {@link SensorProvider}s have measured, by item and name of the
+     * sensor: the components of all quantities of the sensor. Sensors whose measurement failed are
+     * missing. The map is valid even if the snapshot is lost, and must not be changed.
+     */
+    public Map<ItemId, Map<String, double[]>> readings() {
+        return readings;
     }
 
     /**

@@ -17,6 +17,7 @@ import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Mesh;
 import reve.core.world.OffHeapArena;
+import reve.core.world.Pose;
 import reve.core.world.Shape;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
@@ -184,6 +185,42 @@ class BoundingBoxesTest {
         assertThat(point.physical().boundsMax()).containsExactly(1, 2, 3);
         assertThat(ball.physical().boundsMin()).containsExactly(-1, 0, 1);
         assertThat(ball.physical().boundsMax()).containsExactly(3, 4, 5);
+    }
+
+    /** No point of the surface is outside, and one of many random points is near each side. */
+    @Test
+    void encloseATurnedEllipsoidTightly() {
+        var random = new Random(5);
+        World world = world("si-f64");
+        Item egg =
+                world.add(
+                        ItemDefinition.named("egg")
+                                .shape(Shape.ellipsoid(2, 1, 4))
+                                .at(1, 2, 3)
+                                .orientation(0.3, -0.5, 0.2, 0.7)
+                                .build());
+        new BoundingBoxes().update(world);
+        double[] low = {9, 9, 9};
+        double[] high = {-9, -9, -9};
+        Pose pose = Pose.of(egg.physical().location(), egg.physical().orientation());
+        for (int i = 0; i < 100_000; i++) {
+            double[] at = {random.nextGaussian(), random.nextGaussian(), random.nextGaussian()};
+            double length = Math.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
+            double[] point =
+                    new Pose(at[0] / length, at[1] / length / 2, 2 * at[2] / length, 0, 0, 0, 1)
+                            .within(pose)
+                            .location();
+            for (int axis = 0; axis < 3; axis++) {
+                low[axis] = Math.min(low[axis], point[axis]);
+                high[axis] = Math.max(high[axis], point[axis]);
+            }
+        }
+        for (int axis = 0; axis < 3; axis++) {
+            double min = egg.physical().boundsMin()[axis];
+            double max = egg.physical().boundsMax()[axis];
+            assertThat(low[axis]).isBetween(min - 1e-9, min + 2e-3);
+            assertThat(high[axis]).isBetween(max - 2e-3, max + 1e-9);
+        }
     }
 
     @Test

@@ -372,6 +372,26 @@ class FrameLoopTest {
     }
 
     @Test
+    void framesAreCountedByTheirDuration() {
+        List<Long> durations =
+                List.of(100_000L, 250_000L, 250_001L, 16 * MILLISECOND, 3_000_000_000L);
+        bus.subscribe(
+                FramePhase.PHYSICS,
+                "x",
+                event -> clock.now += durations.get((int) event.frame() - 1));
+        FrameLoop loop = loop(new Timing(60, 1), Pacing.FAST);
+        loop.run(durations.size());
+        List<Long> counts = loop.profile().framesByTime();
+        assertThat(counts).hasSize(FrameProfile.TIME_BOUNDS_SECONDS.size() + 1);
+        assertThat(counts.get(0)).isEqualTo(2);
+        assertThat(counts.get(1)).isEqualTo(1);
+        assertThat(counts.get(FrameProfile.TIME_BOUNDS_SECONDS.indexOf(0.016))).isEqualTo(1);
+        assertThat(counts.getLast()).isEqualTo(1);
+        assertThat(counts.stream().mapToLong(Long::longValue).sum()).isEqualTo(durations.size());
+        assertThat(FrameProfile.TIME_BOUNDS_SECONDS).isSorted();
+    }
+
+    @Test
     void stopFromAnotherThreadEndsTheRunForGood() throws InterruptedException {
         var loop = new FrameLoop(world, bus, new Timing(1, 1), Pacing.REAL_TIME);
         Thread runner = new Thread(loop::run);
@@ -445,5 +465,48 @@ class FrameLoopTest {
         assertThat(script).isEmpty();
         assertThat(loop.profile().overruns()).isZero();
         assertThat(starts.get(9) - starts.get(7)).isEqualTo(20 * MILLISECOND);
+    }
+
+    /** A client that resumes a paused world must not end a suspension. */
+    @Test
+    void aSuspendedLoopMakesNoFramesUntilTheSuspensionEnds() {
+        FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
+        noteStarts();
+        List<String> done = new ArrayList<>();
+        var script =
+                new ArrayList<Runnable>(
+                        List.of(
+                                loop::pause,
+                                loop::resume,
+                                () -> loop.betweenFrames(() -> done.add("after " + loop.frame())),
+                                () -> loop.suspend(false)));
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "server",
+                event -> {
+                    if (event.frame() == 3) {
+                        loop.suspend(true);
+                    }
+                });
+        clock.onPark =
+                () -> {
+                    if (loop.isSuspended()) {
+                        assertThat(loop.frame()).isEqualTo(3);
+                        script.removeFirst().run();
+                    }
+                };
+        loop.run(10);
+        assertThat(loop.frame()).isEqualTo(10);
+        assertThat(done).containsExactly("after 3");
+        assertThat(loop.profile().overruns()).isZero();
+    }
+
+    @Test
+    void aSuspendedLoopStops() {
+        FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
+        loop.suspend(true);
+        clock.onPark = loop::stop;
+        loop.run(10);
+        assertThat(loop.frame()).isZero();
     }
 }

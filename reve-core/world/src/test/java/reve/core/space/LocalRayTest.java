@@ -82,6 +82,58 @@ class LocalRayTest {
                 .isInfinite();
     }
 
+    /** The points of the rays are on the surface, and a ray misses if no point of it is inside. */
+    @Test
+    void anEllipsoidIsMetOnItsSurface() {
+        var random = new Random(7);
+        double[] half = {0.7, 1.6, 0.4};
+        int met = 0;
+        for (int i = 0; i < 2000; i++) {
+            double[] from = unit(random, 3);
+            double reach = random.nextInt(4) == 0 ? 0.3 * random.nextDouble() : 3;
+            for (int axis = 0; axis < 3; axis++) {
+                from[axis] *= reach;
+            }
+            double[] direction = unit(random, 3);
+            double distance =
+                    ray(from, direction, NOT_MOVED).toEllipsoid(half[0], half[1], half[2]);
+            double nearest = Double.POSITIVE_INFINITY;
+            for (double t = 0; t < 5; t += 1e-3) {
+                double level = level(from, direction, t, half);
+                if (level < 1 == reach > 1) {
+                    nearest = t;
+                    break;
+                }
+            }
+            if (Double.isInfinite(nearest)) {
+                assertThat(distance > 4 || chord(from, direction, distance, half))
+                        .as("ray %d", i)
+                        .isTrue();
+            } else {
+                met++;
+                assertThat(distance).as("ray %d", i).isBetween(nearest - 1.01e-3, nearest);
+                assertThat(level(from, direction, distance, half)).isCloseTo(1, within(1e-9));
+            }
+        }
+        assertThat(met).isGreaterThan(500);
+    }
+
+    /** Returns the squared length in axes in which the ellipsoid is a ball of radius 1. */
+    private static double level(double[] from, double[] direction, double t, double[] half) {
+        double sum = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double at = (from[axis] + t * direction[axis]) / half[axis];
+            sum += at * at;
+        }
+        return sum;
+    }
+
+    /** Returns whether a ray is inside for less than the step of the search. */
+    private static boolean chord(
+            double[] from, double[] direction, double distance, double[] half) {
+        return level(from, direction, distance + 1e-3, half) > 1;
+    }
+
     private static double boxed(double x, double y, double z, double a, double b, double c) {
         double dx = Math.abs(x) - a;
         double dy = Math.abs(y) - b;
@@ -188,6 +240,40 @@ class LocalRayTest {
         return new TriangleIndex(FloatBuffer.wrap(corners), IntBuffer.wrap(triangles));
     }
 
+    private static Effort effort(long most) {
+        var effort = new Effort();
+        effort.begin(most);
+        return effort;
+    }
+
+    /** A search that examines more triangles than it may has no result, and stops. */
+    @Test
+    void aSearchEndsWithItsEffort() {
+        int count = 10_000;
+        float[] corners = new float[3 * (count + 2)];
+        corners[0] = -1;
+        corners[3] = 1;
+        int[] triangles = new int[3 * count];
+        for (int i = 0; i < count; i++) {
+            corners[3 * (i + 2) + 1] = 2;
+            corners[3 * (i + 2) + 2] = 1e-6f * i;
+            triangles[3 * i + 1] = 1;
+            triangles[3 * i + 2] = i + 2;
+        }
+        var fan = new TriangleIndex(FloatBuffer.wrap(corners), IntBuffer.wrap(triangles));
+        double[] towards = {0, 0.6, 0.8};
+        LocalRay ray = ray(new double[] {0, 0.4, -1}, towards, new double[] {0, 0, 0, 0, 0, 0, 1});
+        Effort enough = effort(2L * count);
+        double found = fan.distance(ray, 100, enough);
+        assertThat(found).isCloseTo(1.25, within(0.01));
+        long needed = 2L * count - enough.left();
+        assertThat(needed).isGreaterThan(count / 2);
+        assertThat(fan.distance(ray, 100, effort(needed))).isEqualTo(found);
+        Effort tooLittle = effort(needed - 1);
+        assertThat(fan.distance(ray, 100, tooLittle)).isInfinite();
+        assertThat(tooLittle.left()).isEqualTo(-1);
+    }
+
     @Test
     void aMeshOfABoxIsMetLikeTheBoxInAnyPlace() {
         Random random = new Random(5);
@@ -202,13 +288,15 @@ class LocalRayTest {
             }
             LocalRay ray = ray(from, unit(random, 3), place);
             double expected = ray.toBox(0.5, 1.25, 2);
-            double found = mesh.distance(ray, 100);
+            double found = mesh.distance(ray, 100, effort(1000));
             if (Double.isInfinite(expected)) {
                 assertThat(found).isInfinite();
             } else {
                 met++;
                 assertThat(found).isCloseTo(expected, within(1e-9));
-                assertThat(mesh.distance(ray, expected - 1e-6)).as("out of range").isInfinite();
+                assertThat(mesh.distance(ray, expected - 1e-6, effort(1000)))
+                        .as("out of range")
+                        .isInfinite();
             }
         }
         assertThat(met).isGreaterThan(1000);
@@ -259,7 +347,8 @@ class LocalRayTest {
                             from,
                             direction,
                             most,
-                            (key, limit) -> distance((int) key, low, high, from, direction));
+                            (key, limit) -> distance((int) key, low, high, from, direction),
+                            effort(10_000));
             assertThat(found).isEqualTo(expected <= most ? expected : Double.POSITIVE_INFINITY);
             met += Double.isInfinite(found) ? 0 : 1;
         }

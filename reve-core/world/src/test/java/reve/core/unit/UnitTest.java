@@ -219,4 +219,37 @@ class UnitTest {
         unit.exponents()[0] = 7;
         assertThat(unit.exponent(SiBase.METRE)).isEqualTo(1);
     }
+
+    @ParameterizedTest(name = "the SI unit of {0} is {1}")
+    @CsvSource({
+        "g, kg",
+        "km/h, m/s",
+        "N, N",
+        "kN, kg*m/s^2",
+        "kg*m/s, kg*m/s",
+        "deg, rad",
+        "°, rad",
+        "rad, rad",
+        "%, 1",
+        "ms^-1, 1/s",
+        "A/(cm^2*ms), A/(m^2*s)",
+        "kPa, kg/(m*s^2)"
+    })
+    void theCoherentUnitOfADimensionHasASymbolThatCanBeRead(String text, String symbol) {
+        Unit si = Unit.parse(text).si();
+        assertThat(si.symbol()).isEqualTo(symbol);
+        assertThat(si.scale()).isEqualTo(1);
+        assertThat(Unit.parse(symbol)).isEqualTo(si);
+        assertThat(si.sameDimension(Unit.parse(text))).isTrue();
+    }
+
+    @Test
+    void unitsOfProductsAndQuotientsAreCoherent() {
+        Unit newton = Unit.parse("N");
+        assertThat(newton.times(Unit.parse("km"))).isEqualTo(Unit.parse("J"));
+        assertThat(newton.per(Unit.parse("m")).symbol()).isEqualTo("kg/s^2");
+        assertThat(newton.per(newton)).isEqualTo(Unit.ONE);
+        Unit large = Unit.parse("m^127");
+        assertThatThrownBy(() -> large.times(large)).hasMessageContaining("out of range");
+    }
 }

@@ -12,7 +12,7 @@ import java.nio.file.Path;
 import java.util.Optional;
 
 /**
- * The options for the audit record. This is a file of the messages that the server sends to
+ * The options for the audit record, which is a file of the messages that the server sends to
  * clients.
  */
 final class AuditOptions {

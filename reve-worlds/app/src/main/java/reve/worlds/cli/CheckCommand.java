@@ -39,6 +39,8 @@ public final class CheckCommand implements Callable<Integer> {
 
     @Mixin private LawOptions laws = new LawOptions();
 
+    @Mixin private PluginOptions plugins = new PluginOptions();
+
     @Option(names = "--strict", description = "Refuse a world with warnings, with code 3.")
     private boolean strict;
 
@@ -47,6 +49,7 @@ public final class CheckCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
+        plugins.use();
         LawPath lawPath = laws.path(spec);
         List<Map<String, Object>> problems = new ArrayList<>();
         List<Map<String, Object>> warnings = new ArrayList<>();

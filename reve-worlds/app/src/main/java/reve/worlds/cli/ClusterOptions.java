@@ -14,6 +14,7 @@ import java.io.IOException;
 import java.net.BindException;
 import java.net.UnknownHostException;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
@@ -22,6 +23,9 @@ import java.util.Optional;
 /** The options of a server that is a node of a cluster. */
 final class ClusterOptions {
     private static final String STORE = "--store postgresql://USER@HOST:PORT/DATABASE";
+    private static final String SLEEP_AFTER = "--sleep-after";
+    private static final double MIN_SLEEP_AFTER = 1;
+    private static final double MAX_SLEEP_AFTER = 2_592_000;
 
     @Spec(Spec.Target.MIXEE)
     private CommandSpec spec = CommandSpec.create();
@@ -72,6 +76,15 @@ final class ClusterOptions {
                             + " authority that signs nothing else.")
     private Optional<Path> authority = Optional.empty();
 
+    @Option(
+            names = SLEEP_AFTER,
+            paramLabel = "SECONDS",
+            description =
+                    "Time without clients after which a world of this node sleeps [s]. A world that"
+                            + " sleeps takes no memory and no processor, and its time stands still"
+                            + " until a client asks for it (default: worlds never sleep).")
+    private Optional<Double> sleepAfter = Optional.empty();
+
     /** Returns whether the server is a node of a cluster. */
     boolean isGiven() {
         return name.isPresent();
@@ -94,18 +107,28 @@ final class ClusterOptions {
                             + "; found "
                             + store.map(named -> "--store " + named.given()).orElse("no --store"));
         }
+        requireSleepAfter();
         NodeAddress address = parse("--cluster-listen", listen.orElse("127.0.0.1:0"));
         List<NodeAddress> known = seeds.stream().map(seed -> parse("--seed", seed)).toList();
         Optional<NodeTls.Files> tls = tls();
         requireReachable(address, tls.isPresent());
         try {
-            return new NodeSettings(name.orElseThrow(), address, known, store.get().given(), tls);
+            return new NodeSettings(
+                    name.orElseThrow(),
+                    address,
+                    known,
+                    store.get().given(),
+                    tls,
+                    sleepAfter.map(seconds -> Duration.ofNanos(Math.round(seconds * 1e9))));
         } catch (IllegalArgumentException wrong) {
             throw new ParameterException(spec.commandLine(), wrong.getMessage());
         }
     }
 
-    /** Prints that other programs of this machine reach the node, unless it uses TLS. */
+    /**
+     * Prints a warning if the node does not use TLS, because other programs of this machine can
+     * then connect to it.
+     */
     void warn(NodeSettings settings) {
         if (settings.tls().isPresent()) {
             return;
@@ -131,14 +154,31 @@ final class ClusterOptions {
                 authority);
     }
 
-    /** Refuses the options of a cluster without {@code --cluster}. */
+    /** Refuses the options of a cluster if {@code --cluster} is not given. */
     void requireNone() {
         PartnerOption.require(spec, "--cluster-listen", listen.isPresent(), "--cluster NAME", name);
         PartnerOption.require(spec, "--seed", !seeds.isEmpty(), "--cluster NAME", name);
+        PartnerOption.require(spec, SLEEP_AFTER, sleepAfter.isPresent(), "--cluster NAME", name);
         files().forEach(
                         (option, file) ->
                                 PartnerOption.require(
                                         spec, option, file.isPresent(), "--cluster NAME", name));
+    }
+
+    private void requireSleepAfter() {
+        double seconds = sleepAfter.orElse(MIN_SLEEP_AFTER);
+        if (!(seconds >= MIN_SLEEP_AFTER && seconds <= MAX_SLEEP_AFTER)) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    SLEEP_AFTER
+                            + " is "
+                            + seconds
+                            + ", expected "
+                            + (long) MIN_SLEEP_AFTER
+                            + " to "
+                            + (long) MAX_SLEEP_AFTER
+                            + " s");
+        }
     }
 
     private NodeAddress parse(String option, String text) {
@@ -161,7 +201,7 @@ final class ClusterOptions {
                             + " only some of them");
         }
         NodeTls.Files files = new NodeTls.Files(certificate.get(), key.get(), authority.get());
-        files.context(); // refuses files that cannot be used
+        files.context(); // this call refuses unusable files
         return Optional.of(files);
     }
 

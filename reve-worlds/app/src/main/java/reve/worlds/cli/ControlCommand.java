@@ -20,6 +20,7 @@ import java.io.IOException;
 import java.io.PrintWriter;
 import java.nio.charset.MalformedInputException;
 import java.nio.file.Files;
+import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
@@ -36,8 +37,9 @@ import java.util.concurrent.Callable;
         description =
                 "Sends a command to a running world: pause, step, run, speed, snapshot, rewind, "
                         + "save, edit, add, change, remove, rule, batch, load-law, set-law, set-budget, "
-                        + "unload-law, release, profile, cluster, changes, near, region, picture, "
-                        + "shut-down; or asks: state, laws, inspect, ledger. For example: "
+                        + "unload-law, release, profile, cluster, move-world, drain-node, "
+                        + "add-world, changes, near, region, picture, shut-down; or asks: state, laws, inspect, search, "
+                        + "perceived, ledger, audit. For example: "
                         + "control rewind image=calm, "
                         + "control add item.yaml, "
                         + "control change item=blue physics.velocity=0,3,0, "
@@ -66,6 +68,9 @@ public final class ControlCommand implements Callable<Integer> {
                             Map.entry("batch", Set.of()),
                             Map.entry("profile", Set.of()),
                             Map.entry("cluster", Set.of()),
+                            Map.entry("move-world", Set.of("world", "node")),
+                            Map.entry("drain-node", Set.of("node", "drained")),
+                            Map.entry("add-world", Set.of("file", "text", "asleep")),
                             Map.entry("changes", Set.of()),
                             Map.entry("near", Set.of("location", "distance", "most")),
                             Map.entry("region", Set.of("from", "to")),
@@ -87,10 +92,45 @@ public final class ControlCommand implements Callable<Integer> {
     private static final Map<String, Set<String>> QUESTIONS =
             new TreeMap<>(
                     Map.of(
-                            "state", Set.of(),
+                            "state", Set.of("roundTrips"),
                             "inspect", Set.of("item"),
+                            "perceived", Set.of("client"),
+                            "search", Set.of("text"),
                             "laws", Set.of(),
-                            "ledger", Set.of("open")));
+                            "ledger", Set.of("open"),
+                            "audit", Set.of("client", "frequent", "most")));
+
+    /** Commands that a paused world executes before its next frame. */
+    private static final Set<String> OF_FRAMES =
+            Set.of(
+                    "edit",
+                    "add",
+                    "change",
+                    "remove",
+                    "rule",
+                    "batch",
+                    "load-law",
+                    "set-law",
+                    "set-budget",
+                    "unload-law",
+                    "release",
+                    "picture");
+
+    /** Fields whose values are texts, also if they look like numbers. */
+    private static final Set<String> TEXTS =
+            Set.of(
+                    "client",
+                    "file",
+                    "image",
+                    "item",
+                    "library",
+                    "name",
+                    "node",
+                    "property",
+                    "rule",
+                    "text",
+                    "then",
+                    "world");
 
     /** Commands whose fields are read from a file. */
     private static final Set<String> FROM_FILES = Set.of("add", "change", "batch");
@@ -108,7 +148,8 @@ public final class ControlCommand implements Callable<Integer> {
             paramLabel = "FIELD=VALUE",
             description =
                     "Fields of the command: a number, numbers separated by commas, "
-                            + "true, false, null or text. add, change and batch also take a FILE "
+                            + "true, false, null or text. Names and texts to search are "
+                            + "always text. add, change and batch also take a FILE "
                             + "of YAML or JSON.")
     private List<String> given = new ArrayList<>();
 
@@ -125,11 +166,29 @@ public final class ControlCommand implements Callable<Integer> {
                 Json.print(spec, client.report(command, fields).content());
                 return ExitCode.OK;
             }
+            if (OF_FRAMES.contains(command) && isPaused(client)) {
+                LinePrinter.message(
+                        spec.commandLine().getErr(),
+                        List.of(
+                                "reve: the world is paused, so "
+                                        + command
+                                        + " waits for its next frame: `./reve control step` makes"
+                                        + " one, `./reve control run` ends the pause"));
+                spec.commandLine().getErr().flush();
+            }
             ActResult result = client.command(command, fields);
             tell(result);
             return result.accepted() ? ExitCode.OK : ExitCode.FAILURE;
         } catch (AgentException refused) {
             throw target.refused(refused);
+        }
+    }
+
+    private static boolean isPaused(AgentClient client) {
+        try {
+            return client.report("state", Map.of()).content().get("paused") == Boolean.TRUE;
+        } catch (AgentException unanswered) {
+            return false; // the command itself then gets the answer
         }
     }
 
@@ -181,7 +240,7 @@ public final class ControlCommand implements Callable<Integer> {
                                         ? "none"
                                         : String.join(", ", new TreeSet<>(known))));
             }
-            Object value = value(each.substring(equals + 1));
+            Object value = value(field, each.substring(equals + 1));
             if (value != null) {
                 fields.put(field, value);
             }
@@ -189,8 +248,10 @@ public final class ControlCommand implements Callable<Integer> {
         if (!parameters.isEmpty()) {
             fields.put("parameters", parameters);
         }
-        if (command.equals("load-law") && fields.containsKey("file")) {
-            putText(fields);
+        if (fields.containsKey("file") && command.equals("load-law")) {
+            fields.put("library", putText(fields, "a law text", "a law such as wind.law"));
+        } else if (fields.containsKey("file") && command.equals("add-world")) {
+            putText(fields, "a world file", "a world file such as world.yaml");
         }
         return fields;
     }
@@ -202,24 +263,34 @@ public final class ControlCommand implements Callable<Integer> {
     }
 
     /**
-     * If the argument names a file of a law as text, replaces the argument with the file's name and
-     * content.
+     * Replaces the name of a file with the content of the file.
+     *
+     * @param kind what the file must contain, for messages
+     * @param example an example of such a file, for messages
+     * @return the name of the file without its folder
      */
-    private void putText(Map<String, Object> fields) {
+    private String putText(Map<String, Object> fields, String kind, String example) {
         Path file = Path.of(String.valueOf(fields.remove("file")));
         try {
+            if (Files.exists(file) && !Files.isRegularFile(file)) {
+                throw wrong(file + " is a folder, a device or a pipe, expected a file");
+            }
             if (Files.size(file) > MAX_TEXT_BYTES) {
                 throw wrong(
                         file
                                 + " has "
                                 + Files.size(file)
-                                + " bytes, expected a law text of at most "
+                                + " bytes, expected "
+                                + kind
+                                + " of at most "
                                 + MAX_TEXT_BYTES);
             }
-            fields.put("library", file.getFileName().toString());
             fields.put("text", Files.readString(file));
+            return file.getFileName().toString();
+        } catch (NoSuchFileException e) {
+            throw wrong("there is no file " + file);
         } catch (MalformedInputException e) {
-            throw wrong(file + " is no text in UTF-8, expected a law such as wind.law");
+            throw wrong(file + " is no text in UTF-8, expected " + example);
         } catch (IOException e) {
             throw wrong(file + " cannot be read: " + e.getMessage());
         }
@@ -227,6 +298,11 @@ public final class ControlCommand implements Callable<Integer> {
 
     private ParameterException wrong(String problem) {
         return new ParameterException(spec.commandLine(), problem);
+    }
+
+    private static @Nullable Object value(String field, String text) {
+        boolean removes = field.equals("rule") && text.equals("null");
+        return TEXTS.contains(field) && !removes ? text : value(text);
     }
 
     private static @Nullable Object value(String text) {

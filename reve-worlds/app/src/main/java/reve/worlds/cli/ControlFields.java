@@ -72,6 +72,9 @@ final class ControlFields {
         if (!Files.exists(file)) {
             throw new NoSuchFileException("there is no file " + file);
         }
+        if (!Files.isRegularFile(file)) {
+            throw new IOException(file + " is a folder, a device or a pipe, expected a file");
+        }
         if (Files.size(file) > MAX_BYTES) {
             throw new IOException(file + " has more than " + MAX_BYTES + " bytes");
         }
@@ -89,7 +92,8 @@ final class ControlFields {
                             .map(String::strip)
                             .collect(Collectors.joining(" "));
             throw new IOException(file + " is not YAML: " + message, wrong);
-        } catch (StackOverflowError deep) { // the parser calls itself for each bracket
+        } catch (StackOverflowError deep) {
+            // The parser calls itself for each bracket, so deep nesting exhausts the stack.
             throw new IOException(
                     file + " is nested too deeply; expected an item, a rule or a list of edits",
                     deep);

@@ -19,6 +19,7 @@ import java.util.concurrent.Callable;
  */
 @Command(
         name = "demo",
+        subcommands = DemoClusterCommand.class,
         description =
                 "Demonstrates a server with two agents and a law dropped into the running "
                         + "world, and takes pictures.")
@@ -28,8 +29,10 @@ public final class DemoCommand implements Callable<Integer> {
     @Option(
             names = "--out",
             paramLabel = "DIR",
-            description = "Folder for pictures and logs (default: build/demo).")
-    private Path out = Path.of(System.getProperty("reve.root", "."), "build", "demo");
+            description =
+                    "Folder for pictures and logs (default: build/demo of a checkout, else "
+                            + "reve-demo in this folder).")
+    private Path out = OptionFolder.ofDemo("demo");
 
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;

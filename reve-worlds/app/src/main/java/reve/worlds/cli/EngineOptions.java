@@ -29,9 +29,7 @@ final class EngineOptions {
                             + " that it did not declare is a fault. Slower.")
     private boolean validate;
 
-    /**
-     * Returns a copy of the description of the world with the number of threads from the options.
-     */
+    /** Returns a copy of a world's description that has the number of threads from the options. */
     WorldDescription of(CommandSpec spec, WorldDescription world) {
         if (threads.isPresent() && (threads.get() < 1 || threads.get() > MAX_THREADS)) {
             throw new ParameterException(

@@ -17,7 +17,7 @@ import java.util.stream.Collectors;
 
 /**
  * Printer of server events to standard output. It has its own thread, so a slow reader never delays
- * a frame. While 10,000 lines wait, further lines are dropped and counted. Lines that cannot be
+ * a frame. At most 10,000 lines wait. Further lines are dropped and counted. Lines that cannot be
  * written because the output is full or closed are counted, too. The thread polls its queue every
  * few milliseconds, so threads that report events never have to wake it.
  */
@@ -93,7 +93,9 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
         close(Duration.ofMillis(Long.MAX_VALUE));
     }
 
-    /** Closes the printer, and stops waiting after {@code limit}. */
+    /**
+     * Closes the printer like {@link #close()}. Stops waiting for the output after {@code limit}.
+     */
     void close(Duration limit) {
         events.add(LAST);
         LockSupport.unpark(printer);
@@ -123,7 +125,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     }
 
     /**
-     * Prints one event. If the output is full or closed, the event is lost and the worlds continue.
+     * Prints one event. The event is lost and the worlds continue if the output is full or closed.
      */
     private void print(Event event) {
         long failures = out.watched().failures();
@@ -149,7 +151,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     private static String jsonLine(Event event) {
         Map<String, Object> line = new LinkedHashMap<>();
         line.put("event", event.name);
-        event.fields.forEach(line::putIfAbsent); // does not replace fields of the server
+        event.fields.forEach(line::putIfAbsent); // the server's own fields are kept
         return Json.line(line);
     }
 

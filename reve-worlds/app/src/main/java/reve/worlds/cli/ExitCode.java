@@ -3,6 +3,7 @@ package reve.worlds.cli;
 
 import reve.core.file.PackException;
 import reve.core.file.WorldFileException;
+import reve.core.plugin.PluginException;
 import reve.core.urdf.RobotFileException;
 import reve.pe.PhysicsException;
 
@@ -39,7 +40,7 @@ public final class ExitCode {
 
     /**
      * The reader of the output has closed the pipe. Shells report this exit code for a program that
-     * SIGPIPE ended.
+     * was ended by SIGPIPE.
      */
     public static final int CLOSED_PIPE = 128 + 13;
 
@@ -48,6 +49,7 @@ public final class ExitCode {
     /** Returns the exit code of a command that ends with this failure. */
     public static int of(Throwable failure) {
         return switch (failure) {
+            case PluginException unfit -> USAGE;
             case WorldFileException invalid -> INVALID_WORLD;
             case PackException unfit -> INVALID_WORLD;
             case RobotFileException invalid -> INVALID_WORLD;

@@ -16,6 +16,8 @@ import reve.core.text.Rounded;
 import reve.worlds.experiment.Difference;
 import reve.worlds.experiment.ExperimentRuns;
 import reve.worlds.experiment.ResultFolder;
+import reve.worlds.experiment.RunJournal;
+import reve.worlds.experiment.RunProgress;
 import reve.worlds.experiment.RunResult;
 import reve.worlds.server.LawPath;
 
@@ -44,7 +46,8 @@ import java.util.concurrent.ConcurrentSkipListSet;
         description = {
             "Runs an experiment: a world with other values, seeds and laws. Writes tables and"
                     + " plots. If the folder contains earlier results, says whether they are"
-                    + " identical, or the first difference."
+                    + " identical, or the first difference. If an earlier command was killed,"
+                    + " makes only the runs that are missing."
         })
 public final class ExperimentCommand implements Callable<Integer> {
     /** File name of an experiment in a folder. */
@@ -63,6 +66,8 @@ public final class ExperimentCommand implements Callable<Integer> {
     private Path file = Path.of("");
 
     @Mixin private LawOptions laws = new LawOptions();
+
+    @Mixin private PluginOptions plugins = new PluginOptions();
 
     @Option(
             names = "--out",
@@ -91,9 +96,17 @@ public final class ExperimentCommand implements Callable<Integer> {
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
 
+    @Option(
+            names = "--json-lines",
+            description =
+                    "Print one line of JSON for each run as soon as it has ended, and one for the"
+                            + " result.")
+    private boolean jsonLines;
+
     @Override
     public Integer call() throws Exception {
-        try (Interrupt interrupt = new Interrupt(spec)) {
+        plugins.use();
+        try (Interrupt interrupt = new Interrupt(spec, ExitCode.INTERRUPTED)) {
             return run(interrupt);
         }
     }
@@ -104,6 +117,11 @@ public final class ExperimentCommand implements Callable<Integer> {
             throw new ParameterException(
                     spec.commandLine(), "--jobs is " + threads + ", expected 1 to " + MAX_JOBS);
         }
+        if (json && jsonLines) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--json and --json-lines both choose the output; leave one of them out");
+        }
         if (Files.isDirectory(file)) {
             file = file.resolve(NAME);
         }
@@ -111,7 +129,7 @@ public final class ExperimentCommand implements Callable<Integer> {
             throw new NoSuchFileException(
                     "there is no experiment file " + file + "; see docs/experiments.md");
         }
-        Experiment experiment = Experiment.load(file);
+        Experiment experiment = Experiment.load(file, PackFolder::open);
         if (dryRun) {
             return interrupt.endsWith(check(experiment));
         }
@@ -129,7 +147,23 @@ public final class ExperimentCommand implements Callable<Integer> {
         var results = new ResultFolder(folder);
         requireFor(experiment, results);
         LawPath lawPath = laws.path(spec);
+        try (RunJournal journal = RunJournal.open(folder, experiment, lawPath)) {
+            tell(journal, experiment);
+            return run(interrupt, experiment, results, folder, lawPath, journal, threads);
+        }
+    }
+
+    private int run(
+            Interrupt interrupt,
+            Experiment experiment,
+            ResultFolder results,
+            Path folder,
+            LawPath lawPath,
+            RunJournal journal,
+            int threads)
+            throws Exception {
         var progress = new ExperimentProgress(System.err, experiment.runs());
+        progress.resumed(journal.earlier().size());
         Set<String> warnings = new ConcurrentSkipListSet<>();
         var runs =
                 new ExperimentRuns(
@@ -137,22 +171,103 @@ public final class ExperimentCommand implements Callable<Integer> {
                         lawPath,
                         folder.resolve(ResultFolder.AGENTS),
                         problem -> warn(problem, warnings, progress),
-                        progress);
+                        jsonLines
+                                ? new Lines(experiment, progress, journal.earlier().size())
+                                : progress,
+                        journal);
         interrupt.stopWith(runs::stop);
         List<RunResult> ended = runs.run(threads);
         progress.endLine();
         if (ended.size() < experiment.runs()) {
-            spec.commandLine()
-                    .getErr()
-                    .println(
-                            "reve: cut short after "
-                                    + ended.size()
-                                    + " of "
-                                    + experiment.runs()
-                                    + " runs; nothing was written");
+            say(
+                    "cut short after "
+                            + ended.size()
+                            + " of "
+                            + experiment.runs()
+                            + " runs; "
+                            + (journal.kept() == 0
+                                    ? "nothing was written"
+                                    : folder.resolve(RunJournal.NAME)
+                                            + " contains "
+                                            + journal.kept()
+                                            + " of them, and the same command continues"));
             return interrupt.endsCut();
         }
-        return interrupt.endsWith(report(experiment, results, folder, ended, warnings));
+        boolean failed;
+        try {
+            failed = report(experiment, results, folder, ended, warnings, journal);
+        } catch (IOException incomplete) {
+            if (!interrupt.wasAsked()) {
+                throw incomplete;
+            }
+            say(
+                    "cut short while the results were written ("
+                            + incomplete.getMessage()
+                            + "); the same command writes them again");
+            return interrupt.endsCut();
+        }
+        journal.complete();
+        return interrupt.endsWith(failed);
+    }
+
+    /** Prints a line of JSON for each run that has ended. */
+    private final class Lines implements RunProgress {
+        private final Experiment experiment;
+        private final RunProgress next;
+        private int ended;
+
+        Lines(Experiment experiment, RunProgress next, int earlier) {
+            this.experiment = experiment;
+            this.next = next;
+            this.ended = earlier;
+        }
+
+        @Override
+        public void advanced(double part) {
+            next.advanced(part);
+        }
+
+        @Override
+        public synchronized void ended(RunResult result) {
+            next.ended(result);
+            Map<String, Object> fields = new LinkedHashMap<>();
+            fields.put("event", "run");
+            fields.put("ended", ++ended);
+            fields.put("runs", experiment.runs());
+            fields.putAll(ResultFolder.runFields(experiment, result));
+            printLine(fields);
+        }
+    }
+
+    private void printLine(Map<String, ?> fields) {
+        PrintWriter output = spec.commandLine().getOut();
+        output.println(Json.line(fields));
+        output.flush();
+    }
+
+    /** Prints whether the command uses results of an earlier process. */
+    private void tell(RunJournal journal, Experiment experiment) {
+        if (!journal.earlier().isEmpty()) {
+            say(
+                    "continues after "
+                            + journal.earlier().size()
+                            + " of "
+                            + experiment.runs()
+                            + " runs, which an earlier command has made");
+        }
+        journal.dropped()
+                .ifPresent(
+                        reason ->
+                                say(
+                                        "begins with the first run: an earlier command has made"
+                                                + " runs, but "
+                                                + reason));
+    }
+
+    private void say(String text) {
+        PrintWriter err = spec.commandLine().getErr();
+        err.println("reve: " + text);
+        err.flush();
     }
 
     private void requireFor(Experiment experiment, ResultFolder results) {
@@ -208,7 +323,8 @@ public final class ExperimentCommand implements Callable<Integer> {
             ResultFolder results,
             Path folder,
             List<RunResult> ended,
-            Set<String> warnings)
+            Set<String> warnings,
+            RunJournal journal)
             throws IOException {
         Optional<ResultFolder.Comparison> comparison =
                 results.hasResults() && !replace
@@ -220,8 +336,11 @@ public final class ExperimentCommand implements Callable<Integer> {
                 comparison.isPresent() && difference.isEmpty()
                         ? List.of()
                         : new ResultFolder(target).write(experiment, ended);
-        if (json) {
+        if (json || jsonLines) {
             Map<String, Object> fields = new LinkedHashMap<>();
+            if (jsonLines) {
+                fields.put("event", "result");
+            }
             comparison.ifPresent(
                     found -> {
                         fields.put("identical", difference.isEmpty());
@@ -230,9 +349,14 @@ public final class ExperimentCommand implements Callable<Integer> {
                     });
             fields.put("folder", target.toString());
             fields.put("plots", plots);
+            fields.put("continued", journal.earlier().size());
             fields.put("warnings", List.copyOf(warnings));
             fields.putAll(ResultFolder.fields(experiment, ended));
-            Json.print(spec, fields);
+            if (jsonLines) {
+                printLine(fields);
+            } else {
+                Json.print(spec, fields);
+            }
         } else {
             print(experiment, ended);
             tell(target, plots, comparison, ended.size());
@@ -268,6 +392,8 @@ public final class ExperimentCommand implements Callable<Integer> {
                             + ResultFolder.SERIES
                             + ", "
                             + ResultFolder.RESULT
+                            + ", "
+                            + ResultFolder.REPORT
                             + (plots.isEmpty() ? "" : ", " + String.join(", ", plots)));
         }
         difference.ifPresent(_ -> output.println("keep the new results with --replace"));

@@ -13,8 +13,8 @@ import java.util.function.LongSupplier;
 
 /**
  * A progress line on standard error for an experiment. It is printed every two seconds and shows
- * the remaining time. When a run has failed, a line names it. On a terminal the progress line is
- * rewritten in place.
+ * the remaining time. A separate line names each run that has failed. The progress line is
+ * rewritten in place on a terminal.
  */
 final class ExperimentProgress implements RunProgress {
     private static final long EVERY_NANOS = 2_000_000_000L;
@@ -30,6 +30,7 @@ final class ExperimentProgress implements RunProgress {
     private final AtomicLong nextNanos;
     private final DoubleAdder done = new DoubleAdder();
     private int ended;
+    private int resumed;
     private boolean shown;
 
     ExperimentProgress(PrintStream out, int runs) {
@@ -52,6 +53,12 @@ final class ExperimentProgress implements RunProgress {
         this.nextNanos = new AtomicLong(startNanos + EVERY_NANOS);
     }
 
+    /** Counts runs that an earlier process has made. They do not change the remaining time. */
+    synchronized void resumed(int earlier) {
+        resumed = earlier;
+        ended += earlier;
+    }
+
     @Override
     public void advanced(double part) {
         done.add(part);
@@ -63,8 +70,9 @@ final class ExperimentProgress implements RunProgress {
     }
 
     private synchronized void show(long now) {
-        double part = Math.min(1, done.sum() / runs);
-        double left = (now - startNanos) * 1e-9 * (1 - part) / part;
+        double own = Math.min(1, done.sum() / (runs - resumed));
+        double part = (resumed + own * (runs - resumed)) / runs;
+        double left = (now - startNanos) * 1e-9 * (1 - own) / own;
         String line =
                 String.format(
                         Locale.ROOT,
@@ -72,7 +80,7 @@ final class ExperimentProgress implements RunProgress {
                         ended,
                         runs,
                         Math.floor(100 * part),
-                        part < LEAST_PART ? "" : ", about " + Progress.duration(left) + " left");
+                        own < LEAST_PART ? "" : ", about " + Progress.duration(left) + " left");
         out.print(terminal ? "\r" + line + "   " : line + System.lineSeparator());
         out.flush();
         shown = terminal;

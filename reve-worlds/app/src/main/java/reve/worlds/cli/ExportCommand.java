@@ -9,8 +9,10 @@ import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
+import reve.core.disk.WholeFile;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFileException;
+import reve.core.frame.Pacing;
 import reve.core.image.CorruptException;
 import reve.core.world.WorldSnapshot;
 import reve.worlds.Product;
@@ -18,9 +20,13 @@ import reve.worlds.export.CsvExport;
 import reve.worlds.export.Export;
 import reve.worlds.export.ExportedFrame;
 import reve.worlds.export.McapExport;
+import reve.worlds.export.OntologyExport;
 import reve.worlds.render.ImageFormat;
 import reve.worlds.render.Renderer;
 import reve.worlds.server.History;
+import reve.worlds.server.LawPath;
+import reve.worlds.server.Simulation;
+import reve.worlds.server.StoredRun;
 
 import java.io.IOException;
 import java.io.PrintWriter;
@@ -34,21 +40,35 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.Callable;
 
-/** The command {@code export}: writes the frames of a recording or a store for other programs. */
+/**
+ * The command {@code export}: writes the frames of a recording or a store for other programs, or
+ * one state of a world for reasoners.
+ */
 @Command(
         name = "export",
         description =
                 "Repeats a recording or a store, and writes its frames as tables (CSV) or as an"
-                        + " MCAP file.")
+                        + " MCAP file. Also writes a state, also of a world that runs, as an OWL"
+                        + " ontology (JSON-LD).")
 public final class ExportCommand implements Callable<Integer> {
     @Spec private CommandSpec spec = CommandSpec.create();
 
     @Parameters(
-            paramLabel = "FILE",
-            description = "Recording that --record wrote, or store that serve --store wrote.")
+            paramLabel = "FILE|WORLD",
+            description =
+                    "Recording that --record wrote, or store that serve --store wrote; for"
+                            + " --json-ld also a world file, a folder with a world.yaml, or a pack;"
+                            + " with --store URL the name of a world.")
     private Path file = Path.of("");
 
+    @Mixin private SharedWorld shared = new SharedWorld();
+
+    /** The world of the database; empty without {@code --store}. */
+    private Optional<SharedWorld.Found> found = Optional.empty();
+
     @Mixin private LawOptions laws = new LawOptions();
+
+    @Mixin private PluginOptions plugins = new PluginOptions();
 
     @Option(
             names = "--csv",
@@ -61,6 +81,25 @@ public final class ExportCommand implements Callable<Integer> {
             paramLabel = "FILE",
             description = "MCAP file for Foxglove and other programs.")
     private Optional<Path> mcap = Optional.empty();
+
+    @Option(
+            names = "--json-ld",
+            paramLabel = "FILE",
+            description = "JSON-LD file: one state as an OWL ontology.")
+    private Optional<Path> jsonLd = Optional.empty();
+
+    @Option(
+            names = "--at",
+            paramLabel = "S",
+            description =
+                    "Time after the first state of the state that --json-ld writes [s] (default: 0;"
+                            + " of a recording or a store the end).")
+    private Optional<Double> at = Optional.empty();
+
+    @Option(
+            names = "--relations",
+            description = "Also write the relations near, on, inside and touching with --json-ld.")
+    private boolean relations;
 
     @Option(
             names = "--kinds",
@@ -95,7 +134,9 @@ public final class ExportCommand implements Callable<Integer> {
     @Option(
             names = "--world",
             paramLabel = "WORLD",
-            description = "World file with the camera of the pictures (default: the whole scene).")
+            description =
+                    "World file with the camera of the pictures (default: the whole scene; with"
+                            + " --store that of the database).")
     private Optional<Path> cameraWorld = Optional.empty();
 
     @Option(
@@ -110,8 +151,12 @@ public final class ExportCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
-        if (csv.isEmpty() && mcap.isEmpty()) {
-            throw wrong("nothing to write; expected --csv DIR, --mcap FILE, or both");
+        plugins.use();
+        if (csv.isEmpty() && mcap.isEmpty() && jsonLd.isEmpty()) {
+            throw wrong("nothing to write; expected --csv DIR, --mcap FILE or --json-ld FILE");
+        }
+        if (jsonLd.isEmpty() && (at.isPresent() || relations)) {
+            throw wrong("--at and --relations are for --json-ld FILE, which is missing");
         }
         if (every < 1) {
             throw wrong("--every is " + every + ", expected 1 or more");
@@ -125,7 +170,8 @@ public final class ExportCommand implements Callable<Integer> {
         if (pictures.isEmpty() && (camera.isPresent() || cameraWorld.isPresent())) {
             throw wrong("--camera and --world are for pictures; expected --pictures S");
         }
-        if (camera.isPresent() && cameraWorld.isEmpty()) {
+        found = shared.find(file);
+        if (camera.isPresent() && cameraWorld.isEmpty() && found.isEmpty()) {
             throw wrong("--camera: expected the world file that has the camera, --world WORLD");
         }
         if (mcap.isPresent()) {
@@ -134,7 +180,25 @@ public final class ExportCommand implements Callable<Integer> {
                             WritableFile.require(
                                     spec, "--mcap", mcap.get(), McapExport.MARK, "an MCAP file"));
         }
-        try (History history = History.open(file, laws.path(spec))) {
+        if (jsonLd.isPresent()) {
+            jsonLd =
+                    Optional.of(
+                            WritableFile.require(
+                                    spec,
+                                    "--json-ld",
+                                    jsonLd.get(),
+                                    OntologyExport.MARK,
+                                    "a JSON-LD file"));
+            if (found.isEmpty() && !StoredRun.isOne(file)) {
+                return writeWorld(jsonLd.get());
+            }
+        }
+        LawPath lawPath = laws.path(spec);
+        try (History history =
+                new History(
+                        found.isPresent()
+                                ? found.get().open(lawPath)
+                                : StoredRun.open(file, lawPath))) {
             if (!history.next()) {
                 throw new CorruptException(
                         file
@@ -143,6 +207,41 @@ public final class ExportCommand implements Callable<Integer> {
             }
             return write(history);
         }
+    }
+
+    /** Runs a world up to the time of the state, and writes this state. */
+    private int writeWorld(Path to) throws IOException, WorldFileException {
+        if (csv.isPresent() || mcap.isPresent()) {
+            throw wrong(
+                    "--csv and --mcap write the frames of a recording or a store, which "
+                            + file
+                            + " is not");
+        }
+        WorldArgument world = new WorldArgument(file);
+        LawPath lawPath = laws.path(spec).forWorld(world.folder());
+        WorldDescription description = world.load(spec.commandLine().getErr());
+        long frames = Frames.of(spec, "--at", at.orElse(0.0), description.timing());
+        try (Simulation simulation = new Simulation(description, Pacing.FAST, lawPath)) {
+            Progress progress = new Progress(System.err, frames);
+            simulation.onPublish(
+                    "progress", event -> progress.at(event.frame(), event.timeSeconds()));
+            simulation.loop().run(frames);
+            progress.done();
+            try (WorldSnapshot snapshot = simulation.snapshots().acquireLatest().orElseThrow()) {
+                WholeFile.write(
+                        to,
+                        out ->
+                                OntologyExport.write(
+                                        out,
+                                        description.name(),
+                                        description.doc(),
+                                        description.prototype(),
+                                        snapshot,
+                                        relations));
+                tell(1, snapshot.frame(), false, List.of(to));
+            }
+        }
+        return ExitCode.OK;
     }
 
     private ParameterException wrong(String message) {
@@ -179,10 +278,12 @@ public final class ExportCommand implements Callable<Integer> {
     }
 
     private Viewpoint viewpoint() throws IOException, WorldFileException {
+        Optional<WorldArgument> world =
+                cameraWorld.map(WorldArgument::new).or(() -> found.map(SharedWorld.Found::files));
         Optional<WorldDescription> description =
-                cameraWorld.isEmpty()
+                world.isEmpty() || pictures.isEmpty()
                         ? Optional.empty()
-                        : Optional.of(new WorldArgument(cameraWorld.get()).read());
+                        : Optional.of(world.get().read());
         return Viewpoint.of(spec, camera, description, format);
     }
 
@@ -216,6 +317,7 @@ public final class ExportCommand implements Callable<Integer> {
                 double rate = history.timing().framesPerSecond();
                 drawing = pictures.map(s -> new Drawing(viewpoint, export, s * rate));
             }
+            jsonLd.ifPresent(written::add);
             frames = write(history, exports, drawing);
             for (Export export : exports) {
                 export.finish();
@@ -226,7 +328,7 @@ public final class ExportCommand implements Callable<Integer> {
                 export.close();
             }
         }
-        tell(history, frames, written);
+        tell(frames, history.frame(), history.wasCut(), written);
         return ExitCode.OK;
     }
 
@@ -249,6 +351,8 @@ public final class ExportCommand implements Callable<Integer> {
             throws IOException {
         Progress progress = new Progress(System.err, 0);
         long first = history.frame();
+        long wanted = Frames.of(spec, "--at", at, history.timing());
+        boolean isWritten = jsonLd.isEmpty();
         long frames = 0;
         List<ExportedFrame.Event> events = new ArrayList<>();
         do {
@@ -271,26 +375,59 @@ public final class ExportCommand implements Callable<Integer> {
                 frames++;
             }
             progress.at("frame " + history.frame(), history.part());
+            if (!isWritten && history.frame() - first >= wanted) {
+                writeOntology(history);
+                isWritten = true;
+            }
         } while (history.next());
         progress.done();
+        if (!isWritten && at.isPresent()) {
+            throw wrong(
+                    "--at is "
+                            + at.get()
+                            + ", but "
+                            + file
+                            + " ends "
+                            + (double) (history.frame() - first)
+                                    / history.timing().framesPerSecond()
+                            + " s after its first state");
+        }
+        if (!isWritten) {
+            writeOntology(history);
+        }
         return frames;
     }
 
-    private void tell(History history, long frames, List<Path> written) {
+    private void writeOntology(History history) throws IOException {
+        try (WorldSnapshot snapshot = history.snapshot()) {
+            WholeFile.write(
+                    jsonLd.orElseThrow(),
+                    out ->
+                            OntologyExport.write(
+                                    out,
+                                    history.world(),
+                                    "",
+                                    history.prototype(),
+                                    snapshot,
+                                    relations));
+        }
+    }
+
+    private void tell(long frames, long frame, boolean wasCut, List<Path> written) {
         if (json) {
             Map<String, Object> fields = new LinkedHashMap<>();
             fields.put("frames", frames);
-            fields.put("frame", history.frame());
-            fields.put("cut", history.wasCut());
+            fields.put("frame", frame);
+            fields.put("cut", wasCut);
             fields.put("files", written.stream().map(Path::toString).toList());
             Json.print(spec, fields);
             return;
         }
         PrintWriter out = spec.commandLine().getOut();
-        if (history.wasCut()) {
+        if (wasCut) {
             out.println("the recording ends in the middle of a record, as after a crash");
         }
-        out.println(frames + " frames, up to frame " + history.frame());
+        out.println(frames + (frames == 1 ? " frame" : " frames") + ", up to frame " + frame);
         written.forEach(out::println);
         out.flush();
     }

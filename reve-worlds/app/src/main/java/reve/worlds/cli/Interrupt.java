@@ -10,7 +10,7 @@ import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
 
 /**
- * Handling of Ctrl-C and SIGTERM for a long command. After the signal, the command stops and prints
+ * Handling of Ctrl-C and SIGTERM for a long command. The command stops after the signal, and prints
  * its report as usual. Then the process exits with the command's exit code. A command that is still
  * starting exits at once. The command's thread opens this object before the command runs, and
  * closes it after the report is printed.
@@ -22,12 +22,17 @@ final class Interrupt implements AutoCloseable {
     private final Thread hook;
     private final CommandSpec spec;
     private volatile @Nullable Runnable stop;
+    private final int codeBefore;
     private volatile int code = ExitCode.FAILURE;
     private volatile boolean asked;
     private volatile Duration patience = PATIENCE;
 
-    Interrupt(CommandSpec spec) {
+    /**
+     * @param codeBefore exit code of a command that is interrupted before it has begun its work
+     */
+    Interrupt(CommandSpec spec, int codeBefore) {
         this.spec = spec;
+        this.codeBefore = codeBefore;
         hook = new Thread(this::end, "interrupt");
         Runtime.getRuntime().addShutdownHook(hook);
     }
@@ -58,8 +63,8 @@ final class Interrupt implements AutoCloseable {
     }
 
     /**
-     * Sets and returns the exit code of a command that an interrupt has ended before its work was
-     * complete.
+     * Sets the exit code of a command that was interrupted before its work was complete. Returns
+     * this code.
      */
     int endsCut() {
         code = ExitCode.INTERRUPTED;
@@ -82,8 +87,8 @@ final class Interrupt implements AutoCloseable {
     private void end() {
         Runnable asks = stop;
         if (asks == null) {
-            Runtime.getRuntime().halt(ExitCode.OK); // the command was still starting: no frame was
-            // made
+            // The command was still starting, so no frame was made.
+            Runtime.getRuntime().halt(codeBefore);
             return;
         }
         asked = true;
@@ -93,8 +98,8 @@ final class Interrupt implements AutoCloseable {
                 System.err.println(
                         "reve: asked to stop "
                                 + patience.toSeconds()
-                                + " s ago and still busy, perhaps with a law that never returns; "
-                                + "ended without a report");
+                                + " s ago and still busy, perhaps with a law that never returns, or"
+                                + " with a disk that does not answer; ended without a report");
                 Runtime.getRuntime().halt(ExitCode.FAILURE);
             }
         } catch (InterruptedException impatient) {
@@ -112,8 +117,8 @@ final class Interrupt implements AutoCloseable {
         try {
             Runtime.getRuntime().removeShutdownHook(hook);
         } catch (IllegalStateException ending) {
-            // The exception means that the JVM is already shutting down. The shutdown hook then
-            // sets the exit code.
+            // The exception is ignored. It means that the JVM is already shutting down, and the
+            // shutdown hook then sets the exit code.
         }
     }
 }

@@ -33,7 +33,10 @@ final class LawOptions {
 
     private static final Logger LOG = LoggerFactory.getLogger("laws");
 
-    /** Deadline of a frame. It applies to commands without clients that wait for frames. */
+    /**
+     * Deadline of a frame for commands without clients. It is long, because no client waits for the
+     * frames.
+     */
     private static final Duration PATIENT = Duration.ofSeconds(10);
 
     private static final long MAX_DEADLINE_MS = 3_600_000;
@@ -255,8 +258,8 @@ final class LawOptions {
     }
 
     /**
-     * Ends the processes that wait for an engine. Called at the end of a command. Without this call
-     * they would run until this JVM ends, and the JVM runs several commands in tests.
+     * Ends the processes that wait for an engine. Called at the end of a command. They would
+     * otherwise run until this JVM ends, and in tests one JVM runs several commands.
      */
     static void endWaiting() {
         for (Hosts hosts = STARTED.poll(); hosts != null; hosts = STARTED.poll()) {

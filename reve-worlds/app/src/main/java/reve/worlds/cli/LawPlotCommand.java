@@ -9,6 +9,7 @@ import org.knowm.xchart.style.markers.SeriesMarkers;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
+import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
@@ -27,21 +28,25 @@ import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.Callable;
 
 /**
  * The command {@code law plot}. It draws the force and energy of a law over the distance of two
- * bodies, their speed or their place. The program {@code vesper} computes the values.
+ * bodies, their speed or their place, or the energy of a small scene over the time. The program
+ * {@code vesper} computes the values.
  */
 @Command(
         name = "plot",
-        description = "Draws force and energy of a law over distance, speed or place.")
+        description =
+                "Draws force and energy of a law over distance, speed or place, or the energy of a"
+                        + " small scene over time.")
 public final class LawPlotCommand implements Callable<Integer> {
     /**
-     * Fraction of the values that determines the range of an axis, beginning with the smallest
-     * value. Larger values may be outside of the chart.
+     * Fraction of the values that determines the range of an axis. It contains the smallest values,
+     * and larger values may be outside of the chart.
      */
     private static final double USUAL = 0.7;
 
@@ -50,6 +55,12 @@ public final class LawPlotCommand implements Callable<Integer> {
 
     /** Precision of the numbers on the horizontal axis. */
     private static final MathContext DIGITS = new MathContext(4);
+
+    /** The axis that shows how the energy of the scene of {@code law run} changes. */
+    private static final String TIME = "time";
+
+    /** Number of times at which the energy is drawn. */
+    private static final int TIMES = 401;
 
     @Spec private CommandSpec spec = CommandSpec.create();
 
@@ -78,7 +89,9 @@ public final class LawPlotCommand implements Callable<Integer> {
     @Option(
             names = "--over",
             paramLabel = "X",
-            description = "distance, speed or place (default: what the force depends on).")
+            description =
+                    "distance, speed, place or time (default: what the force depends on). time"
+                            + " draws the energy of the scene of law run.")
     private Optional<String> over = Optional.empty();
 
     @Option(names = "--from", paramLabel = "X", description = "First value [m or m/s].")
@@ -87,11 +100,24 @@ public final class LawPlotCommand implements Callable<Integer> {
     @Option(names = "--to", paramLabel = "X", description = "Last value [m or m/s].")
     private Optional<Double> to = Optional.empty();
 
+    @Option(
+            names = "--seconds",
+            paramLabel = "S",
+            description = "Duration with --over time [s] (default: 5).")
+    private Optional<Double> seconds = Optional.empty();
+
+    @Option(
+            names = "--dt",
+            paramLabel = "S",
+            description = "Time step with --over time [s] (default: 0.001).")
+    private Optional<Double> dt = Optional.empty();
+
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
 
     @Override
     public Integer call() throws IOException, InterruptedException {
+        requireFitting();
         Path usual = Path.of(file.getFileName().toString().replaceFirst("\\.law$", "") + ".png");
         Path picture =
                 WritableFile.require(spec, "--out", out.orElse(usual), "PNG\r\n", "a PNG picture");
@@ -107,7 +133,7 @@ public final class LawPlotCommand implements Callable<Integer> {
         }
         JsonNode curve = new JsonMapper().readTree(values);
         System.setProperty("java.awt.headless", "true");
-        Charts.write(chart(curve), picture);
+        Charts.write(overTime() ? energyChart(curve) : chart(curve), picture);
         if (json) {
             Map<String, Object> fields = new LinkedHashMap<>();
             fields.put("picture", picture.toString());
@@ -120,16 +146,36 @@ public final class LawPlotCommand implements Callable<Integer> {
         return ExitCode.OK;
     }
 
+    private boolean overTime() {
+        return over.equals(Optional.of(TIME));
+    }
+
+    private void requireFitting() {
+        if (overTime() ? from.isPresent() || to.isPresent() : seconds.or(() -> dt).isPresent()) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    overTime()
+                            ? "--from and --to do not fit --over time; --seconds sets the duration"
+                            : "--seconds and --dt fit --over time only");
+        }
+    }
+
     private List<String> command() {
         List<String> command =
                 new ArrayList<>(
                         List.of(
                                 Product.nativeFolder().resolve("vesper").toString(),
                                 "law",
-                                "plot",
+                                overTime() ? "run" : "plot",
                                 file.toString(),
                                 "--json"));
-        over.ifPresent(value -> command.addAll(List.of("--over", value)));
+        if (overTime()) {
+            command.addAll(List.of("--rows", String.valueOf(TIMES)));
+        } else {
+            over.ifPresent(value -> command.addAll(List.of("--over", value)));
+        }
+        seconds.ifPresent(value -> command.addAll(List.of("--seconds", value.toString())));
+        dt.ifPresent(value -> command.addAll(List.of("--dt", value.toString())));
         from.ifPresent(value -> command.addAll(List.of("--from", value.toString())));
         to.ifPresent(value -> command.addAll(List.of("--to", value.toString())));
         parameters.forEach(value -> command.addAll(List.of("--parameter", value)));
@@ -158,6 +204,49 @@ public final class LawPlotCommand implements Callable<Integer> {
             chart.getStyler().setYAxisGroupPosition(1, Styler.YAxisPosition.Right);
         }
         return chart;
+    }
+
+    /** Draws the energy of a scene over the time. The title states how far the sum has drifted. */
+    private static XYChart energyChart(JsonNode run) {
+        JsonNode rows = run.get("rows");
+        double[] time = field(rows, "time");
+        double[] kinetic = field(rows, "kinetic");
+        boolean complete = rows.get(0).has("potential");
+        String title = run.get("law").asString() + " with " + run.get("with").asString() + ": ";
+        if (!complete) {
+            XYChart chart = Charts.create(title + "kinetic energy", "time [s]", "energy [J]");
+            line(chart, "kinetic", time, kinetic);
+            return chart;
+        }
+        double[] potential = field(rows, "potential");
+        double[] sum = new double[time.length];
+        Arrays.setAll(sum, i -> kinetic[i] + potential[i]);
+        double scale = Arrays.stream(kinetic).max().orElse(0);
+        double drift = sum[sum.length - 1] - sum[0];
+        XYChart chart =
+                Charts.create(
+                        title
+                                + String.format(
+                                        Locale.ROOT,
+                                        "the energy drifts by %.3g J (%.3g %%)",
+                                        drift,
+                                        scale == 0 ? 0 : 100 * drift / scale),
+                        "time [s]",
+                        "energy [J]");
+        line(chart, "kinetic", time, kinetic);
+        line(chart, "potential", time, potential);
+        line(chart, "sum", time, sum);
+        return chart;
+    }
+
+    private static void line(XYChart chart, String name, double[] x, double[] y) {
+        chart.addSeries(name, x, y).setMarker(SeriesMarkers.NONE);
+    }
+
+    private static double[] field(JsonNode rows, String name) {
+        double[] values = new double[rows.size()];
+        Arrays.setAll(values, i -> rows.get(i).get(name).asDouble());
+        return values;
     }
 
     private static String label(double value) {

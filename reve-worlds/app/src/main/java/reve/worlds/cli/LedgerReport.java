@@ -21,8 +21,8 @@ import java.util.function.ToDoubleFunction;
  */
 final class LedgerReport {
     /**
-     * Fraction of the largest number of a column. A number smaller than this part of the largest
-     * one counts as a rounding error of the sums.
+     * Fraction of the largest number of a column. A smaller number counts as a rounding error of
+     * the sums.
      */
     private static final double ROUNDING = 1e-12;
 
@@ -32,8 +32,8 @@ final class LedgerReport {
     private final double mostEnergy;
 
     /**
-     * Creates the report of a ledger. Drops lines that belong to no law and contain only zeros.
-     * Keeps the last line, the total.
+     * Creates the report of a ledger. Omits lines that belong to no law and contain only zeros,
+     * except the last line, which is the total.
      */
     LedgerReport(List<LedgerLine> ledger) {
         lines =

@@ -37,14 +37,17 @@ public final class LinePrinter extends PrintWriter {
         watched = new WatchedOutput(OutputStream.nullOutputStream());
     }
 
-    /** Returns the standard output of this printer. A printer to a writer has none. */
+    /**
+     * Returns the standard output to which this printer writes. A printer that writes elsewhere has
+     * none.
+     */
     WatchedOutput watched() {
         return watched;
     }
 
     /**
      * Returns the exit code of a command that has printed its results. Reports once if output was
-     * lost because the disk is full. Does not report a closed pipe, because its reader closed it on
+     * lost because the disk is full. Does not report a closed pipe, because the reader closed it on
      * purpose.
      *
      * @param code exit code of the command if no output was lost

@@ -12,6 +12,7 @@ import picocli.CommandLine.UnmatchedArgumentException;
 
 import reve.core.file.Problem;
 import reve.core.file.WorldFileException;
+import reve.core.plugin.PluginException;
 import reve.pe.PhysicsException;
 import reve.worlds.Product;
 import reve.worlds.journal.PostgresUrl;
@@ -111,9 +112,18 @@ public final class Main {
 
     /**
      * Reports a thread that ended because of an exception. The JVM's own report would print foreign
-     * text, such as file names, unescaped.
+     * text, such as file names, unescaped. Ends the process if a class could not be loaded, because
+     * the program's files have then changed: a server would keep its connections without an answer.
      */
-    private static void reportEnd(Thread thread, Throwable failure) {
+    static void reportEnd(Thread thread, Throwable failure) {
+        if (failure instanceof LinkageError) {
+            // This code must load no class of the program.
+            System.err.println(
+                    "reve: the process ends, because the program's files have changed while it ran ("
+                            + failure.getClass().getSimpleName()
+                            + "); install a new version into a new folder");
+            Runtime.getRuntime().halt(ExitCode.FAILURE);
+        }
         LinePrinter err = new LinePrinter(System.err);
         List<String> lines = new ArrayList<>();
         lines.add("reve: the thread '" + thread.getName() + "' ended: " + failure);
@@ -153,18 +163,20 @@ public final class Main {
             line.usage(System.err);
             return ExitCode.USAGE;
         }
+        ClassLoader loader = Thread.currentThread().getContextClassLoader();
         try {
             return out.codeAfter(line.execute(arguments), line.getErr());
         } finally {
             LawOptions.endWaiting();
+            PluginOptions.endUse(loader);
         }
     }
 
     /**
-     * Returns the commands that must be described to the parser. These are the command that the
-     * first argument names, and none for {@code --version}. For any other argument all commands are
-     * returned, because help and suggestions need them. Describing takes longer than most commands
-     * run, so it is limited to the necessary commands.
+     * Returns the commands that must be described to the parser. Usually this is only the command
+     * that the first argument names, and for {@code --version} there is none. Any other argument
+     * needs all commands, for help and suggestions. Describing takes longer than most commands run,
+     * so it is limited to the necessary commands.
      */
     private static List<Class<?>> commandsFor(String... arguments) {
         if (arguments.length > 0 && VERSION.contains(arguments[0])) {
@@ -216,7 +228,8 @@ public final class Main {
             try {
                 return Integer.valueOf(given);
             } catch (NumberFormatException tooLarge) {
-                // The usage message after this block reports the number that is too large.
+                // The exception is ignored. The usage message after this block reports the number
+                // that is too large.
             }
         }
         throw new TypeConversionException("'" + given + "' is not an int");
@@ -253,7 +266,7 @@ public final class Main {
 
     /**
      * Returns the lines of a failure's message. Only the exceptions listed here have messages of
-     * several lines. In other messages, a line end is part of a name, such as a file name, and the
+     * several lines. A line end in other messages is part of a name, such as a file name, and the
      * printer escapes it.
      */
     static List<String> lines(Exception failure) {
@@ -261,6 +274,7 @@ public final class Main {
                 switch (failure) {
                     case WorldFileException invalid ->
                             invalid.problems().stream().map(Problem::toString).toList();
+                    case PluginException refused -> refused.problems();
                     case PhysicsException refused -> message(refused).lines().toList();
                     case BindException refused -> message(refused).lines().toList();
                     default -> List.of(message(failure));
@@ -278,7 +292,10 @@ public final class Main {
         return failure.getMessage() == null ? failure.toString() : failure.getMessage();
     }
 
-    /** The version of the product, the Java runtime and the operating system. */
+    /**
+     * Provider of the text for {@code --version}: the versions of the product, the Java runtime and
+     * the operating system.
+     */
     static final class Version implements IVersionProvider {
         @Override
         public String[] getVersion() {

@@ -7,11 +7,13 @@ import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
+import reve.core.disk.NewFolder;
 import reve.core.file.WorldFile;
 import reve.worlds.Product;
 
 import java.io.IOException;
 import java.io.PrintWriter;
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.regex.Pattern;
@@ -75,8 +77,10 @@ public final class NewCommand {
         if (Files.exists(folder)) {
             throw new IOException(folder + " is there already; nothing was written");
         }
-        Files.createDirectories(folder);
-        Files.writeString(folder.resolve(WorldFile.NAME), WORLD.formatted(name));
+        try (var made = new NewFolder(folder)) {
+            made.write(WorldFile.NAME, WORLD.formatted(name).getBytes(StandardCharsets.UTF_8));
+            made.finish();
+        }
         String reve = Product.command();
         PrintWriter out = spec.commandLine().getOut();
         out.println(folder + ": written; look at it with");

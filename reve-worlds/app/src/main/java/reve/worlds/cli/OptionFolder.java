@@ -15,6 +15,16 @@ final class OptionFolder {
     private OptionFolder() {}
 
     /**
+     * Returns where a demonstration writes unless its option names a folder: in the folder build of
+     * a checkout, or beside the working folder's files if an installed release runs, whose own
+     * folder may be read-only.
+     */
+    static Path ofDemo(String name) {
+        Path build = Path.of(System.getProperty("reve.root", "."), "build");
+        return Files.isDirectory(build) ? build.resolve(name) : Path.of("reve-" + name);
+    }
+
+    /**
      * Creates the folder if it is missing. Does not create its parent, because a missing parent
      * probably means a typing error.
      *

@@ -6,18 +6,28 @@ import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
+import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
 import reve.core.file.WorldFile;
+import reve.core.file.WorldFileException;
 import reve.core.file.WorldPack;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.WorldFolder;
+import reve.worlds.server.StoredRun;
 
 import java.io.IOException;
+import java.io.PrintWriter;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.SortedMap;
+import java.util.SortedSet;
+import java.util.TreeMap;
+import java.util.TreeSet;
 import java.util.concurrent.Callable;
 
 /** The command {@code pack}: writes a world and all files that it needs into one file, a pack. */
@@ -25,29 +35,55 @@ import java.util.concurrent.Callable;
         name = "pack",
         description =
                 "Makes one file of a world with its laws, included files, meshes and pictures, to"
-                        + " be run on another machine.")
+                        + " be run on another machine. Also makes it of the world of a recording or"
+                        + " a store, at a chosen frame.")
 public final class PackCommand implements Callable<Integer> {
-    private static final String EXPECTED = "expected.json";
-
     @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Mixin private WorldArgument world = new WorldArgument();
+    @Parameters(
+            paramLabel = "WORLD|FILE",
+            description =
+                    "A world file, a folder that contains a world.yaml, a recording (--record), or"
+                            + " a store (serve --store).")
+    private Path path = Path.of("");
+
+    @Mixin private LawOptions laws = new LawOptions();
+
+    @Mixin private PluginOptions plugins = new PluginOptions();
 
     @Option(
-            names = "--laws",
-            paramLabel = "DIR",
-            description = "Folder of laws that the world names; the pack gets copies of them.")
-    private Optional<Path> folder = Optional.empty();
+            names = "--at",
+            paramLabel = "S",
+            description =
+                    "Time after the first state of a recording or a store at which its world is"
+                            + " packed [s] (default: the end).")
+    private Optional<Double> at = Optional.empty();
+
+    @Option(
+            names = "--frame",
+            paramLabel = "N",
+            description = "Number of the frame that is packed, instead of --at.")
+    private Optional<Long> frame = Optional.empty();
+
+    @Option(
+            names = "--world",
+            paramLabel = "WORLD",
+            description =
+                    "World file of a recording or a store, with its camera, agents, rules and"
+                            + " meshes (default: the world.yaml in the folder that the recording"
+                            + " names).")
+    private Optional<Path> worldFile = Optional.empty();
 
     @Option(
             names = "--expected",
             paramLabel = "FILE",
             description =
                     "Results to put into the pack as "
-                            + EXPECTED
+                            + PackedFiles.EXPECTED
                             + " (default: the "
-                            + EXPECTED
-                            + " beside the world file, if there is one).")
+                            + PackedFiles.EXPECTED
+                            + " beside the world file, if there is one; of a recording, its next"
+                            + " frames).")
     private Optional<Path> expected = Optional.empty();
 
     @Option(
@@ -56,66 +92,141 @@ public final class PackCommand implements Callable<Integer> {
             description = "The pack to write (default: NAME.reve in the current folder).")
     private Optional<Path> out = Optional.empty();
 
+    @Option(names = "--json", description = "Print the result as one JSON document.")
+    private boolean json;
+
     @Override
     public Integer call() throws Exception {
-        if (world.isPack()) {
-            throw new ParameterException(
-                    spec.commandLine(),
-                    world.shown() + " is a pack already; copy it, or name the world to pack");
+        plugins.use();
+        if (StoredRun.isOne(path)) {
+            packRecording();
+        } else {
+            packWorld(new WorldArgument(path));
         }
-        PackedFiles packed = PackedFiles.of(spec, world, folder);
-        SortedMap<String, Path> files = packed.files();
-        addExpected(new WorldFolder(world.folder()), files);
-        Path pack = target();
-        for (Path file : files.values()) {
-            if (Files.exists(pack) && Files.isSameFile(file, pack)) {
-                throw new ParameterException(
-                        spec.commandLine(), "--out " + pack + " is a file of the world itself");
-            }
-        }
-        WorldPack.write(pack, files);
-        spec.commandLine()
-                .getOut()
-                .printf(
-                        "%s: %s, %d files, %d bytes%s%n",
-                        pack,
-                        packed.world().name(),
-                        files.size(),
-                        Files.size(pack),
-                        files.keySet().stream()
-                                        .anyMatch(
-                                                name ->
-                                                        name.endsWith(".so")
-                                                                || name.endsWith(".py"))
-                                ? "; it brings native code, which needs --trust where it runs"
-                                : "");
-        spec.commandLine().getOut().flush();
         return ExitCode.OK;
     }
 
-    private Path target() throws IOException {
-        Path name = world.file().toAbsolutePath().normalize();
+    private void packWorld(WorldArgument world)
+            throws IOException, WorldFileException, AssetException {
+        if (world.isPack()) {
+            throw wrong(world.shown() + " is a pack already; copy it, or name the world to pack");
+        }
+        if (at.isPresent() || frame.isPresent() || worldFile.isPresent()) {
+            throw wrong(
+                    "--at, --frame and --world are for a recording or a store, which "
+                            + world.shown()
+                            + " is not");
+        }
+        PackedFiles packed = PackedFiles.of(spec, world, laws.folder());
+        SortedMap<String, Path> files = packed.files();
+        if (Files.exists(world.folder().resolve(PackedFiles.EXPECTED))) {
+            files.put(
+                    PackedFiles.EXPECTED,
+                    new WorldFolder(world.folder()).find(PackedFiles.EXPECTED));
+        }
+        write(
+                new Made(packed.world().name(), Optional.empty(), List.of()),
+                target(world.file()),
+                files,
+                new TreeMap<>());
+    }
+
+    private void packRecording() throws IOException, WorldFileException, AssetException {
+        if (at.isPresent() && frame.isPresent()) {
+            throw wrong("--at and --frame both choose the frame; leave one of them out");
+        }
+        if (frame.isPresent() && frame.get() < 0) {
+            throw wrong("--frame is " + frame.get() + ", expected a frame from 0 on");
+        }
+        Path pack = target(path);
+        PackedRecording packed =
+                PackedRecording.of(
+                        spec,
+                        path,
+                        laws.path(spec),
+                        worldFile.map(WorldArgument::new),
+                        new PackedRecording.Moment(at, frame));
+        write(
+                new Made(packed.world().name(), Optional.of(packed.frame()), packed.notes()),
+                pack,
+                packed.files(),
+                packed.made());
+    }
+
+    /**
+     * The world in the pack.
+     *
+     * @param frame the frame of a recording or a store
+     * @param notes one message for each part of a recorded state that the pack does not contain
+     */
+    private record Made(String world, Optional<Long> frame, List<String> notes) {}
+
+    private ParameterException wrong(String message) {
+        return new ParameterException(spec.commandLine(), message);
+    }
+
+    private void write(
+            Made world, Path pack, SortedMap<String, Path> files, SortedMap<String, byte[]> made)
+            throws IOException {
+        if (expected.isPresent()) {
+            if (!Files.isRegularFile(expected.get())) {
+                throw wrong("--expected " + expected.get() + ": there is no such file");
+            }
+            files.put(PackedFiles.EXPECTED, expected.get());
+            made.remove(PackedFiles.EXPECTED);
+        }
+        for (Path file : files.values()) {
+            if (Files.exists(pack) && Files.isSameFile(file, pack)) {
+                throw wrong("--out " + pack + " is a file of the world itself");
+            }
+        }
+        WorldPack.write(pack, files, made);
+        var names = new TreeSet<>(files.keySet());
+        names.addAll(made.keySet());
+        boolean isNative =
+                names.stream().anyMatch(each -> each.endsWith(".so") || each.endsWith(".py"));
+        if (json) {
+            printJson(world, pack, names, isNative);
+            return;
+        }
+        PrintWriter err = spec.commandLine().getErr();
+        world.notes.forEach(note -> err.println("reve: " + note));
+        err.flush();
+        PrintWriter output = spec.commandLine().getOut();
+        output.printf(
+                "%s: %s%s, %d files, %d bytes%s%n",
+                pack,
+                world.world,
+                world.frame.map(number -> " at frame " + number).orElse(""),
+                names.size(),
+                Files.size(pack),
+                isNative ? "; it brings native code, which needs --trust where it runs" : "");
+        output.flush();
+    }
+
+    private void printJson(Made world, Path pack, SortedSet<String> names, boolean isNative)
+            throws IOException {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("pack", pack.toString());
+        fields.put("world", world.world);
+        world.frame.ifPresent(number -> fields.put("frame", number));
+        fields.put("files", names);
+        fields.put("bytes", Files.size(pack));
+        fields.put("needsTrust", isNative);
+        fields.put("notes", world.notes);
+        Json.print(spec, fields);
+    }
+
+    /** Returns the path of the pack. Its default name is that of the world or the recording. */
+    private Path target(Path source) throws IOException {
+        Path name = source.toAbsolutePath().normalize();
         Path called = name.endsWith(WorldFile.NAME) ? name.getParent() : name;
         String base =
                 called == null || called.getFileName() == null
                         ? "world"
-                        : called.getFileName().toString().replaceFirst("\\.ya?ml$", "");
+                        : called.getFileName().toString().replaceFirst("\\.(ya?ml|log|db)$", "");
         Path given = out.orElse(Path.of(base + WorldPack.ENDING));
         WritableFile.require(spec, "--out", given, WritableFile.PACK, "a pack");
         return given;
-    }
-
-    private void addExpected(WorldFolder own, SortedMap<String, Path> to)
-            throws IOException, AssetException {
-        if (expected.isPresent()) {
-            if (!Files.isRegularFile(expected.get())) {
-                throw new ParameterException(
-                        spec.commandLine(),
-                        "--expected " + expected.get() + ": there is no such file");
-            }
-            to.put(EXPECTED, expected.get());
-        } else if (Files.exists(world.folder().resolve(EXPECTED))) {
-            to.put(EXPECTED, own.find(EXPECTED));
-        }
     }
 }

@@ -22,6 +22,8 @@ import java.nio.file.attribute.BasicFileAttributes;
 import java.nio.file.attribute.UserPrincipal;
 import java.time.Duration;
 import java.time.Instant;
+import java.util.Set;
+import java.util.concurrent.ConcurrentHashMap;
 
 /**
  * The private folder into which a pack (a world in one file) is unpacked. Only this account can
@@ -43,11 +45,18 @@ final class PackFolder {
      */
     private static final Duration YOUNG = Duration.ofMinutes(1);
 
+    /**
+     * The folders of this process. It must not open their locks again: a process loses its lock on
+     * a file when it closes any of its descriptors of this file.
+     */
+    private static final Set<Path> OWN = ConcurrentHashMap.newKeySet();
+
     private PackFolder() {}
 
     /** Unpacks a pack, and returns the folder of its world. */
     static Path open(Path pack) throws IOException {
         Path place = Files.createTempDirectory(PREFIX);
+        OWN.add(place);
         removeAbandoned(place.getParent(), Files.getOwner(place), Instant.now().minus(YOUNG));
         FileChannel lock =
                 FileChannel.open(
@@ -74,7 +83,7 @@ final class PackFolder {
     static void removeAbandoned(Path parent, UserPrincipal owner, Instant before) {
         try (DirectoryStream<Path> places = Files.newDirectoryStream(parent, PREFIX + "*")) {
             for (Path place : places) {
-                if (isAbandoned(place, owner, before)) {
+                if (!OWN.contains(place) && isAbandoned(place, owner, before)) {
                     remove(place);
                 }
             }
@@ -102,10 +111,7 @@ final class PackFolder {
         }
     }
 
-    /**
-     * Removes the folder. Keeps the folder locked through the channel until the removal is
-     * complete.
-     */
+    /** Removes the folder. The channel keeps the folder locked until the removal is complete. */
     private static void removeOwn(Path place, FileChannel lock) {
         remove(place);
         try {

@@ -28,6 +28,9 @@ import java.util.stream.Stream;
  * @param files files by their names in a pack
  */
 record PackedFiles(WorldDescription world, SortedMap<String, Path> files) {
+    /** Name of the expected results of a world. */
+    static final String EXPECTED = "expected.json";
+
     private static final String LAWS = "laws";
     private static final List<String> LAW_FILES = List.of(".so", ".law", ".py");
 
@@ -90,7 +93,8 @@ record PackedFiles(WorldDescription world, SortedMap<String, Path> files) {
         }
     }
 
-    private static String inLaws(String file) {
+    /** Returns the name in a pack of a file with a law. */
+    static String inLaws(String file) {
         return LAWS + "/" + file;
     }
 

@@ -25,8 +25,8 @@ final class Patience implements AutoCloseable {
                                         Thread.sleep(UNTIL_TOLD);
                                         out.println(Visible.line(what) + " ...");
                                     } catch (InterruptedException done) {
-                                        // The interrupt means that the work ended before the notice
-                                        // was due.
+                                        // The thread ends without a notice, because an interrupt
+                                        // means that the work ended before the notice was due.
                                     }
                                 });
     }

@@ -5,21 +5,21 @@ import java.util.Set;
 
 /** Selects the server events that are printed. */
 enum Printed {
-    /** Prints only that the worlds are ready, faults, and the end. */
+    /** Selects few events: that the worlds are ready, faults, and the end. */
     LITTLE {
         @Override
         boolean includes(String event) {
             return ALWAYS.contains(event);
         }
     },
-    /** Prints all events except those that agents can cause in every frame. */
+    /** Selects all events except those that agents can cause in every frame. */
     NORMAL {
         @Override
         boolean includes(String event) {
             return LITTLE.includes(event) || NOW_AND_THEN.contains(event);
         }
     },
-    /** Also prints each action, and the events that actions raise. */
+    /** Selects all events, including each action and the events that actions raise. */
     ACTIONS {
         @Override
         boolean includes(String event) {
@@ -50,7 +50,9 @@ enum Printed {
                     "over-budget",
                     "snapshot",
                     "saved",
-                    "rewound");
+                    "rewound",
+                    "world-asleep",
+                    "level-changed");
 
     abstract boolean includes(String event);
 }

@@ -7,8 +7,8 @@ import java.util.function.LongSupplier;
 
 /**
  * A progress line on standard error for a long run. It is printed every two seconds, beginning with
- * the third second. It shows the remaining time if the end of the run is known. On a terminal the
- * line is rewritten in place; other outputs receive one line after another. For one thread.
+ * the third second. It shows the remaining time if the end of the run is known. The line is
+ * rewritten in place on a terminal. Other outputs receive one line after another. For one thread.
  */
 final class Progress {
     private static final long EVERY_NANOS = 2_000_000_000L;

@@ -9,34 +9,45 @@ import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
-import reve.core.frame.Pacing;
 import reve.core.image.CorruptException;
 import reve.pe.PhysicsException;
 import reve.worlds.journal.JournalRecord;
-import reve.worlds.journal.RunLog;
+import reve.worlds.server.LawPath;
 import reve.worlds.server.Replay;
 import reve.worlds.server.Simulation;
+import reve.worlds.server.StoredRun;
 
 import java.io.IOException;
+import java.io.PrintWriter;
 import java.nio.file.Path;
 import java.util.LinkedHashMap;
 import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.Callable;
+import java.util.stream.Collectors;
 
 /** The command {@code replay}: repeats a recorded run and compares every bit. */
 @Command(
         name = "replay",
         description =
-                "Repeats a recorded run and compares every bit; reports the first " + "difference.")
+                "Repeats a recording or a store and compares every bit; reports the first"
+                        + " difference.")
 public final class ReplayCommand implements Callable<Integer> {
     @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Parameters(paramLabel = "FILE", description = "Recording that --record wrote.")
+    @Parameters(
+            paramLabel = "FILE|WORLD",
+            description =
+                    "Recording that --record wrote, or store that serve --store wrote; with --store"
+                            + " URL the name of a world.")
     private Path file = Path.of("");
 
+    @Mixin private SharedWorld shared = new SharedWorld();
+
     @Mixin private LawOptions laws = new LawOptions();
+
+    @Mixin private PluginOptions plugins = new PluginOptions();
 
     @Option(
             names = "--until",
@@ -50,12 +61,13 @@ public final class ReplayCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
+        plugins.use();
         if (until < 0) {
             throw new ParameterException(
                     spec.commandLine(), "--until is " + until + ", expected a frame from 0 on");
         }
-        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws.path(spec));
-                RunLog.Reader records = RunLog.open(file)) {
+        try (StoredRun records = open()) {
+            Replay replay = records.replay();
             Progress progress = new Progress(System.err, 0);
             long last = Math.min(until, records.lastFrame());
             while (records.hasNext() && take(replay, records.next())) {
@@ -78,14 +90,28 @@ public final class ReplayCommand implements Callable<Integer> {
         }
     }
 
+    private StoredRun open() throws IOException {
+        LawPath path = laws.path(spec);
+        Optional<SharedWorld.Found> found = shared.find(file);
+        return found.isPresent() ? found.get().open(path) : StoredRun.open(file, path);
+    }
+
     private boolean take(Replay replay, JournalRecord record) {
         try {
             return replay.take(record, until);
         } catch (CorruptException meaningless) {
-            throw new CorruptException(place(replay) + meaningless.getMessage(), meaningless);
+            throw new CorruptException(
+                    place(replay) + meaningless.getMessage() + missing(replay), meaningless);
         } catch (PhysicsException refused) {
             throw new PhysicsException(refused.status(), place(replay) + refused.getMessage());
         }
+    }
+
+    /** Returns the plugins that are missing, as the end of a message. */
+    private static String missing(Replay replay) {
+        return replay.missingPlugins().stream()
+                .map(problem -> "; " + problem)
+                .collect(Collectors.joining());
     }
 
     private String place(Replay replay) {
@@ -100,11 +126,20 @@ public final class ReplayCommand implements Callable<Integer> {
         fields.put(
                 "stateHash", String.format(Locale.ROOT, "%016x", simulation.physics().stateHash()));
         fields.put("cut", cut);
+        if (!replay.missingPlugins().isEmpty()) {
+            fields.put("missingPlugins", replay.missingPlugins());
+        }
+        if (!replay.changedRules().isEmpty()) {
+            fields.put("changedRules", replay.changedRules());
+        }
         replay.divergence().ifPresent(found -> fields.put("difference", found.fields()));
         if (json) {
             Json.print(spec, fields);
             return;
         }
+        PrintWriter err = spec.commandLine().getErr();
+        replay.missingPlugins().forEach(problem -> err.println("reve: " + problem));
+        err.flush();
         var out = spec.commandLine().getOut();
         if (cut) {
             out.println("the recording ends in the middle of a record, as after a crash");

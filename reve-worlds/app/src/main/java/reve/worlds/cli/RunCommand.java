@@ -38,6 +38,8 @@ public final class RunCommand implements Callable<Integer> {
 
     @Mixin private LawOptions laws = new LawOptions();
 
+    @Mixin private PluginOptions plugins = new PluginOptions();
+
     @Mixin private EngineOptions engine = new EngineOptions();
 
     @Option(
@@ -78,7 +80,8 @@ public final class RunCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
-        try (Interrupt interrupt = new Interrupt(spec)) {
+        plugins.use();
+        try (Interrupt interrupt = new Interrupt(spec, ExitCode.OK)) {
             boolean whole = isWhole(interrupt);
             return cut && whole ? interrupt.endsCut() : interrupt.endsWith(!whole);
         }
@@ -105,9 +108,10 @@ public final class RunCommand implements Callable<Integer> {
         try (Simulation simulation = new Simulation(description, pacing, lawPath)) {
             interrupt.stopWith(simulation.loop()::stop);
             List<Problem> warnings = Warnings.print(spec, simulation.warnings(true));
+            simulation.usePluginListeners();
             simulation.physics().setLedger(ledger);
-            // Budgets apply only in real time. In a faster run they would make results depend on
-            // the speed of the machine.
+            // Budgets of laws apply only in real time. They would otherwise make the results of a
+            // fast run depend on the speed of the machine.
             simulation.physics().enforceBudgets(realTime);
             RunReport report = recorded(simulation, frames, pacing, recording);
             cut = interrupt.wasAsked() && report.frames() < frames;

@@ -66,6 +66,9 @@ import java.util.regex.Pattern;
                 "Runs worlds that agents can join and that load laws while they run, "
                         + "until Ctrl-C.")
 public final class ServeCommand implements Callable<Integer> {
+    /** Names of the files of a store in the folder of {@code --store}. */
+    private static final Pattern STORE_FILE = Pattern.compile(".+\\.db(-.*)?");
+
     private static final int STORE_EVERY = 10;
     private static final double MIN_DEADLINE = 0.001;
     private static final double MAX_DEADLINE = 3600;
@@ -99,6 +102,8 @@ public final class ServeCommand implements Callable<Integer> {
 
     @Mixin private LawOptions laws = new LawOptions();
 
+    @Mixin private PluginOptions plugins = new PluginOptions();
+
     @Mixin private SwapOptions swaps = new SwapOptions();
 
     @Mixin private EngineOptions engine = new EngineOptions();
@@ -116,6 +121,13 @@ public final class ServeCommand implements Callable<Integer> {
             paramLabel = "S",
             description = "Stop after this much world time [s].")
     private Optional<Double> seconds = Optional.empty();
+
+    @Option(
+            names = "--until-input-ends",
+            description =
+                    "Stop when the standard input ends. A program that starts the server and keeps"
+                            + " the input open leaves no server behind, also if it is killed.")
+    private boolean untilInputEnds;
 
     @Option(
             names = "--snapshots",
@@ -141,10 +153,13 @@ public final class ServeCommand implements Callable<Integer> {
                             + " that several servers share.")
     private Optional<StoreArgument> store = Optional.empty();
 
-    /** Worlds of a cluster by name and content of their pack. Guarded by itself. */
+    /** Worlds of a cluster by name and content of their pack. Guarded by the lock of this map. */
     private final Map<String, WorldArgument> unpacked = new HashMap<>();
 
-    /** Packs of worlds for a shared store, which are removed when the store has them. */
+    /**
+     * Files with packs of worlds for a shared store. They are removed when the store contains the
+     * packs.
+     */
     private final List<Path> packs = new ArrayList<>();
 
     @Option(
@@ -257,7 +272,8 @@ public final class ServeCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
-        try (Interrupt interrupt = new Interrupt(spec)) {
+        plugins.use();
+        try (Interrupt interrupt = new Interrupt(spec, ExitCode.OK)) {
             if (cluster.isGiven()) {
                 return interrupt.endsWith(serveInCluster(interrupt));
             }
@@ -281,6 +297,9 @@ public final class ServeCommand implements Callable<Integer> {
             WorldServer server =
                     standby ? successor(agents, events) : server(plans, agents, events);
             interrupt.stopWith(server::stop);
+            if (untilInputEnds) {
+                InputEnd.then(server::stop);
+            }
             Warnings.print(spec, server.warnings());
             ServerReport report;
             try (server;
@@ -297,6 +316,7 @@ public final class ServeCommand implements Callable<Integer> {
     /** Serves worlds as a node of a cluster; returns whether the node or a world failed. */
     private boolean serveInCluster(Interrupt interrupt) throws Exception {
         requireOptionsOfNodes();
+        listen.web();
         requireWatchdog();
         requireStoreEvery();
         requireOwnFiles();
@@ -324,6 +344,7 @@ public final class ServeCommand implements Callable<Integer> {
                             watchdog(events),
                             events);
             try (host;
+                    WebServer _ = nodesPage(agents, host);
                     ClusterNode node =
                             ClusterNode.start(
                                     settings, host, name -> planInCluster(name, lawPath), events)) {
@@ -338,13 +359,26 @@ public final class ServeCommand implements Callable<Integer> {
         }
     }
 
+    /** Starts the pages of a node: that of its worlds, and that of the nodes of the cluster. */
+    private @Nullable WebServer nodesPage(AgentServerConfig agents, WorldHost host)
+            throws IOException {
+        Optional<InetSocketAddress> address = listen.web();
+        if (address.isEmpty()) {
+            return null;
+        }
+        WebServer page =
+                WebServer.start(address.get(), agents.security(), host.agents(), host::cluster);
+        host.show(page);
+        return page;
+    }
+
     private void requireOptionsOfNodes() {
         Map<String, Boolean> foreign = new LinkedHashMap<>();
         foreign.put("--standby", standby);
         foreign.put("--seconds", seconds.isPresent());
+        foreign.put("--until-input-ends", untilInputEnds);
         foreign.put("--record", record.file().isPresent());
         foreign.put("--snapshot-at", !snapshotAt.isEmpty());
-        foreign.put("--web", listen.web().isPresent());
         foreign.forEach(
                 (option, isGiven) -> {
                     if (isGiven) {
@@ -353,12 +387,18 @@ public final class ServeCommand implements Callable<Integer> {
                                 option
                                         + " is for a server whose worlds are known when it starts;"
                                         + " found --cluster, whose nodes get worlds and lose"
-                                        + " them");
+                                        + " them"
+                                        + (option.equals("--record")
+                                                ? ". The database has the frames since the third"
+                                                        + " last image: replay WORLD --store URL"
+                                                        + " repeats them, and a longer"
+                                                        + " --store-every keeps more of them"
+                                                : ""));
                     }
                 });
     }
 
-    /** Packs the worlds of the command line, except those that are in the database only. */
+    /** Packs the worlds of the command line. Omits worlds that exist in the database only. */
     private Map<String, Path> packedWorlds() throws Exception {
         Map<String, Path> packed = new LinkedHashMap<>();
         for (Path path : paths) {
@@ -399,7 +439,10 @@ public final class ServeCommand implements Callable<Integer> {
                 lawPath);
     }
 
-    /** Returns the files of a pack, which this process unpacks once. */
+    /**
+     * Returns the files of a pack. This process unpacks them once, and again if they were removed,
+     * for example by a program that cleans the folder of temporary files.
+     */
     private WorldArgument unpacked(String name, byte[] pack) throws IOException {
         String content;
         try {
@@ -410,7 +453,7 @@ public final class ServeCommand implements Callable<Integer> {
         }
         synchronized (unpacked) {
             WorldArgument known = unpacked.get(content);
-            if (known == null) {
+            if (known == null || !Files.exists(known.file())) {
                 known = WorldArgument.unpacked(name, pack);
                 unpacked.put(content, known);
             }
@@ -455,7 +498,8 @@ public final class ServeCommand implements Callable<Integer> {
             try {
                 return server(plans(), agents, events);
             } catch (JournalSink.InUseException faster) {
-                // Another server in standby has taken the world. This server continues to wait.
+                // The exception is ignored. Another server in standby has taken the world, so this
+                // server continues to wait.
             } catch (JournalSink.AwayException away) {
                 storeFault(events, away.getMessage() + "; this server waits for it");
             }
@@ -615,9 +659,10 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * Records the file of an option. Refuses the file if another option uses it. Derived names
-     * count, too. A store uses names that begin with its name and {@code -}. Older recordings and
-     * audit files are named {@code FILE.1} and so on.
+     * Records the file of an option. Refuses the file if another option uses it. The check includes
+     * derived names. A store uses names that begin with its name and {@code -}; with several
+     * worlds, {@code --store} is a folder of stores whose names end in {@code .db}. Older
+     * recordings and audit files are named {@code FILE.1} and so on.
      */
     private void requireOwn(Map<Path, String> taken, String option, Optional<Path> given)
             throws IOException {
@@ -626,7 +671,7 @@ public final class ServeCommand implements Callable<Integer> {
         }
         Path file = real(given.get());
         if (file.getParent() == null) {
-            return; // the root folder, which is never a file
+            return; // the path is the root folder, which is never a file
         }
         taken.forEach(
                 (other, by) -> {
@@ -636,10 +681,15 @@ public final class ServeCommand implements Callable<Integer> {
                                     && file.getFileName()
                                             .toString()
                                             .startsWith(other.getFileName() + "-");
+                    boolean isOfWorlds =
+                            by.equals("--store")
+                                    && paths.size() > 1
+                                    && other.equals(file.getParent())
+                                    && STORE_FILE.matcher(file.getFileName().toString()).matches();
                     boolean isOlder =
                             !by.equals("--store") && isOlder(file, other)
                                     || !option.equals("--store") && isOlder(other, file);
-                    if (file.equals(other) || isStores || isOlder) {
+                    if (file.equals(other) || isStores || isOfWorlds || isOlder) {
                         throw new ParameterException(
                                 spec.commandLine(),
                                 option
@@ -730,8 +780,8 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * Returns the file of one world for an option. For a single world this is the named file. For
-     * several worlds it is a file in the named folder.
+     * Returns the file of one world for an option. The result is the named file if there is a
+     * single world. Otherwise it is a file in the named folder.
      */
     private Optional<Path> fileOf(Optional<Path> named, String name) {
         return paths.size() > 1 ? named.map(folder -> folder.resolve(name)) : named;
@@ -768,8 +818,8 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * Ends the process even though the thread of a world hangs. The journal of this world contains
-     * all frames up to its last complete frame.
+     * Ends the process although the thread of a world hangs. The journal of this world contains all
+     * frames up to its last complete frame.
      */
     private static void exit(EventPrinter events) {
         System.err.println("reve: a world stands still, and --stalled is exit: ended");

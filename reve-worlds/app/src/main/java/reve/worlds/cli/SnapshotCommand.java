@@ -11,7 +11,9 @@ import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
 
 import reve.core.file.WorldDescription;
+import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
+import reve.core.image.CorruptException;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.WorldSnapshot;
@@ -22,6 +24,7 @@ import reve.worlds.render.ImageFormat;
 import reve.worlds.render.PixelLayers;
 import reve.worlds.render.Renderer;
 import reve.worlds.render.Scene;
+import reve.worlds.server.History;
 import reve.worlds.server.LawPath;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.Simulation;
@@ -44,7 +47,9 @@ import java.util.regex.Pattern;
 /** The command {@code snapshot}: runs a world up to a time and takes a picture of it. */
 @Command(
         name = "snapshot",
-        description = "Runs a world up to a time and writes a picture of it, off-screen.")
+        description =
+                "Runs a world, or repeats a world of a database, up to a time and writes a picture"
+                        + " of it, off-screen.")
 public final class SnapshotCommand implements Callable<Integer> {
     private static final Pattern GRID = Pattern.compile("([1-9]\\d?)x([1-9]\\d?)");
     private static final ImageFormat SHEET_FORMAT = ImageFormat.of(480, 320);
@@ -54,16 +59,20 @@ public final class SnapshotCommand implements Callable<Integer> {
 
     @Mixin private WorldArgument world = new WorldArgument();
 
+    @Mixin private SharedWorld shared = new SharedWorld();
+
     @Mixin private LawOptions laws = new LawOptions();
+
+    @Mixin private PluginOptions plugins = new PluginOptions();
 
     @Option(
             names = "--at",
             paramLabel = "S",
-            defaultValue = "0",
             description =
-                    "World time of the picture, or of the last picture of a sheet [s] (default:"
-                            + " ${DEFAULT-VALUE}).")
-    private double at;
+                    "World time of the picture, or of the last picture of a sheet [s]; with --store"
+                            + " the time after the first state of the database (default: 0; with"
+                            + " --store the newest state).")
+    private Optional<Double> at = Optional.empty();
 
     @Option(
             names = "--out",
@@ -88,6 +97,12 @@ public final class SnapshotCommand implements Callable<Integer> {
 
     @Option(names = "--labels", description = "Write the names of the visible items.")
     private boolean labels;
+
+    @Option(
+            names = "--scale-bar",
+            description =
+                    "Draw a bar with its length, correct at the distance of the camera's target.")
+    private boolean scaleBar;
 
     @Option(
             names = "--sheet",
@@ -120,6 +135,7 @@ public final class SnapshotCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
+        plugins.use();
         Path file = WritableFile.require(spec, "--out", out, "PNG\r\n", "a PNG picture");
         if (!out.toString().toLowerCase(Locale.ROOT).endsWith(".png")) {
             throw wrong("--out " + out + ": pictures are PNG, expected a name that ends in .png");
@@ -141,13 +157,19 @@ public final class SnapshotCommand implements Callable<Integer> {
             rows = Integer.parseInt(grid.group(2));
             checkSheet(columns, rows);
         }
+        Optional<SharedWorld.Found> found = shared.find(world.given());
+        if (found.isPresent()) {
+            drawPast(found.get(), file);
+            return ExitCode.OK;
+        }
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
         WorldDescription description = world.load(spec.commandLine().getErr());
         Viewpoint viewpoint = Viewpoint.of(spec, camera, Optional.of(description), format());
-        long frames = Frames.of(spec, "--at", at, description.timing());
+        long frames = Frames.of(spec, "--at", at.orElse(0.0), description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST, lawPath);
                 Renderer renderer =
                         new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE)) {
+            simulation.usePluginListeners();
             Progress progress = new Progress(System.err, frames);
             simulation.onPublish(
                     "progress", event -> progress.at(event.frame(), event.timeSeconds()));
@@ -155,7 +177,7 @@ public final class SnapshotCommand implements Callable<Integer> {
                 drawSheet(simulation, renderer, viewpoint, columns, rows, frames, file);
             } else {
                 simulation.loop().run(frames);
-                draw(simulation, renderer, viewpoint, file);
+                draw(State.of(simulation, viewpoint), renderer, file);
             }
             progress.done();
             tell(file);
@@ -191,7 +213,7 @@ public final class SnapshotCommand implements Callable<Integer> {
         if (depth.isPresent() || segmentation.isPresent()) {
             throw wrong("--depth and --segmentation are of one picture; leave out --sheet");
         }
-        if (columns * rows < 2 || !(at > 0)) {
+        if (columns * rows < 2 || !(at.orElse(0.0) > 0)) {
             throw wrong(
                     "--sheet shows at least two times, expected --at above 0 and two pictures or"
                             + " more");
@@ -211,9 +233,16 @@ public final class SnapshotCommand implements Callable<Integer> {
     private record State(Scene scene, double time, Map<ItemId, ItemSymbols> items) {
         static State of(Simulation simulation, Viewpoint viewpoint) {
             try (WorldSnapshot snapshot = simulation.snapshots().acquireLatest().orElseThrow()) {
-                return new State(
-                        viewpoint.scene(snapshot), snapshot.timeSeconds(), snapshot.symbols());
+                return of(snapshot, viewpoint);
             }
+        }
+
+        static State of(WorldSnapshot snapshot, Viewpoint viewpoint) {
+            return new State(viewpoint.scene(snapshot), snapshot.timeSeconds(), snapshot.symbols());
+        }
+
+        double metresPerPixel() {
+            return scene.camera().metresPerPixel(scene.image().height());
         }
 
         String name(long id) {
@@ -222,18 +251,66 @@ public final class SnapshotCommand implements Callable<Integer> {
         }
     }
 
-    private void draw(Simulation simulation, Renderer renderer, Viewpoint viewpoint, Path file)
-            throws IOException {
-        State state = State.of(simulation, viewpoint);
+    /** Draws a state that a database contains. */
+    private void drawPast(SharedWorld.Found found, Path file)
+            throws IOException, WorldFileException {
+        if (sheet.isPresent()) {
+            throw wrong(
+                    "--sheet runs a world from its beginning, and --store names frames that were"
+                            + " made; draw these with the command video");
+        }
+        Viewpoint viewpoint =
+                Viewpoint.of(spec, camera, Optional.of(found.files().read()), format());
+        try (History history = new History(found.open(laws.path(spec)));
+                Renderer renderer =
+                        new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE)) {
+            if (!history.next()) {
+                throw new CorruptException(
+                        found.address() + " has made no frame: there is nothing to show");
+            }
+            long first = history.frame();
+            long wanted = Frames.of(spec, "--at", at, history.timing());
+            Progress progress = new Progress(System.err, 0);
+            while (history.frame() - first < wanted && history.next()) {
+                progress.at("frame " + history.frame(), history.part());
+            }
+            progress.done();
+            if (at.isPresent() && history.frame() - first < wanted) {
+                throw wrong(
+                        "--at is "
+                                + at.get()
+                                + ", but "
+                                + found.address()
+                                + " ends "
+                                + (double) (history.frame() - first)
+                                        / history.timing().framesPerSecond()
+                                + " s after its first state");
+            }
+            try (WorldSnapshot snapshot = history.snapshot()) {
+                told.put("frame", snapshot.frame());
+                draw(State.of(snapshot, viewpoint), renderer, file);
+            }
+        }
+        tell(file);
+    }
+
+    private void draw(State state, Renderer renderer, Path file) throws IOException {
         told.put("time", state.time());
         int wanted =
-                (labels ? PixelLayers.COLOUR | PixelLayers.ITEM : 0)
+                (labels || scaleBar ? PixelLayers.COLOUR : 0)
+                        | (labels ? PixelLayers.ITEM : 0)
                         | (depth.isPresent() ? PixelLayers.DEPTH : 0)
                         | (segmentation.isPresent() ? PixelLayers.ITEM : 0);
         @Nullable PixelLayers layers = wanted == 0 ? null : renderer.pixels(state.scene(), wanted);
-        if (labels && layers != null) {
+        if ((labels || scaleBar) && layers != null) {
             BufferedImage picture = LayerFiles.colour(layers);
-            new Overlay(picture.getHeight()).labels(picture, layers, state::name);
+            var overlay = new Overlay(picture.getHeight());
+            if (labels) {
+                overlay.labels(picture, layers, state::name);
+            }
+            if (scaleBar) {
+                told.put("scaleBar", overlay.scale(picture, state.metresPerPixel()));
+            }
             LayerFiles.writePng(picture, file);
         } else {
             renderer.render(state.scene(), file);
@@ -287,6 +364,9 @@ public final class SnapshotCommand implements Callable<Integer> {
                 overlay.labels(picture, layers, state::name);
             }
             overlay.time(picture, state.time());
+            if (scaleBar) {
+                overlay.scale(picture, state.metresPerPixel());
+            }
             paper.drawImage(picture, i % columns * cell.width(), i / columns * cell.height(), null);
             times.add(state.time());
         }

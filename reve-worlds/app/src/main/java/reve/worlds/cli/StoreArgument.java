@@ -54,6 +54,12 @@ record StoreArgument(String given, Optional<PostgresUrl> url, Optional<Path> fil
                                         + "; name one with --world NAME"));
     }
 
+    /** Returns the worlds of the database, as the end of a message about a missing world. */
+    String others() throws IOException {
+        List<String> names = worlds();
+        return names.isEmpty() ? ", it has none" : ", expected one of " + String.join(", ", names);
+    }
+
     /** Returns the names of the worlds of the database. */
     List<String> worlds() throws IOException {
         return PostgresStore.worlds(url.orElseThrow()).stream()

@@ -56,6 +56,8 @@ public final class StoreCommand implements Runnable {
 
         @Mixin private LawOptions laws = new LawOptions();
 
+        @Mixin private PluginOptions plugins = new PluginOptions();
+
         @Option(names = "--json", description = "Print the result as one JSON document.")
         private boolean json;
 
@@ -89,6 +91,7 @@ public final class StoreCommand implements Runnable {
                     "Reports whether a store is complete, and from which frame a world would"
                             + " resume. Changes nothing.")
     int check(@Mixin StoreOptions options) throws Exception {
+        options.plugins.use();
         StoreAddress address = options.address(spec);
         StoreCheck found = StoreCheck.of(address, folder(address), options.laws.path(spec));
         if (options.json) {
@@ -178,6 +181,7 @@ public final class StoreCommand implements Runnable {
                     "Replaces a damaged store by a complete one with the recoverable "
                             + "frames, and keeps the damaged files in FILE.damaged-1.")
     int repair(@Mixin StoreOptions options) throws Exception {
+        options.plugins.use();
         Map.Entry<StoreCheck, Optional<Path>> done =
                 StoreCheck.repair(options.file(spec), options.laws.path(spec));
         StoreCheck was = done.getKey();
@@ -208,6 +212,7 @@ public final class StoreCommand implements Runnable {
                     "Lists the laws of a store by name and content, and those in quarantine. Opens"
                             + " no law, and changes nothing.")
     int laws(@Mixin StoreOptions options) throws Exception {
+        options.plugins.use();
         StoreLaws found = StoreLaws.of(options.address(spec), options.laws.path(spec));
         if (options.json) {
             Json.print(spec, found.fields());

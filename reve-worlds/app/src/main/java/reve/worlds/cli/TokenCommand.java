@@ -15,6 +15,7 @@ import reve.core.agent.auth.AgentToken;
 import reve.core.agent.auth.Rights;
 import reve.core.agent.auth.TokenFile;
 import reve.core.agent.protocol.Role;
+import reve.core.disk.Reason;
 import reve.worlds.Product;
 
 import java.io.IOException;
@@ -209,7 +210,10 @@ public final class TokenCommand implements Runnable {
             file.write(ByteBuffer.wrap((secret + "\n").getBytes(StandardCharsets.US_ASCII)));
         } catch (FileAlreadyExistsException e) {
             throw new IOException(
-                    "--out " + out + " is there already; name another file, or " + "remove it", e);
+                    "--out " + out + " is there already; name another file, or remove it", e);
+        } catch (IOException e) {
+            Files.deleteIfExists(path);
+            throw Reason.naming(path, e);
         }
     }
 

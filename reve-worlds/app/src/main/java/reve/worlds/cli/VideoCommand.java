@@ -28,9 +28,11 @@ import reve.worlds.picture.PictureFolder;
 import reve.worlds.render.ImageFormat;
 import reve.worlds.render.PixelLayers;
 import reve.worlds.render.Renderer;
+import reve.worlds.render.Scene;
 import reve.worlds.server.History;
 import reve.worlds.server.LawPath;
 import reve.worlds.server.Simulation;
+import reve.worlds.server.StoredRun;
 
 import java.awt.image.BufferedImage;
 import java.io.IOException;
@@ -62,10 +64,14 @@ public final class VideoCommand implements Callable<Integer> {
             paramLabel = "WORLD|FILE",
             description =
                     "A world file, a folder with a world.yaml, a pack, a recording (--record) or a"
-                            + " store (serve --store).")
+                            + " store (serve --store); with --store URL the name of a world.")
     private Path path = Path.of("");
 
+    @Mixin private SharedWorld shared = new SharedWorld();
+
     @Mixin private LawOptions laws = new LawOptions();
+
+    @Mixin private PluginOptions plugins = new PluginOptions();
 
     @Option(
             names = "--out",
@@ -121,7 +127,9 @@ public final class VideoCommand implements Callable<Integer> {
     @Option(
             names = "--world",
             paramLabel = "WORLD",
-            description = "World file with the cameras for a recording or a store.")
+            description =
+                    "World file with the cameras for a recording or a store (default with --store:"
+                            + " that of the database).")
     private Optional<Path> cameraWorld = Optional.empty();
 
     @Option(names = "--labels", description = "Write the names of the visible items.")
@@ -129,6 +137,12 @@ public final class VideoCommand implements Callable<Integer> {
 
     @Option(names = "--time", description = "Write the world time.")
     private boolean time;
+
+    @Option(
+            names = "--scale-bar",
+            description =
+                    "Draw a bar with its length, correct at the distance of the camera's target.")
+    private boolean scaleBar;
 
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
@@ -208,17 +222,23 @@ public final class VideoCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
+        plugins.use();
         check();
         Optional<Path> ffmpeg = Ffmpeg.isFor(out) ? Optional.of(program()) : Optional.empty();
         Path place = place();
-        boolean isPast = History.isOne(path);
+        Optional<SharedWorld.Found> found = shared.find(path);
+        boolean isPast = found.isPresent() || StoredRun.isOne(path);
         if (!isPast && cameraWorld.isPresent()) {
             throw wrong("--world: " + path + " is a world itself; leave the option out");
         }
-        WorldArgument world = new WorldArgument(path);
-        Optional<WorldDescription> description = description(isPast, world);
+        WorldArgument world =
+                found.map(SharedWorld.Found::files).orElseGet(() -> new WorldArgument(path));
+        Optional<WorldDescription> description =
+                found.isPresent() && cameraWorld.isEmpty()
+                        ? Optional.of(world.read())
+                        : description(isPast, world);
         Viewpoint viewpoint = Viewpoint.of(spec, camera, description, format);
-        try (Source source = isPast ? past() : live(description.orElseThrow(), world);
+        try (Source source = isPast ? past(found) : live(description.orElseThrow(), world);
                 Renderer renderer =
                         new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE);
                 FrameSink sink = sink(place, ffmpeg)) {
@@ -320,12 +340,18 @@ public final class VideoCommand implements Callable<Integer> {
     private Source live(WorldDescription description, WorldArgument world) throws IOException {
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
         Simulation simulation = new Simulation(description, Pacing.FAST, lawPath);
+        simulation.usePluginListeners();
         simulation.loop().run(0);
         return new Live(simulation);
     }
 
-    private Source past() throws IOException {
-        History history = History.open(path, laws.path(spec));
+    private Source past(Optional<SharedWorld.Found> found) throws IOException {
+        LawPath lawPath = laws.path(spec);
+        History history =
+                new History(
+                        found.isPresent()
+                                ? found.get().open(lawPath)
+                                : StoredRun.open(path, lawPath));
         try {
             if (history.next()) {
                 return new Past(history);
@@ -344,7 +370,8 @@ public final class VideoCommand implements Callable<Integer> {
 
     private Drawn draw(Source source, Renderer renderer, Viewpoint viewpoint, FrameSink sink)
             throws IOException {
-        @Nullable Overlay overlay = labels || time ? new Overlay(format.height()) : null;
+        @Nullable Overlay overlay =
+                labels || time || scaleBar ? new Overlay(format.height()) : null;
         boolean toItsEnd = source instanceof Past && seconds.isEmpty();
         long wanted =
                 toItsEnd
@@ -389,16 +416,18 @@ public final class VideoCommand implements Callable<Integer> {
             throws IOException {
         try (WorldSnapshot snapshot = source.snapshot()) {
             Map<ItemId, ItemSymbols> items = snapshot.symbols();
+            Scene scene = viewpoint.scene(snapshot);
             PixelLayers layers =
-                    renderer.pixels(
-                            viewpoint.scene(snapshot),
-                            PixelLayers.COLOUR | (labels ? PixelLayers.ITEM : 0));
+                    renderer.pixels(scene, PixelLayers.COLOUR | (labels ? PixelLayers.ITEM : 0));
             BufferedImage picture = LayerFiles.colour(layers);
             if (overlay != null && labels) {
                 overlay.labels(picture, layers, id -> items.get(new ItemId(id)).name());
             }
             if (overlay != null && time) {
                 overlay.time(picture, snapshot.timeSeconds());
+            }
+            if (overlay != null && scaleBar) {
+                overlay.scale(picture, scene.camera().metresPerPixel(scene.image().height()));
             }
             sink.add(picture);
             return snapshot.timeSeconds();

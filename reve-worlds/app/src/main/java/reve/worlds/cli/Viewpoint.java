@@ -33,8 +33,8 @@ final class Viewpoint {
     }
 
     /**
-     * Returns the camera of the option {@code --camera}. Without this option, returns the camera of
-     * the world.
+     * Returns the camera of the option {@code --camera}. Returns the camera of the world if the
+     * option is missing.
      *
      * @param description the description of the world; empty for a recording without its world file
      */

@@ -10,7 +10,7 @@ import java.util.concurrent.atomic.AtomicLong;
 
 /**
  * Standard output that tolerates a full disk or a closed pipe. It throws no exception, drops data
- * that cannot be written, and keeps the reason. After a gap, output continues on a new line. One
+ * that cannot be written, and keeps the reason. Output continues on a new line after a gap. One
  * thread writes to it; any thread may query it.
  */
 final class WatchedOutput extends OutputStream {

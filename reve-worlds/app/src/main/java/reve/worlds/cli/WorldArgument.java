@@ -101,6 +101,11 @@ final class WorldArgument {
                                 + String.join(", ", names.subList(0, Math.min(MOST, names.size())));
     }
 
+    /** Returns the argument. */
+    Path given() {
+        return path;
+    }
+
     /** Returns whether the argument names a pack. */
     boolean isPack() {
         return unpacked.isPresent() || WorldPack.isPack(path);
@@ -111,10 +116,7 @@ final class WorldArgument {
         return Files.isDirectory(path) ? path.resolve(WorldFile.NAME) : path;
     }
 
-    /**
-     * Returns the path of the world file. If the argument is a pack, unpacks it first and returns
-     * the unpacked file.
-     */
+    /** Returns the path of the world file. Unpacks a pack first, and returns the unpacked file. */
     Path file() throws IOException {
         if (!isPack()) {
             return shown();
@@ -126,8 +128,9 @@ final class WorldArgument {
     }
 
     /**
-     * Refuses an option for a pack if the option's file would store the path of the world's folder.
-     * The folder of a pack is removed when the command ends.
+     * Refuses an option whose file would store the path of the world's folder if the argument is a
+     * pack. The folder of a pack is removed when the command ends, so that path would become
+     * invalid.
      */
     void requireLasting(CommandSpec spec, String option, boolean given) {
         if (given && isPack()) {
@@ -176,7 +179,7 @@ final class WorldArgument {
                             + others());
         }
         try (Patience _ = new Patience(System.err, "reading " + shown())) {
-            if (Files.isDirectory(path)) {
+            if (!isPack() && Files.isDirectory(path)) {
                 return WorldFile.loadFolder(path, found);
             }
             String name = isPack() ? path.resolve(WorldFile.NAME).toString() : file.toString();

@@ -146,7 +146,7 @@ public final class Demo {
     }
 
     /** Returns a Java command with the options and the class path of this process. */
-    private static List<String> java(String... arguments) {
+    static List<String> java(String... arguments) {
         List<String> command = new ArrayList<>();
         command.add(Path.of(System.getProperty("java.home"), "bin", "java").toString());
         command.addAll(ManagementFactory.getRuntimeMXBean().getInputArguments());

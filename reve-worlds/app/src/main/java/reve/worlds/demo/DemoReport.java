@@ -14,9 +14,9 @@ import java.util.stream.Collectors;
  *
  * @param server the server's final report
  * @param loaded event that reports the loading of the added law
- * @param unloaded event that reports its removal
+ * @param unloaded event that reports the removal of this law
  * @param before picture without the added law
- * @param after picture with it
+ * @param after picture with the added law
  * @param curious the Python agent's summary
  * @param painter the Java agent's summary
  */

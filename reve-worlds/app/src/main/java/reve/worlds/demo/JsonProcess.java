@@ -41,8 +41,19 @@ final class JsonProcess implements AutoCloseable {
         this.log = log;
         ProcessBuilder builder = new ProcessBuilder(command).redirectError(log.toFile());
         builder.environment().putAll(environment);
-        process = builder.start();
+        process = start(name, builder);
         reader = Thread.ofPlatform().daemon().name(name + " output").start(this::read);
+    }
+
+    private static Process start(String name, ProcessBuilder builder) throws IOException {
+        try {
+            return builder.start();
+        } catch (IOException e) {
+            throw new IOException(
+                    "the %s needs the program %s, which cannot be started; `reve doctor` says what is missing"
+                            .formatted(name, builder.command().getFirst()),
+                    e);
+        }
     }
 
     private void read() {
@@ -55,8 +66,8 @@ final class JsonProcess implements AutoCloseable {
                 }
             }
         } catch (IOException ended) {
-            // The pipe broke because the process ended. The method await() then reports the missing
-            // line.
+            // The exception is ignored. The pipe broke because the process ended, and the method
+            // await() then reports the missing line.
         } catch (JacksonException notJson) {
             process.destroy();
         } finally {
@@ -100,6 +111,11 @@ final class JsonProcess implements AutoCloseable {
     /** Asks the process to end, as Ctrl-C does. Its output is still read. */
     void interrupt() {
         process.toHandle().destroy();
+    }
+
+    /** Kills the process (SIGKILL), and waits for its end. */
+    void kill() {
+        process.destroyForcibly().onExit().join();
     }
 
     /** Waits for the process to end, and returns the last line that it wrote. */

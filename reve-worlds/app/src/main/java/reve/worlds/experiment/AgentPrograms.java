@@ -16,6 +16,7 @@ import java.io.IOException;
 import java.net.InetAddress;
 import java.net.InetSocketAddress;
 import java.nio.charset.StandardCharsets;
+import java.nio.file.DirectoryStream;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
@@ -25,12 +26,13 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
 
 /**
  * The programs of a run's agents. Each program is a process with its own token. The server waits
- * for all of them before the first frame.
+ * for all agents to join before the first frame.
  */
 final class AgentPrograms implements AutoCloseable {
     private static final long GRACE_SECONDS = 5;
@@ -39,6 +41,9 @@ final class AgentPrograms implements AutoCloseable {
     /** Reason in the event {@code left} of an agent that has sent bye. */
     private static final String GOODBYE = "goodbye";
 
+    /** Maximum wait for the rest of a program's output after the program has ended. */
+    private static final Duration OUTPUT_ENDS = Duration.ofSeconds(1);
+
     private final RunPlan plan;
     private final Path folder;
     private final Path logs;
@@ -46,6 +51,7 @@ final class AgentPrograms implements AutoCloseable {
     private final Path secrets;
     private final Map<String, String> tokens = new LinkedHashMap<>();
     private final Map<String, Process> processes = new LinkedHashMap<>();
+    private final Map<String, ProgramOutput> outputs = new ConcurrentHashMap<>();
     private final CountDownLatch begun = new CountDownLatch(1);
     private Optional<String> failure = Optional.empty();
 
@@ -54,7 +60,7 @@ final class AgentPrograms implements AutoCloseable {
      *
      * @param folder the folder of the experiment file, in which the programs run
      * @param logs folder for the output of the programs
-     * @param deadline longest time to join, and for one answer
+     * @param deadline maximum time until an agent has joined, and maximum time for one answer
      */
     AgentPrograms(RunPlan plan, Path folder, Path logs, Duration deadline) throws IOException {
         this.plan = plan;
@@ -133,8 +139,7 @@ final class AgentPrograms implements AutoCloseable {
                 new ProcessBuilder(command)
                         .directory(folder.toFile())
                         .redirectInput(new File("/dev/null"))
-                        .redirectErrorStream(true)
-                        .redirectOutput(log(program.name()).toFile());
+                        .redirectErrorStream(true);
         Map<String, String> environment = builder.environment();
         environment.put("REVE_HOST", "127.0.0.1");
         environment.put("REVE_PORT", Integer.toString(port));
@@ -146,7 +151,14 @@ final class AgentPrograms implements AutoCloseable {
         String client = Path.of(System.getProperty("reve.root", "")).resolve("agents/python") + "";
         environment.merge("PYTHONPATH", client, (own, ours) -> own + File.pathSeparator + ours);
         try {
-            return builder.start();
+            Process process = builder.start();
+            outputs.put(
+                    program.name(),
+                    new ProgramOutput(
+                            process.getInputStream(),
+                            log(program.name()),
+                            ProgramOutput.MAX_BYTES));
+            return process;
         } catch (IOException refused) {
             throw new IOException(
                     "the program of agent "
@@ -213,7 +225,7 @@ final class AgentPrograms implements AutoCloseable {
         }
     }
 
-    /** Returns the reason why the run has no valid result; empty if nothing failed. */
+    /** Returns the reason why the run has no valid result; empty if no agent failed. */
     synchronized Optional<String> failure() {
         return failure;
     }
@@ -229,6 +241,7 @@ final class AgentPrograms implements AutoCloseable {
     /** Returns the last part of a program's output, for a message. */
     private String lastWords(String agent) {
         try {
+            outputs.get(agent).await(OUTPUT_ENDS);
             List<String> lines =
                     new String(Files.readAllBytes(log(agent)), StandardCharsets.UTF_8)
                             .lines()
@@ -239,6 +252,9 @@ final class AgentPrograms implements AutoCloseable {
                     ? ""
                     : " (" + last.substring(0, Math.min(LAST_WORDS, last.length())) + ")";
         } catch (IOException unreadable) {
+            return "";
+        } catch (InterruptedException hurried) {
+            Thread.currentThread().interrupt();
             return "";
         }
     }
@@ -259,7 +275,16 @@ final class AgentPrograms implements AutoCloseable {
             }
         }
         try {
-            Files.deleteIfExists(tokenFile());
+            for (ProgramOutput output : outputs.values()) {
+                output.await(OUTPUT_ENDS);
+            }
+        } catch (InterruptedException hurried) {
+            Thread.currentThread().interrupt();
+        }
+        try (DirectoryStream<Path> files = Files.newDirectoryStream(secrets)) {
+            for (Path file : files) {
+                Files.deleteIfExists(file); // the tokens and their lock
+            }
             Files.deleteIfExists(secrets);
         } catch (IOException remains) {
             // The exception is ignored, because the folder is private and its tokens are valid only

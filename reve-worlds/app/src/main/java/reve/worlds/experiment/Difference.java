@@ -52,7 +52,7 @@ public record Difference(
      * Compares two results. Each result consists of a table of runs and a table of measurements,
      * both with headers.
      *
-     * @param now describes the runs
+     * @param now the new results, which also describe the runs in the message
      */
     static Optional<Difference> first(
             List<List<String>> runsBefore,

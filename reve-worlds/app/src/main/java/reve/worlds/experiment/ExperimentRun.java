@@ -44,6 +44,7 @@ final class ExperimentRun {
     private final Path agentLogs;
     private final Consumer<Problem> warnings;
     private final RunProgress progress;
+    private final RunJournal journal;
     private volatile boolean stopped;
     private volatile Runnable stop = () -> {};
 
@@ -52,6 +53,7 @@ final class ExperimentRun {
      * @param laws search path of laws
      * @param agentLogs folder for the output of agents' programs
      * @param warnings receives warnings about the run's world
+     * @param journal receives the files and laws on which the run depends
      */
     ExperimentRun(
             Experiment experiment,
@@ -59,13 +61,15 @@ final class ExperimentRun {
             LawPath laws,
             Path agentLogs,
             Consumer<Problem> warnings,
-            RunProgress progress) {
+            RunProgress progress,
+            RunJournal journal) {
         this.experiment = experiment;
         this.index = index;
         this.laws = laws;
         this.agentLogs = agentLogs;
         this.warnings = warnings;
         this.progress = progress;
+        this.journal = journal;
     }
 
     /** Ends the run after its current frame. */
@@ -74,19 +78,33 @@ final class ExperimentRun {
         stop.run();
     }
 
-    /** Runs the world. A failure becomes part of the result. */
-    RunResult run() {
+    /**
+     * Runs the world. A failure of the run becomes part of the result.
+     *
+     * @throws IOException if the journal cannot be written
+     */
+    RunResult run() throws IOException {
+        RunPlan plan;
         try {
-            RunPlan plan = experiment.plan(index);
-            return plan.agents().isEmpty() ? alone(plan) : withAgents(plan);
+            plan = experiment.plan(index);
         } catch (WorldFileException invalid) {
             return failed(
                     invalid.problems().stream()
                             .map(Problem::toString)
                             .collect(Collectors.joining("; ")));
-        } catch (IOException | RuntimeException failure) {
-            return failed(failure.getMessage() == null ? failure.toString() : failure.getMessage());
+        } catch (RuntimeException failure) {
+            return failed(failure);
         }
+        journal.uses(plan);
+        try {
+            return plan.agents().isEmpty() ? alone(plan) : withAgents(plan);
+        } catch (IOException | RuntimeException failure) {
+            return failed(failure);
+        }
+    }
+
+    private RunResult failed(Exception failure) {
+        return failed(failure.getMessage() == null ? failure.toString() : failure.getMessage());
     }
 
     private RunResult failed(String message) {
@@ -100,6 +118,7 @@ final class ExperimentRun {
                                 Pacing.FAST,
                                 laws.forWorld(experiment.worldFolder()));
                 var schedule = new LawSchedule(simulation, plan.steps())) {
+            simulation.usePluginListeners();
             Sampler sampler = observe(simulation, plan);
             stopWith(simulation.loop()::stop);
             simulation.loop().run(plan.frames());

@@ -10,6 +10,8 @@ import org.slf4j.LoggerFactory;
 
 import reve.core.file.Experiment;
 import reve.core.file.RunPoint;
+import reve.core.text.Rounded;
+import reve.core.unit.Unit;
 import reve.worlds.plot.Charts;
 
 import java.awt.Color;
@@ -22,9 +24,11 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.TreeMap;
 
-/** Plots of results, as PNG files. No display is needed. */
+/** Plots of results, and their PNG files. No display is needed. */
 final class Plots {
     private static final Logger LOG = LoggerFactory.getLogger("reve.experiment");
+
+    private static final String ENDING = ".png";
 
     /** Maximum number of lines in a plot. */
     private static final int MAX_LINES = 12;
@@ -32,89 +36,129 @@ final class Plots {
     /** Maximum number of points in a line. */
     private static final int MAX_POINTS = 2000;
 
-    private final Path folder;
     private final Experiment experiment;
     private final List<RunResult> results;
-    private final List<String> written = new ArrayList<>();
+    private final List<Plot> plots = new ArrayList<>();
 
-    private Plots(Path folder, Experiment experiment, List<RunResult> results) {
-        this.folder = folder;
+    private Plots(Experiment experiment, List<RunResult> results) {
         this.experiment = experiment;
         this.results = results;
     }
 
     /**
      * Writes the plots. Each measure is plotted over the variable with the most values. A measure
-     * that is taken during the runs is also plotted over time. On a machine without fonts no plots
-     * are written, and the log reports this.
+     * that is taken during the runs is also plotted over time. No plots are written on a machine
+     * without fonts, and the log reports this.
      *
      * @return the names of the files
      */
     static List<String> write(Path folder, Experiment experiment, List<RunResult> results)
             throws IOException {
         System.setProperty("java.awt.headless", "true");
-        var plots = new Plots(folder, experiment, results);
+        List<String> written = new ArrayList<>();
         try {
-            for (int i = 0; i < experiment.measures().size(); i++) {
-                plots.overVariable(i);
-                plots.overTime(i);
+            for (Map.Entry<String, XYChart> chart : charts(experiment, results).entrySet()) {
+                Charts.write(chart.getValue(), folder.resolve(chart.getKey()));
+                written.add(chart.getKey());
             }
         } catch (RuntimeException | LinkageError | InternalError unable) {
+            if (isEnding()) {
+                // Some classes for drawing cannot be initialised any more.
+                throw new IOException("the process ended while plots were drawn", unable);
+            }
             LOG.warn(
                     "plots cannot be drawn: {}; on Debian, install fontconfig and"
                             + " fonts-dejavu-core",
                     unable.toString());
             LOG.debug("plots", unable);
         }
-        return plots.written;
+        return written;
     }
 
-    private void overVariable(int measure) throws IOException {
+    /** Returns whether the Java runtime is ending, for example after Ctrl-C. */
+    private static boolean isEnding() {
+        var probe = new Thread(() -> {});
+        try {
+            Runtime.getRuntime().addShutdownHook(probe);
+            Runtime.getRuntime().removeShutdownHook(probe);
+            return false;
+        } catch (IllegalStateException ending) {
+            return true;
+        }
+    }
+
+    /** Returns the charts by the names of their files. */
+    static Map<String, XYChart> charts(Experiment experiment, List<RunResult> results) {
+        Map<String, XYChart> charts = new LinkedHashMap<>();
+        of(experiment, results).forEach(plot -> charts.put(plot.name() + ENDING, chart(plot)));
+        return charts;
+    }
+
+    /**
+     * Returns the plots. The numbers of a measure are in its {@link Experiment#measurementUnit} and
+     * {@link Experiment#valueUnit}, and those of a variable in SI units.
+     */
+    static List<Plot> of(Experiment experiment, List<RunResult> results) {
+        var plots = new Plots(experiment, results);
+        for (int i = 0; i < experiment.measures().size(); i++) {
+            plots.overVariable(i);
+            plots.overTime(i);
+        }
+        return List.copyOf(plots.plots);
+    }
+
+    private void overVariable(int measure) {
         Optional<String> variable = mostVaried();
         if (variable.isEmpty()) {
             return;
         }
+        Optional<Unit> unit = experiment.valueUnit(measure);
+        double scale = unit.map(Unit::scale).orElse(1.0);
         Map<String, Map<Double, List<Double>>> lines = new LinkedHashMap<>();
         Map<String, Map<Double, List<Double>>> expected = new LinkedHashMap<>();
         for (RunResult run : results) {
             double x = run.point().values().get(variable.get());
             String name = others(run.point(), variable.get());
             if (run.values().get(measure).orElse(null) instanceof Double y) {
-                add(lines, name, x, y);
+                add(lines, name, x, y / scale);
             }
-            run.expected().get(measure).ifPresent(y -> add(expected, name, x, y));
+            run.expected().get(measure).ifPresent(y -> add(expected, name, x, y / scale));
         }
         String name = experiment.measures().get(measure);
-        XYChart chart = chart(name, variable.get(), name);
-        int drawn = 0;
+        List<Plot.Line> drawn = new ArrayList<>();
+        int colour = 0;
         for (Map.Entry<String, Map<Double, List<Double>>> line : lines.entrySet()) {
-            if (drawn == MAX_LINES) {
+            if (colour == MAX_LINES) {
                 break;
             }
-            Color colour = colour(chart, drawn++);
             String label = line.getKey().isEmpty() ? name : line.getKey();
-            series(chart, label, line.getValue(), colour)
-                    .setXYSeriesRenderStyle(
-                            expected.isEmpty()
-                                    ? XYSeries.XYSeriesRenderStyle.Line
-                                    : XYSeries.XYSeriesRenderStyle.Scatter);
+            drawn.add(
+                    line(
+                            label,
+                            colour,
+                            expected.isEmpty() ? Plot.Style.JOINED : Plot.Style.POINTS,
+                            line.getValue()));
             if (expected.containsKey(line.getKey())) {
-                XYSeries curve =
-                        series(
-                                chart,
+                drawn.add(
+                        line(
                                 line.getKey().isEmpty() ? "expected" : label + ", expected",
-                                expected.get(line.getKey()),
-                                colour);
-                curve.setLineStyle(SeriesLines.DASH_DASH);
-                curve.setMarker(SeriesMarkers.NONE);
+                                colour,
+                                Plot.Style.DASHED,
+                                expected.get(line.getKey())));
             }
+            colour++;
         }
-        save(chart, name + "-over-" + variable.get() + ".png", drawn);
+        keep(
+                name + "-over-" + variable.get(),
+                name,
+                title(variable.get(), experiment.variableUnit(variable.get())),
+                title(name, unit),
+                drawn);
     }
 
     /**
-     * Returns the variable with the most values. If several have the most values, returns the last
-     * of them. Empty if no variable has several values.
+     * Returns the variable with the most values. Returns the last of several such variables. The
+     * result is empty if no variable has several values.
      */
     private Optional<String> mostVaried() {
         Optional<String> most = Optional.empty();
@@ -132,44 +176,37 @@ final class Plots {
 
     private static void add(
             Map<String, Map<Double, List<Double>>> lines, String name, double x, double y) {
-        lines.computeIfAbsent(name, _ -> new TreeMap<>())
-                .computeIfAbsent(x, _ -> new ArrayList<>())
-                .add(y);
+        if (Double.isFinite(x) && Double.isFinite(y)) {
+            lines.computeIfAbsent(name, _ -> new TreeMap<>())
+                    .computeIfAbsent(x, _ -> new ArrayList<>())
+                    .add(y);
+        }
     }
 
     /**
-     * Adds the means of the values. If there are several values for one x, adds their standard
-     * deviations, too.
+     * Returns a line with the mean of the values at each x. The line has standard deviations if
+     * there are several values at one x.
      */
-    private static XYSeries series(
-            XYChart chart, String label, Map<Double, List<Double>> points, Color colour) {
-        double[] x = new double[points.size()];
-        double[] mean = new double[x.length];
-        double[] deviation = new double[x.length];
+    private static Plot.Line line(
+            String label, int colour, Plot.Style style, Map<Double, List<Double>> points) {
+        List<Double> mean = new ArrayList<>();
+        List<Double> deviation = new ArrayList<>();
         boolean several = false;
-        int next = 0;
-        for (Map.Entry<Double, List<Double>> point : points.entrySet()) {
-            List<Double> values = point.getValue();
+        for (List<Double> values : points.values()) {
             double sum = values.stream().reduce(0.0, Double::sum);
             double m = sum / values.size();
             double squares = values.stream().map(y -> (y - m) * (y - m)).reduce(0.0, Double::sum);
-            x[next] = point.getKey();
-            mean[next] = m;
-            deviation[next++] = values.size() < 2 ? 0 : Math.sqrt(squares / (values.size() - 1));
+            mean.add(m);
+            deviation.add(values.size() < 2 ? 0 : Math.sqrt(squares / (values.size() - 1)));
             several |= values.size() > 1;
         }
-        XYSeries series =
-                several
-                        ? chart.addSeries(label, x, mean, deviation)
-                        : chart.addSeries(label, x, mean);
-        series.setLineColor(colour);
-        series.setMarkerColor(colour);
-        return series;
-    }
-
-    private static Color colour(XYChart chart, int index) {
-        Color[] colours = chart.getStyler().getSeriesColors();
-        return colours[index % colours.length];
+        return new Plot.Line(
+                label,
+                colour,
+                style,
+                List.copyOf(points.keySet()),
+                mean,
+                several ? deviation : List.of());
     }
 
     private String others(RunPoint point, String variable) {
@@ -179,54 +216,95 @@ final class Plots {
                 .forEach(
                         (name, value) -> {
                             if (!name.equals(variable)) {
-                                parts.add(name + " = " + ResultTable.text(value));
+                                String unit =
+                                        symbol(experiment.variableUnit(name))
+                                                .map(symbol -> " " + symbol)
+                                                .orElse("");
+                                parts.add(name + " = " + Rounded.of(value) + unit);
                             }
                         });
         return String.join(", ", parts);
     }
 
-    private void overTime(int measure) throws IOException {
+    private void overTime(int measure) {
         if (experiment.every().isEmpty()) {
             return;
         }
         String name = experiment.measures().get(measure);
-        var table = new ResultTable(experiment, results);
-        XYChart chart =
-                chart(
-                        results.size() > MAX_LINES
-                                ? name + ", first " + MAX_LINES + " of " + results.size() + " runs"
-                                : name,
-                        "time [s]",
-                        name);
-        int drawn = 0;
+        Optional<Unit> unit = experiment.measurementUnit(measure);
+        double scale = unit.map(Unit::scale).orElse(1.0);
+        List<Plot.Line> drawn = new ArrayList<>();
         for (RunResult run : results) {
             List<Double> x = new ArrayList<>();
             List<Double> y = new ArrayList<>();
             int step = Math.max(1, run.samples().size() / MAX_POINTS);
             for (int i = 0; i < run.samples().size(); i += step) {
                 Sample sample = run.samples().get(i);
-                if (sample.values().get(measure).orElse(null) instanceof Double value) {
+                if (sample.values().get(measure).orElse(null) instanceof Double value
+                        && Double.isFinite(value / scale)) {
                     x.add(sample.timeSeconds());
-                    y.add(value);
+                    y.add(value / scale);
                 }
             }
-            if (!x.isEmpty() && drawn < MAX_LINES) {
-                drawn++;
-                chart.addSeries(table.describe(run.point()), x, y).setMarker(SeriesMarkers.NONE);
+            if (!x.isEmpty() && drawn.size() < MAX_LINES) {
+                drawn.add(
+                        new Plot.Line(
+                                ResultTable.describe(run.point(), Rounded::of),
+                                drawn.size(),
+                                Plot.Style.CURVE,
+                                x,
+                                y,
+                                List.of()));
             }
         }
-        save(chart, name + "-over-time.png", drawn);
+        keep(
+                name + "-over-time",
+                results.size() > MAX_LINES
+                        ? name + ", first " + MAX_LINES + " of " + results.size() + " runs"
+                        : name,
+                "time [s]",
+                title(name, unit),
+                drawn);
     }
 
-    private XYChart chart(String title, String x, String y) {
-        return Charts.create(experiment.name() + ": " + title, x, y);
+    /** Returns the title of an axis, such as {@code speed [km/h]}. */
+    private static String title(String name, Optional<Unit> unit) {
+        return symbol(unit).map(symbol -> name + " [" + symbol + "]").orElse(name);
     }
 
-    private void save(XYChart chart, String file, int lines) throws IOException {
-        if (lines == 0) {
-            return;
+    /** Returns the symbol of a unit; empty for an unknown unit and for plain numbers. */
+    static Optional<String> symbol(Optional<Unit> unit) {
+        return unit.map(Unit::symbol).filter(symbol -> !symbol.equals(Unit.ONE.symbol()));
+    }
+
+    private void keep(String name, String title, String x, String y, List<Plot.Line> lines) {
+        if (!lines.isEmpty()) {
+            plots.add(new Plot(name, experiment.name() + ": " + title, x, y, lines));
         }
-        Charts.write(chart, folder.resolve(file));
-        written.add(file);
+    }
+
+    /** Returns a plot as a chart for a PNG file. */
+    private static XYChart chart(Plot plot) {
+        XYChart chart = Charts.create(plot.title(), plot.x(), plot.y());
+        for (Plot.Line line : plot.lines()) {
+            XYSeries series =
+                    line.deviation().isEmpty()
+                            ? chart.addSeries(line.label(), line.x(), line.y())
+                            : chart.addSeries(line.label(), line.x(), line.y(), line.deviation());
+            Color[] colours = chart.getStyler().getSeriesColors();
+            Color colour = colours[line.colour() % colours.length];
+            series.setLineColor(colour);
+            series.setMarkerColor(colour);
+            switch (line.style()) {
+                case JOINED -> {}
+                case POINTS -> series.setXYSeriesRenderStyle(XYSeries.XYSeriesRenderStyle.Scatter);
+                case CURVE -> series.setMarker(SeriesMarkers.NONE);
+                case DASHED -> {
+                    series.setLineStyle(SeriesLines.DASH_DASH);
+                    series.setMarker(SeriesMarkers.NONE);
+                }
+            }
+        }
+        return chart;
     }
 }

@@ -15,6 +15,7 @@ import java.io.IOException;
 import java.io.OutputStream;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
+import java.nio.file.LinkOption;
 import java.nio.file.Path;
 import java.security.DigestInputStream;
 import java.security.MessageDigest;
@@ -27,11 +28,13 @@ import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 import java.util.TreeMap;
+import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
  * A folder with the results of an experiment. It contains {@value #RUNS} (a row for each run),
- * {@value #SERIES} (all measurements), {@value #RESULT} (hashes and versions) and plots.
+ * {@value #SERIES} (all measurements), {@value #RESULT} (hashes and versions), plots, and {@value
+ * #REPORT} (a page with the tables and plots).
  */
 public final class ResultFolder {
     /** The table of runs. */
@@ -39,6 +42,9 @@ public final class ResultFolder {
 
     /** The table of all measurements. */
     public static final String SERIES = "series.csv";
+
+    /** The page with tables and plots. */
+    public static final String REPORT = "report.html";
 
     /**
      * The file with hashes and versions. A folder that contains this file is a folder of results.
@@ -54,12 +60,28 @@ public final class ResultFolder {
     private static final int FORMAT = 1;
     private static final int MAX_BYTES = 1 << 30;
 
-    /** Fields of a run that are the same in each repetition, whatever version has written them. */
+    /**
+     * Fields of a run that must be equal in each repetition of the run, for every version of this
+     * program.
+     */
     private static final List<String> COMPARED =
             List.of("run", "seed", "frames", "state", "values", "stateHash");
 
     /** Maximum number of characters of a field in a message. */
     private static final int SHOWN = 100;
+
+    /** Names of incomplete files. */
+    private static final Pattern PART =
+            Pattern.compile(
+                    "("
+                            + Pattern.quote(RUNS)
+                            + "|"
+                            + Pattern.quote(SERIES)
+                            + "|"
+                            + Pattern.quote(RESULT)
+                            + "|"
+                            + Pattern.quote(REPORT)
+                            + "|.+-over-.+\\.png)\\.part\\d*");
 
     private static final JsonMapper MAPPER = JsonMapper.shared();
 
@@ -76,7 +98,7 @@ public final class ResultFolder {
     }
 
     /**
-     * Refuses a folder that contains other files than results of this experiment.
+     * Refuses a folder that contains files other than results of this experiment.
      *
      * @throws IOException with the reason
      */
@@ -92,13 +114,13 @@ public final class ResultFolder {
                                 + experiment.name()
                                 + "; name another folder with --out");
             }
-        } else if (Files.isDirectory(folder)) {
+        } else if (Files.isDirectory(folder) && !Files.exists(folder.resolve(RunJournal.NAME))) {
             try (Stream<Path> files = Files.list(folder)) {
                 if (files.anyMatch(file -> !file.endsWith(AGENTS))) {
                     throw new IOException(
                             folder
-                                    + " contains files and no results of an experiment; name"
-                                    + " another folder with --out");
+                                    + " contains files and no results of an experiment; remove"
+                                    + " the folder, or name another one with --out");
                 }
             }
         }
@@ -149,8 +171,8 @@ public final class ResultFolder {
     private static Optional<Difference> inRuns(
             JsonNode before, Experiment experiment, List<RunResult> results) {
         for (int i = 0; i < results.size(); i++) {
-            // The new results are written as JSON and read again, so that their numbers have the
-            // same form as those in the file.
+            // The new results are written as JSON and read back, so that their numbers have the
+            // same form as the numbers in the file.
             JsonNode now =
                     MAPPER.readTree(
                             MAPPER.writeValueAsString(runFields(experiment, results.get(i))));
@@ -222,16 +244,22 @@ public final class ResultFolder {
     }
 
     /**
-     * Writes results and plots. Replaces earlier ones.
+     * Writes results and plots. Replaces earlier ones. {@value #RESULT} is removed first and
+     * written last, so that the folder counts as a folder of results only while it is complete.
      *
      * @return the names of the plots
      */
     public List<String> write(Experiment experiment, List<RunResult> results) throws IOException {
         Files.createDirectories(folder);
+        Files.deleteIfExists(folder.resolve(RESULT));
+        removeParts();
         var table = new ResultTable(experiment, results);
         write(RUNS, table.runs());
         write(SERIES, table.series());
         List<String> plots = Plots.write(folder, experiment, results);
+        String page = Report.of(experiment, results, files(experiment), laws(results));
+        WholeFile.write(
+                folder.resolve(REPORT), out -> out.write(page.getBytes(StandardCharsets.UTF_8)));
         String text =
                 MAPPER.writerWithDefaultPrettyPrinter()
                                 .writeValueAsString(fields(experiment, results))
@@ -239,6 +267,19 @@ public final class ResultFolder {
         WholeFile.write(
                 folder.resolve(RESULT), out -> out.write(text.getBytes(StandardCharsets.UTF_8)));
         return plots;
+    }
+
+    /** Removes incomplete files that a killed process has left. */
+    private void removeParts() throws IOException {
+        List<Path> parts;
+        try (Stream<Path> files = Files.list(folder)) {
+            parts = files.filter(file -> PART.matcher(file.getFileName() + "").matches()).toList();
+        }
+        for (Path part : parts) {
+            if (Files.isRegularFile(part, LinkOption.NOFOLLOW_LINKS)) {
+                Files.delete(part);
+            }
+        }
     }
 
     private void write(String name, List<List<String>> rows) throws IOException {
@@ -262,11 +303,26 @@ public final class ResultFolder {
         fields.put("machine", machine());
         fields.put("files", files(experiment));
         fields.put("laws", laws(results));
+        fields.put("units", units(experiment));
         fields.put("runs", results.stream().map(run -> runFields(experiment, run)).toList());
         return fields;
     }
 
-    private static Map<String, Object> runFields(Experiment experiment, RunResult run) {
+    /** Returns the SI units of the variables and measures in the table of runs, as far as known. */
+    private static Map<String, String> units(Experiment experiment) {
+        Map<String, String> units = new LinkedHashMap<>();
+        for (String name : experiment.variables()) {
+            experiment.variableUnit(name).ifPresent(unit -> units.put(name, unit.symbol()));
+        }
+        for (int i = 0; i < experiment.measures().size(); i++) {
+            String name = experiment.measures().get(i);
+            experiment.valueUnit(i).ifPresent(unit -> units.put(name, unit.si().symbol()));
+        }
+        return units;
+    }
+
+    /** Returns the fields of a run in the result file. */
+    public static Map<String, Object> runFields(Experiment experiment, RunResult run) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("run", run.point().number());
         run.point().itsCase().ifPresent(name -> fields.put("case", name));
@@ -295,7 +351,7 @@ public final class ResultFolder {
         return fields;
     }
 
-    private static String machine() {
+    static String machine() {
         return System.getProperty("os.name") + " " + System.getProperty("os.arch");
     }
 
@@ -313,7 +369,7 @@ public final class ResultFolder {
         return hashes;
     }
 
-    private static String sha256(Path file) throws IOException {
+    static String sha256(Path file) throws IOException {
         try (var in =
                 new DigestInputStream(
                         Files.newInputStream(file), MessageDigest.getInstance("SHA-256"))) {

@@ -9,6 +9,7 @@ import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
+import java.util.function.DoubleFunction;
 import java.util.stream.Collectors;
 
 /**
@@ -111,10 +112,15 @@ final class ResultTable {
 
     /** Returns a description of a run: {@code run 3 (length = 0.5, seed = 1)}. */
     String describe(RunPoint point) {
+        return describe(point, ResultTable::number);
+    }
+
+    /** Returns a description like {@link #describe(RunPoint)}, with numbers in another form. */
+    static String describe(RunPoint point, DoubleFunction<String> form) {
         List<String> parts = new ArrayList<>();
         point.itsCase().ifPresent(parts::add);
         for (Map.Entry<String, Double> value : point.values().entrySet()) {
-            parts.add(value.getKey() + " = " + text(value.getValue()));
+            parts.add(value.getKey() + " = " + form.apply(value.getValue()));
         }
         if (point.seed() != 0) {
             parts.add("seed = " + point.seed());

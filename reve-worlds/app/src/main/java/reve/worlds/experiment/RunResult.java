@@ -35,11 +35,11 @@ public record RunResult(
         Map<String, String> laws) {
     /** The outcome of a run. */
     public enum State {
-        /** The run is complete. */
+        /** State of a complete run. */
         OK,
-        /** The run is complete, but a value is outside of its tolerance. */
+        /** State of a complete run in which a value is outside of its tolerance. */
         OUTSIDE,
-        /** The run ended early, or a law failed in it. */
+        /** State of a run that ended early, or in which a law failed. */
         FAILED
     }
 

@@ -26,8 +26,8 @@ import java.util.OptionalInt;
 import java.util.stream.Stream;
 
 /**
- * Measures a run in the phase PUBLISH. Measures frame 0, every n-th frame, and the last frame. For
- * the world's thread only.
+ * Listener that measures a run in the phase PUBLISH. It measures frame 0, every n-th frame, and the
+ * last frame. For the world's thread only.
  */
 final class Sampler implements FrameListener {
     private static final List<String> LINES = List.of("client", "ground", "unloaded", "total");
@@ -41,7 +41,10 @@ final class Sampler implements FrameListener {
     private final Map<String, String> notes = new LinkedHashMap<>();
     private List<LedgerLine> ledger = List.of();
 
-    /** A measure, with the bindings of its expression if it has one. */
+    /**
+     * A measure, with the bindings (values of names) of its expression if the measure has an
+     * expression.
+     */
     private record Reading(Measure measure, Optional<Bindings> bindings) {}
 
     /** The reason why a measure has no value. */
@@ -164,11 +167,7 @@ final class Sampler implements FrameListener {
         int count = 0;
         for (Item item : world.items()) {
             if (item.kind().equals(of.kind())
-                    && (of.itemClass().isEmpty()
-                            || item.semantic()
-                                    .get("class")
-                                    .filter(of.itemClass().get()::equals)
-                                    .isPresent())
+                    && (of.itemClass().isEmpty() || item.semantic().isA(of.itemClass().get()))
                     && (!item.physics().isEmpty() || !readsPhysics(of))) {
                 double value = of.expression().numbers(bindings.of(item), 1)[0];
                 sum += value;

@@ -11,8 +11,7 @@ final class Summary {
     private Summary() {}
 
     /**
-     * Returns the value for the table. Empty if there are no measurements from which it can be
-     * computed.
+     * Returns the value for the table; empty if there are too few measurements to compute it.
      *
      * @param index the index of the measure in each sample
      */

@@ -142,7 +142,7 @@ public final class Ffmpeg implements FrameSink {
 
     private IOException failed(@Nullable IOException cause) {
         try {
-            reader.join(PATIENCE); // first, because the end of the process closes it
+            reader.join(PATIENCE); // waits before the end of the process closes the stream
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
         }
@@ -167,7 +167,7 @@ public final class Ffmpeg implements FrameSink {
             Thread.currentThread().interrupt();
             throw new IOException(place + ": interrupted while ffmpeg encoded", e);
         }
-        Files.move(part, place, StandardCopyOption.REPLACE_EXISTING);
+        PartFile.move(part, place, StandardCopyOption.REPLACE_EXISTING);
         finished = true;
     }
 
@@ -175,7 +175,7 @@ public final class Ffmpeg implements FrameSink {
     public void close() throws IOException {
         process.destroyForcibly().onExit().join();
         if (!finished) {
-            Files.deleteIfExists(part);
+            PartFile.remove(part);
         }
     }
 }

@@ -59,8 +59,8 @@ public final class Gif implements FrameSink {
         this.fps = fps;
         part = PartFile.create(place);
         Path file = Files.createTempFile("reve-gif", ".rgb");
-        // On Linux the file has no name after it was opened. Therefore a killed process leaves no
-        // file.
+        // The option deletes the file when it is closed. On Linux the file has no name after it was
+        // opened, so a killed process leaves no file.
         waiting =
                 FileChannel.open(
                         file,
@@ -118,7 +118,7 @@ public final class Gif implements FrameSink {
         } finally {
             writer.dispose();
         }
-        Files.move(part, place, StandardCopyOption.REPLACE_EXISTING);
+        PartFile.move(part, place, StandardCopyOption.REPLACE_EXISTING);
         finished = true;
     }
 
@@ -136,7 +136,8 @@ public final class Gif implements FrameSink {
                 bottom = Math.max(bottom, i / width);
             }
         }
-        if (right < 0) { // no pixel differs: writes one pixel again
+        if (right < 0) {
+            // No pixel differs, so a single pixel is written again.
             left = 0;
             right = 0;
             top = 0;
@@ -174,8 +175,8 @@ public final class Gif implements FrameSink {
         control.setAttribute("userInputFlag", "FALSE");
         control.setAttribute("transparentColorFlag", "TRUE");
         control.setAttribute("transparentColorIndex", Integer.toString(TRANSPARENT));
-        // Each delay is the difference of two rounded times. The sum of the delays stays right even
-        // if a single delay is no whole number.
+        // Each delay is the difference of two rounded times. The sum of the delays therefore stays
+        // correct even if the exact delay is no whole number.
         int delay = HUNDREDTHS * (number + 1) / fps - HUNDREDTHS * number / fps;
         control.setAttribute("delayTime", Integer.toString(delay));
         if (number == 0) {
@@ -198,7 +199,7 @@ public final class Gif implements FrameSink {
         waiting.close();
         fast.end();
         if (!finished) {
-            Files.deleteIfExists(part);
+            PartFile.remove(part);
         }
     }
 }

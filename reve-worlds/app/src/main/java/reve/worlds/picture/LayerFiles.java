@@ -7,6 +7,7 @@ import reve.worlds.render.PixelLayers;
 import java.awt.Color;
 import java.awt.image.BufferedImage;
 import java.awt.image.DataBufferUShort;
+import java.io.ByteArrayOutputStream;
 import java.io.IOException;
 import java.nio.ByteBuffer;
 import java.nio.charset.StandardCharsets;
@@ -17,6 +18,7 @@ import java.util.Map;
 import java.util.TreeSet;
 
 import javax.imageio.ImageIO;
+import javax.imageio.stream.MemoryCacheImageOutputStream;
 
 /**
  * Files of the layers of a picture. PNG files are for people; files in NumPy's format contain the
@@ -53,9 +55,9 @@ public final class LayerFiles {
 
     /**
      * Writes the distances along the view direction. A file in NumPy's format contains (height x
-     * width) f32 [m]. A PNG contains 16-bit grey values. One step of grey is the smallest power of
-     * ten [m] with which the distance of the farthest surface fits. The value 0 means that there is
-     * no surface.
+     * width) f32 [m]. A PNG contains 16-bit grey values. One step of grey is a power of ten [m]. It
+     * is the smallest one with which the distance of the farthest surface fits into 16 bits. The
+     * value 0 means that there is no surface.
      *
      * @return the length of a step of the PNG [m]; 1 for NumPy's format
      * @throws IOException if the file cannot be written
@@ -152,11 +154,18 @@ public final class LayerFiles {
     }
 
     /**
-     * Writes a picture as a PNG file. If this fails, an older file at the place stays as it is.
+     * Writes a picture as a PNG file. An older file at the place stays as it is if the write fails.
      *
      * @throws IOException naming the file and the reason
      */
     public static void writePng(BufferedImage picture, Path file) throws IOException {
-        WholeFile.write(file, out -> ImageIO.write(picture, "png", out));
+        // The encoder would otherwise use a temporary file, and could neither be used while the
+        // process ends nor on a full disk.
+        try (var png = new ByteArrayOutputStream();
+                var encoded = new MemoryCacheImageOutputStream(png)) {
+            ImageIO.write(picture, "png", encoded);
+            encoded.flush();
+            WholeFile.write(file, png::writeTo);
+        }
     }
 }

@@ -20,7 +20,7 @@ import java.util.Map;
 import java.util.TreeMap;
 import java.util.function.LongFunction;
 
-/** Text that is drawn over pictures. It needs fonts but no display. */
+/** Text and scale bars that are drawn over pictures. It needs fonts but no display. */
 public final class Overlay {
     /** Height of a line of text as a fraction of the picture's height. */
     private static final double LINE = 1 / 24.0;
@@ -73,6 +73,43 @@ public final class Overlay {
                         metrics.stringWidth(text) + margin,
                         metrics.getHeight()));
         graphics.dispose();
+    }
+
+    /**
+     * Draws a scale bar with its length in the lower right corner.
+     *
+     * @return the length that the bar stands for [m]
+     */
+    public double scale(BufferedImage picture, double metresPerPixel) {
+        ScaleBar bar = ScaleBar.of(metresPerPixel, picture.getWidth());
+        Graphics2D graphics = graphics(picture);
+        FontMetrics metrics = graphics.getFontMetrics();
+        int margin = metrics.getHeight() / 2;
+        int length = Math.max(1, (int) Math.round(bar.pixels()));
+        int thickness = Math.max(2, metrics.getHeight() / 6);
+        int width = Math.max(length, metrics.stringWidth(bar.text())) + 2 * margin;
+        var place =
+                new Rectangle(
+                        picture.getWidth() - margin - width,
+                        picture.getHeight() - 2 * margin - metrics.getHeight() - 2 * thickness,
+                        width,
+                        metrics.getHeight() + margin + 2 * thickness);
+        label(
+                graphics,
+                bar.text(),
+                new Rectangle(place.x, place.y, place.width, metrics.getHeight()));
+        graphics.setColor(PAPER);
+        graphics.fillRect(
+                place.x,
+                place.y + metrics.getHeight(),
+                place.width,
+                place.height - metrics.getHeight());
+        graphics.setColor(INK);
+        int left = place.x + (place.width - length) / 2;
+        int top = place.y + metrics.getHeight() + thickness / 2;
+        graphics.fillRect(left, top, length, thickness);
+        graphics.dispose();
+        return bar.metres();
     }
 
     /**
@@ -151,8 +188,8 @@ public final class Overlay {
         }
 
         /**
-         * Returns the box around the pixels. If the box is wider than half of the picture, returns
-         * an empty box in its middle.
+         * Returns the box around the pixels. Returns an empty box in the middle if the box is wider
+         * than half of the picture.
          */
         Rectangle box(int pictureWidth) {
             return box.width > pictureWidth / 2

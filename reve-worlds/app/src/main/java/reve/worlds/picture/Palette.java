@@ -9,9 +9,9 @@ import java.util.List;
 
 /**
  * The colours that best represent all colours of a video. They are found by median cuts: the box of
- * colours with the largest spread is divided until there are enough boxes. The number after the
- * last colour means transparent. An ordered dither with a fixed pattern hides the steps between the
- * colours.
+ * colours with the largest spread is divided until there are enough boxes. The index after the last
+ * colour stands for transparent pixels. An ordered dither with a fixed pattern hides the steps
+ * between the colours.
  */
 final class Palette {
     /** Number of colours. */
@@ -162,7 +162,9 @@ final class Palette {
         return (red >> shift) << 2 * BITS | (green >> shift) << BITS | blue >> shift;
     }
 
-    /** Returns the colours, followed by the transparent one. */
+    /**
+     * Returns a colour model with the colours of the palette and the transparent colour after them.
+     */
     IndexColorModel colours() {
         int[] all = new int[SIZE + 1];
         for (int i = 0; i < SIZE; i++) {

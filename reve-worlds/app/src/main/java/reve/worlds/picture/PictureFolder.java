@@ -43,6 +43,6 @@ public final class PictureFolder implements FrameSink {
 
     @Override
     public void close() {
-        // Nothing is removed, because each picture so far is a complete file.
+        // This method removes nothing, because each picture so far is a complete file.
     }
 }

@@ -18,7 +18,7 @@ public final class Charts {
     private static final int WIDTH = 800;
     private static final int HEIGHT = 500;
 
-    /** Number of pixels for each unit of the sizes above. */
+    /** Number of pixels for each unit of width, height and other sizes in this class. */
     private static final int SCALE = 2;
 
     private Charts() {}

@@ -29,6 +29,20 @@ class ExperimentProgressTest {
     }
 
     @Test
+    void runsOfAnEarlierProcessDoNotShortenTheTimeThatIsLeft() {
+        var out = new ByteArrayOutputStream();
+        var now = new AtomicLong();
+        var progress =
+                new ExperimentProgress(
+                        new PrintStream(out, true, StandardCharsets.UTF_8), false, 8, now::get);
+        progress.resumed(6);
+        now.set(30_000_000_000L);
+        progress.advanced(0.5);
+        assertThat(out.toString(StandardCharsets.UTF_8))
+                .isEqualToIgnoringNewLines("6 of 8 runs, 81 %, about 1 min 30 s left");
+    }
+
+    @Test
     void durationsHaveTwoUnits() {
         assertThat(Progress.duration(7.6)).isEqualTo("8 s");
         assertThat(Progress.duration(125)).isEqualTo("2 min 5 s");

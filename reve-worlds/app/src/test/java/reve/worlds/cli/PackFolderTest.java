@@ -6,6 +6,9 @@ import static org.assertj.core.api.Assertions.assertThat;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import reve.core.file.WorldFile;
+import reve.core.file.WorldPack;
+
 import java.io.IOException;
 import java.nio.channels.FileChannel;
 import java.nio.file.Files;
@@ -14,6 +17,8 @@ import java.nio.file.StandardOpenOption;
 import java.nio.file.attribute.FileTime;
 import java.time.Duration;
 import java.time.Instant;
+import java.util.Map;
+import java.util.TreeMap;
 
 /**
  * Earlier processes unpacked packs into folders. The tests check which of these folders a process
@@ -44,6 +49,28 @@ class PackFolderTest {
                 .isDirectoryContaining(path -> path.equals(withoutLock))
                 .isDirectoryContaining(path -> path.equals(elsewhere))
                 .isDirectoryContaining(path -> path.equals(link));
+    }
+
+    /** A process keeps the locks of all its folders while it opens further packs. */
+    @Test
+    void aProcessKeepsItsOwnFoldersAndTheirLocks() throws Exception {
+        Path pack = folder.resolve("world.reve");
+        Path world = Files.writeString(folder.resolve("w.yaml"), "reve: 1\nname: w\n");
+        WorldPack.write(pack, new TreeMap<>(Map.of(WorldFile.NAME, world)));
+        Path first = PackFolder.open(pack).getParent();
+        Path lock = first.resolve("in-use");
+        // In another process, because Java opens and closes the file to set its time.
+        var old = new ProcessBuilder("touch", "-d", "2 minutes ago", lock.toString());
+        assertThat(old.start().waitFor()).isZero();
+
+        PackFolder.open(pack);
+
+        assertThat(first.resolve("world").resolve(WorldFile.NAME)).exists();
+        String tryLock =
+                "import fcntl, sys; fcntl.lockf(open(sys.argv[1], 'r+'), fcntl.LOCK_EX |"
+                        + " fcntl.LOCK_NB)";
+        var other = new ProcessBuilder("python3", "-c", tryLock, lock.toString());
+        assertThat(other.start().waitFor()).as("another process gets the lock").isNotZero();
     }
 
     /** Creates the folder of a process that was killed {@code age} after its start. */

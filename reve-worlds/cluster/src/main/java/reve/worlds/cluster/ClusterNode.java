@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cluster;
 
+import com.sun.management.UnixOperatingSystemMXBean;
 import com.typesafe.config.Config;
 import com.typesafe.config.ConfigFactory;
 
 import org.apache.pekko.actor.Address;
+import org.apache.pekko.actor.CoordinatedShutdown;
 import org.apache.pekko.actor.typed.ActorSystem;
 import org.apache.pekko.actor.typed.Behavior;
 import org.apache.pekko.actor.typed.javadsl.Behaviors;
 import org.apache.pekko.cluster.ClusterEvent;
-import org.apache.pekko.cluster.Member;
 import org.apache.pekko.cluster.MemberStatus;
+import org.apache.pekko.cluster.sharding.ShardCoordinator;
 import org.apache.pekko.cluster.sharding.typed.ShardingEnvelope;
 import org.apache.pekko.cluster.sharding.typed.ShardingMessageExtractor;
 import org.apache.pekko.cluster.sharding.typed.javadsl.ClusterSharding;
@@ -19,43 +21,73 @@ import org.apache.pekko.cluster.sharding.typed.javadsl.EntityTypeKey;
 import org.apache.pekko.cluster.typed.Cluster;
 import org.apache.pekko.cluster.typed.JoinSeedNodes;
 import org.apache.pekko.cluster.typed.Subscribe;
-import org.apache.pekko.remote.RemoteTransportException;
 import org.jspecify.annotations.Nullable;
 
+import reve.core.agent.port.ClusterPort;
+import reve.core.world.ActionRefused;
+import reve.worlds.Product;
 import reve.worlds.journal.PostgresCatalog;
 import reve.worlds.journal.PostgresStore;
+import reve.worlds.server.HostCluster;
 import reve.worlds.server.ServerEvents;
 import reve.worlds.server.WorldHost;
 import reve.worlds.server.WorldPlan;
 
 import java.io.IOException;
+import java.lang.management.ManagementFactory;
 import java.net.BindException;
+import java.net.InetAddress;
+import java.net.InetSocketAddress;
+import java.net.ServerSocket;
 import java.util.ArrayList;
+import java.util.Comparator;
 import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
-import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import java.util.TreeMap;
+import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.locks.LockSupport;
 
 /**
  * A node of a cluster whose nodes share the worlds of a database. Cluster sharding places each
- * world on one node. The node opens the world from the database, in a new epoch. After the loss of
- * the node, another node does so. For any thread.
+ * world on one node. The node opens the world from the database, in a new epoch (a number that
+ * grows each time a server takes the world). Another node opens the world if this node is lost. For
+ * any thread.
  */
-public final class ClusterNode implements AutoCloseable {
+public final class ClusterNode implements HostCluster, AutoCloseable {
     /** Interval between two readings of the list of worlds [ns]. */
     private static final long LOOK_NANOSECONDS = 1_000_000_000L;
 
-    /** Time without an extension after which a lease of 10 s counts as ended [ns]. */
-    private static final long SILENCE_NANOSECONDS = 11_000_000_000L;
+    /** Time without a reading of the database after which it counts as away [ns]. */
+    private static final long AWAY_NANOSECONDS = 3_000_000_000L;
 
-    /** Begins the role of a node that contains its address for agents. */
-    private static final String AGENTS = "agents=";
+    /**
+     * Time without a reading of the database after which the leases of this node's worlds may have
+     * ended [ns].
+     */
+    private static final long LEASE_NANOSECONDS = PostgresStore.LEASE_SECONDS * 1_000_000_000L;
+
+    /** Time without an extension after which the lease of a world counts as ended [ns]. */
+    private static final long SILENCE_NANOSECONDS = LEASE_NANOSECONDS + 1_000_000_000L;
+
+    /** Interval between two checks whether this node is cut off [ns]. */
+    private static final long CUT_OFF_NANOSECONDS = 500_000_000L;
+
+    /** Interval between two checks whether a world can be handed over [ns]. */
+    private static final long HAND_OVER_NANOSECONDS = 200_000_000L;
+
+    /**
+     * Version of what nodes send to each other and store for each other. A change that nodes of
+     * earlier versions do not understand raises it. {@link #OLDEST_PROTOCOL} then stays, as long as
+     * this program also understands and writes the earlier form.
+     */
+    private static final int PROTOCOL = 1;
+
+    /** Oldest version of other nodes that this program understands. */
+    private static final int OLDEST_PROTOCOL = 1;
 
     private static final EntityTypeKey<WorldCommand> WORLDS =
             EntityTypeKey.create(WorldCommand.class, "world");
@@ -65,14 +97,42 @@ public final class ClusterNode implements AutoCloseable {
     private final Plans plans;
     private final ServerEvents events;
     private final PostgresCatalog catalog;
+    private final NodeDoor door;
     private final ActorSystem<ClusterEvent.MemberEvent> system;
     private final Cluster cluster;
+    private final ClusterOrders orders;
     private final Thread keeper =
             Thread.ofPlatform().name("worlds of the cluster").unstarted(this::keep);
+    private final Thread watcher =
+            Thread.ofPlatform().name("reach of the node").unstarted(this::watch);
     private volatile boolean stops;
+
+    /** Whether the cluster has removed this node. */
+    private volatile boolean isRemoved;
+
+    /** Addresses for agents of the other nodes, as this node knew them when it was up. */
+    private volatile List<String> others = List.of();
+
+    /** The time at which the last reading of the database began [ns]. */
+    private volatile long readNanos = System.nanoTime() - AWAY_NANOSECONDS;
 
     /** Addresses for agents of the worlds of other nodes, by name; for the agent server. */
     private volatile Map<String, String> elsewhere = Map.of();
+
+    /** Whether the list of worlds was read since the node has joined. */
+    private volatile boolean hasRead;
+
+    /** The orders about the places of worlds when they were last read. */
+    private volatile PostgresCatalog.Places places = PostgresCatalog.Places.NONE;
+
+    /** The reports of the nodes when the database was last read. */
+    private volatile Map<String, PostgresCatalog.Report> reports = Map.of();
+
+    /** The load of this machine. For the thread of the keeper. */
+    private final MachineLoad machine = new MachineLoad();
+
+    /** The worlds that slept when the database was last read. */
+    private volatile Set<String> asleep = Set.of();
 
     /** The worlds of the database when they were last read. */
     private volatile List<PostgresStore.World> worlds = List.of();
@@ -81,11 +141,13 @@ public final class ClusterNode implements AutoCloseable {
     private final Map<String, Lease> leases = new HashMap<>();
 
     /**
+     * A lease as this node saw it first.
+     *
      * @param until end of the lease by the clock of the database
      */
     private record Lease(String until, long sinceNanos) {}
 
-    /** Makes the plans of the worlds of a database. */
+    /** A function that makes the plans of the worlds of a database. */
     public interface Plans {
         /**
          * Makes the plan of a world. Called on the thread of the world.
@@ -121,18 +183,33 @@ public final class ClusterNode implements AutoCloseable {
         this.plans = plans;
         this.events = events;
         this.catalog = new PostgresCatalog(settings.database());
+        InetSocketAddress inside = freeLoopback();
         try {
             catalog.prepare();
-            this.system =
-                    ActorSystem.create(members(), settings.cluster(), config(settings, agents()));
-        } catch (RemoteTransportException unbound) {
+            this.door =
+                    new NodeDoor(
+                            settings.listen(), inside, NodeDoor.most(descriptors()), this::fault);
+        } catch (BindException unbound) {
             catalog.close();
             throw unbound(settings, unbound);
         } catch (IOException | RuntimeException refused) {
             catalog.close();
             throw refused;
         }
+        try {
+            this.system =
+                    ActorSystem.create(
+                            members(),
+                            settings.cluster(),
+                            config(settings, door.port(), inside, agents()));
+        } catch (RuntimeException refused) {
+            catalog.close();
+            door.close();
+            throw refused;
+        }
+        door.open();
         this.cluster = Cluster.get(system);
+        this.orders = new ClusterOrders(catalog, this::nodes);
     }
 
     /**
@@ -141,22 +218,46 @@ public final class ClusterNode implements AutoCloseable {
      *
      * @param host runs the worlds; the caller closes it after the node
      * @throws BindException if the address for the other nodes cannot be bound
-     * @throws IOException if the database is away
+     * @throws IOException if the database is away, or other nodes have a version that does not fit
      */
     public static ClusterNode start(
             NodeSettings settings, WorldHost host, Plans plans, ServerEvents events)
             throws IOException {
         ClusterNode node = new ClusterNode(settings, host, plans, events);
-        node.join();
+        try {
+            node.join();
+        } catch (IOException | RuntimeException refused) {
+            node.close();
+            throw refused;
+        }
         return node;
     }
 
-    private static Config config(NodeSettings settings, String agents) {
+    /** Returns an address of the loopback interface that is free now. */
+    private static InetSocketAddress freeLoopback() throws IOException {
+        try (ServerSocket any = new ServerSocket(0, 1, InetAddress.getLoopbackAddress())) {
+            return (InetSocketAddress) any.getLocalSocketAddress();
+        }
+    }
+
+    private static long descriptors() {
+        return ((UnixOperatingSystemMXBean) ManagementFactory.getOperatingSystemMXBean())
+                .getMaxFileDescriptorCount();
+    }
+
+    /**
+     * @param port port at which other nodes reach this one
+     * @param inside address of Pekko's own listener
+     */
+    private static Config config(
+            NodeSettings settings, int port, InetSocketAddress inside, String agents) {
         Map<String, Object> values = new HashMap<>();
         values.put("pekko.remote.artery.transport", settings.tls().isPresent() ? "tls-tcp" : "tcp");
         values.put("pekko.remote.artery.canonical.hostname", settings.listen().host());
-        values.put("pekko.remote.artery.canonical.port", settings.listen().port());
-        values.put("pekko.cluster.roles", List.of(AGENTS + agents));
+        values.put("pekko.remote.artery.canonical.port", port);
+        values.put("pekko.remote.artery.bind.hostname", inside.getHostString());
+        values.put("pekko.remote.artery.bind.port", inside.getPort());
+        values.put("pekko.cluster.roles", List.of(KnownNode.AGENTS + agents));
         values.put("reve.lease.store", settings.store());
         settings.tls()
                 .ifPresent(
@@ -170,24 +271,42 @@ public final class ClusterNode implements AutoCloseable {
                 .withFallback(ConfigFactory.load());
     }
 
-    private static BindException unbound(NodeSettings settings, RuntimeException failure) {
-        Throwable cause = failure.getCause() == null ? failure : failure.getCause();
+    private static BindException unbound(NodeSettings settings, BindException failure) {
         BindException unbound =
                 new BindException(
                         "cannot listen for nodes on "
                                 + settings.listen()
                                 + ": "
-                                + cause.getMessage()
+                                + failure.getMessage()
                                 + "; name another address or port (0: any free one)");
         unbound.initCause(failure);
         return unbound;
     }
 
-    private void join() {
+    private void join() throws IOException {
+        catalog.enter(address().toString(), report());
+        catalog.drain(address().toString(), false); // an earlier node at this address was drained
+        var balance =
+                ShardCoordinator.ShardAllocationStrategy$.MODULE$.leastShardAllocationStrategy(
+                        Integer.MAX_VALUE, 1.0);
+        var placement =
+                new WorldPlacement(
+                        (ShardCoordinator.ActorSystemDependentAllocationStrategy) balance,
+                        this::usablePlaces,
+                        () -> asleep,
+                        region -> textOf(region.path().address()),
+                        () -> System.nanoTime() - readNanos < AWAY_NANOSECONDS,
+                        System::nanoTime);
         ClusterSharding.get(system)
                 .init(
-                        Entity.of(WORLDS, context -> WorldActor.of(opener(context.getEntityId())))
+                        Entity.of(
+                                        WORLDS,
+                                        context ->
+                                                WorldActor.of(
+                                                        opener(context.getEntityId()),
+                                                        this::handOver))
                                 .withMessageExtractor(new ShardPerWorld())
+                                .withAllocationStrategy(placement)
                                 .withStopMessage(new WorldCommand.Stop()));
         List<Address> seeds =
                 settings.seeds().isEmpty()
@@ -197,10 +316,12 @@ public final class ClusterNode implements AutoCloseable {
         Map<String, Object> fields = fields("starts", cluster.selfMember().address());
         fields.put("agents", agents());
         fields.put("agentPort", host.address().getPort());
+        host.web().ifPresent(address -> fields.put("web", address + "nodes"));
         fields.put("pid", ProcessHandle.current().pid());
         events.happened("cluster", fields);
-        host.join(() -> elsewhere, this::state);
+        host.join(this);
         keeper.start();
+        watcher.start();
     }
 
     private Address addressOf(NodeAddress seed) {
@@ -208,22 +329,80 @@ public final class ClusterNode implements AutoCloseable {
     }
 
     private WorldActor.Opener opener(String world) {
-        return whenClosed -> host.open(world, () -> plans.of(world), whenClosed);
+        return whenClosed ->
+                host.open(
+                        world,
+                        () -> plans.of(world),
+                        (reason, isAsleep) -> {
+                            whenClosed.accept(reason);
+                            if (reason.isEmpty() && !isAsleep && !stops) {
+                                wake(world); // another node opens it without a wait
+                            }
+                        });
+    }
+
+    /**
+     * Closes a world, so that another node opens it, as soon as the database has all of its frames.
+     * Until then the world continues here. Returns at once.
+     */
+    private void handOver(WorldHost.Hosting hosting) {
+        Thread.ofVirtual()
+                .name("hand-over of a world")
+                .start(
+                        () -> {
+                            while (!stops
+                                    && !hosting.isStopped()
+                                    && !(hosting.isKept() && isReached())) {
+                                LockSupport.parkNanos(HAND_OVER_NANOSECONDS);
+                            }
+                            hosting.handOver();
+                        });
+    }
+
+    /** Returns whether the database answers now. */
+    private boolean isReached() {
+        try {
+            catalog.worlds();
+            return true;
+        } catch (IOException away) {
+            return false;
+        }
+    }
+
+    private void wake(String world) {
+        ClusterSharding.get(system).entityRefFor(WORLDS, world).tell(WorldCommand.Wake.INSTANCE);
     }
 
     /** Returns the address at which the other nodes reach this node. */
     public NodeAddress address() {
-        return textOf(cluster.selfMember().address());
+        return KnownNode.textOf(cluster.selfMember().address());
     }
 
-    private static NodeAddress textOf(Address address) {
-        return new NodeAddress(address.getHost().orElse(""), address.getPort().orElse(0));
+    /** Returns the text of a node's address, which has no host if it is that of this node. */
+    private String textOf(Address address) {
+        return KnownNode.textOf(
+                        address.getHost().isPresent() ? address : cluster.selfMember().address())
+                .toString();
+    }
+
+    private List<KnownNode> nodes() {
+        return KnownNode.of(cluster.state());
+    }
+
+    /** Returns the orders that can be followed now: those that name a node that is up. */
+    private PostgresCatalog.Places usablePlaces() {
+        PostgresCatalog.Places known = places;
+        Set<String> up = new HashSet<>();
+        nodes().stream().filter(KnownNode::isUp).forEach(node -> up.add(node.address()));
+        Map<String, String> usable = new HashMap<>(known.nodes());
+        usable.values().retainAll(up);
+        return new PostgresCatalog.Places(usable, known.drained());
     }
 
     private Map<String, Object> fields(String status, Address address) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("cluster", settings.cluster());
-        fields.put("node", textOf(address).toString());
+        fields.put("node", textOf(address));
         fields.put("status", status);
         return fields;
     }
@@ -268,8 +447,8 @@ public final class ClusterNode implements AutoCloseable {
     }
 
     /**
-     * Returns whether the owner of a world has not extended its lease for as long as a lease lasts,
-     * by the clock of this process. The clock of the database may have been set back.
+     * Returns whether the owner of a world has not extended its lease for the duration of a lease.
+     * The clock of this process decides, because the clock of the database may have been set back.
      */
     private boolean isSilent(PostgresStore.World world) {
         long now = System.nanoTime();
@@ -281,24 +460,71 @@ public final class ClusterNode implements AutoCloseable {
         return now - seen.sinceNanos() > SILENCE_NANOSECONDS;
     }
 
-    /** Wakes the worlds that no server runs. */
+    /**
+     * Stops the frames of the worlds of this node while it reaches neither the database nor all
+     * other nodes. Another node may then run these worlds, and would lose what their clients did
+     * here. Runs on a thread of its own, because a read from a database that is cut off takes long.
+     */
+    private void watch() {
+        boolean wasCutOff = false;
+        while (!stops) {
+            LockSupport.parkNanos(CUT_OFF_NANOSECONDS);
+            boolean isCutOff = isCutOff();
+            host.suspend(isCutOff);
+            if (isCutOff != wasCutOff) {
+                fault(
+                        isCutOff
+                                ? "this node has not reached the database for "
+                                        + PostgresStore.LEASE_SECONDS
+                                        + " s, nor all other nodes, which may run its worlds: its"
+                                        + " worlds make no frames until it reaches them"
+                                : "this node reaches the database or the other nodes again; its"
+                                        + " worlds go on");
+            }
+            wasCutOff = isCutOff;
+        }
+    }
+
+    private boolean isCutOff() {
+        return hasRead
+                && System.nanoTime() - readNanos > LEASE_NANOSECONDS
+                && nodes().stream().anyMatch(node -> !node.isReached());
+    }
+
+    private List<String> otherNodes() {
+        String self = address().toString();
+        return nodes().stream()
+                .filter(node -> !node.address().equals(self) && !node.agents().isEmpty())
+                .sorted(Comparator.comparing(node -> !node.isUp()))
+                .map(KnownNode::agents)
+                .toList();
+    }
+
+    /** Asks the cluster to run the worlds that no server runs, unless they sleep. */
     private void keep() {
-        ClusterSharding sharding = ClusterSharding.get(system);
         boolean isAway = false;
         while (!stops) {
             LockSupport.parkNanos(LOOK_NANOSECONDS);
             if (stops || cluster.selfMember().status() != MemberStatus.up()) {
                 continue;
             }
+            long began = System.nanoTime();
+            others = otherNodes();
             try {
+                catalog.report(address().toString(), report());
+                reports = catalog.reports();
                 worlds = catalog.worlds();
+                places = catalog.places();
+                asleep = catalog.asleep(); // read last, so that a world that ends is not woken
                 elsewhere = elsewhere(worlds);
+                readNanos = began;
+                hasRead = true;
                 for (PostgresStore.World world : worlds) {
-                    if (!world.isOwned() || isSilent(world)) {
-                        sharding.entityRefFor(WORLDS, world.name())
-                                .tell(WorldCommand.Wake.INSTANCE);
+                    if (!asleep.contains(world.name()) && (!world.isOwned() || isSilent(world))) {
+                        wake(world.name());
                     }
                 }
+                settings.sleepAfter().ifPresent(host::sleepUnused);
                 isAway = false;
             } catch (IOException | RuntimeException away) {
                 if (!isAway && !stops) {
@@ -309,8 +535,18 @@ public final class ClusterNode implements AutoCloseable {
         }
     }
 
+    private PostgresCatalog.Report report() {
+        return new PostgresCatalog.Report(
+                new PostgresCatalog.Program(Product.version(), PROTOCOL, OLDEST_PROTOCOL),
+                new PostgresCatalog.Load(
+                        host.web().orElse(""),
+                        machine.cpu(),
+                        machine.memory(),
+                        host.agents().stats().open()));
+    }
+
     /**
-     * Returns the addresses of worlds for clients of this node. A world that this node closes is at
+     * Returns the addresses of worlds for clients of this node. A world that this node closes has
      * no address until another node opens it.
      */
     private Map<String, String> elsewhere(List<PostgresStore.World> worlds) {
@@ -327,37 +563,128 @@ public final class ClusterNode implements AutoCloseable {
         return host.address().getHostString() + ":" + host.address().getPort();
     }
 
+    @Override
+    public Map<String, String> worlds() {
+        return elsewhere;
+    }
+
+    @Override
+    public List<String> servers() {
+        return others;
+    }
+
+    @Override
+    public boolean isComplete() {
+        return hasRead && !stops;
+    }
+
+    @Override
+    public Optional<ClusterPort> cluster() {
+        return Optional.of(this);
+    }
+
+    @Override
+    public void wanted(String world) {
+        if (asleep.contains(world)) {
+            wake(world);
+        }
+    }
+
+    /** Returns whether the cluster has removed this node, or is removing it. */
+    private boolean isBeingRemoved() {
+        MemberStatus status = cluster.selfMember().status();
+        return isRemoved
+                || !stops && (status == MemberStatus.down() || status == MemberStatus.removed());
+    }
+
+    @Override
+    public Optional<String> refuge(String world) {
+        String there = elsewhere.getOrDefault(world, "");
+        return there.isEmpty() ? others.stream().findFirst() : Optional.of(there);
+    }
+
+    @Override
+    public Optional<String> next(String world) {
+        if (isBeingRemoved()) {
+            return refuge(world); // this node ends soon
+        }
+        List<KnownNode> up = nodes().stream().filter(KnownNode::isUp).toList();
+        String wanted = places.nodes().getOrDefault(world, "");
+        String self = address().toString();
+        Optional<String> ordered =
+                up.stream()
+                        .filter(node -> node.address().equals(wanted))
+                        .filter(node -> !node.address().equals(self))
+                        .map(KnownNode::agents)
+                        .findFirst();
+        if (ordered.isPresent()) {
+            return ordered;
+        }
+        if (!stops) {
+            return Optional.of(agents()); // this node sends them on as soon as it knows the place
+        }
+        return up.stream()
+                .filter(node -> !node.address().equals(self))
+                .map(KnownNode::agents)
+                .findFirst();
+    }
+
+    @Override
+    public Map<String, Object> move(String world, String node) throws ActionRefused {
+        return orders.move(world, node);
+    }
+
+    @Override
+    public Map<String, Object> drain(String node, boolean isDrained) throws ActionRefused {
+        return orders.drain(node, isDrained);
+    }
+
+    @Override
+    public Map<String, Object> add(String text, boolean isAsleep) throws ActionRefused {
+        Map<String, Object> added = orders.add(text, isAsleep);
+        long stored = System.nanoTime();
+        while (!stops // clients may ask for the world as soon as this node has read its name
+                && readNanos - stored < 0
+                && System.nanoTime() - stored < AWAY_NANOSECONDS) {
+            LockSupport.parkNanos(LOOK_NANOSECONDS / 50);
+        }
+        return added;
+    }
+
     /**
-     * Returns the nodes and worlds of the cluster, for operators: as this node knows them, and as
-     * the database had them at most about a second ago.
+     * Returns the nodes that this node knows, and the worlds of the database, as read at most about
+     * a second ago.
      */
+    @Override
     public Map<String, Object> state() {
         List<PostgresStore.World> known = worlds;
-        var members = cluster.state();
-        Set<Address> unreachable = new HashSet<>();
-        members.getUnreachable().forEach(member -> unreachable.add(member.address()));
-        Map<String, Member> sorted = new TreeMap<>();
-        members.getMembers()
-                .forEach(member -> sorted.put(textOf(member.address()).toString(), member));
+        PostgresCatalog.Places ordered = places;
+        Set<String> sleeping = asleep;
         List<Map<String, Object>> nodes = new ArrayList<>();
         Map<String, String> nodesByAgents = new HashMap<>();
-        sorted.forEach(
-                (address, member) -> {
-                    String agents = agentsOf(member);
-                    nodesByAgents.put(agents, address);
-                    Map<String, Object> node = new LinkedHashMap<>();
-                    node.put("node", address);
-                    node.put(
-                            "status",
-                            unreachable.contains(member.address())
-                                    ? "unreachable"
-                                    : member.status().toString().toLowerCase(Locale.ROOT));
-                    node.put("agents", agents);
-                    node.put(
-                            "worlds",
-                            known.stream().filter(world -> world.agents().equals(agents)).count());
-                    nodes.add(node);
-                });
+        for (KnownNode each : nodes()) {
+            nodesByAgents.put(each.agents(), each.address());
+            Map<String, Object> node = new LinkedHashMap<>();
+            node.put("node", each.address());
+            node.put("status", each.status());
+            node.put("agents", each.agents());
+            node.put(
+                    "worlds",
+                    known.stream().filter(world -> world.agents().equals(each.agents())).count());
+            node.put("drained", ordered.drained().contains(each.address()));
+            PostgresCatalog.Report report = reports.get(each.address());
+            if (report != null) {
+                PostgresCatalog.Load load = report.load();
+                node.put("version", report.program().version());
+                node.put("clients", load.clients());
+                node.put("cpu", load.cpu());
+                node.put("memory", load.memory());
+                if (!load.web().isEmpty()) {
+                    node.put("web", load.web());
+                }
+            }
+            nodes.add(node);
+        }
         Map<String, Object> state = new LinkedHashMap<>();
         state.put("cluster", settings.cluster());
         state.put("node", address().toString());
@@ -365,32 +692,40 @@ public final class ClusterNode implements AutoCloseable {
         state.put(
                 "worlds",
                 known.stream()
-                        .map(world -> fields(world, nodesByAgents.get(world.agents())))
+                        .map(
+                                world ->
+                                        fields(
+                                                world,
+                                                nodesByAgents.get(world.agents()),
+                                                ordered.nodes().get(world.name()),
+                                                sleeping.contains(world.name())))
                         .toList());
         return state;
     }
 
-    private static Map<String, Object> fields(PostgresStore.World world, @Nullable String node) {
+    /**
+     * @param node the node that runs the world; null if no node does
+     * @param ordered the node that an operator has chosen; null if the cluster chooses
+     */
+    private static Map<String, Object> fields(
+            PostgresStore.World world,
+            @Nullable String node,
+            @Nullable String ordered,
+            boolean isAsleep) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("world", world.name());
         if (node != null) {
             fields.put("node", node);
         }
+        if (ordered != null) {
+            fields.put("ordered", ordered);
+        }
         fields.put("agents", world.agents());
         fields.put("frame", world.frame());
         fields.put("epoch", world.epoch());
         fields.put("running", world.isOwned());
+        fields.put("asleep", isAsleep);
         return fields;
-    }
-
-    /** Returns the address for agents that a node announces as one of its roles. */
-    private static String agentsOf(Member member) {
-        for (String role : member.getRoles()) {
-            if (role.startsWith(AGENTS)) {
-                return role.substring(AGENTS.length());
-            }
-        }
-        return "";
     }
 
     private void fault(String message) {
@@ -401,7 +736,7 @@ public final class ClusterNode implements AutoCloseable {
     }
 
     /**
-     * Leaves the cluster: the worlds of this node are closed, and other nodes run them. Returns at
+     * Leaves the cluster. The worlds of this node are closed, and other nodes run them. Returns at
      * once; {@link #await} waits for the end.
      */
     public void stop() {
@@ -411,15 +746,36 @@ public final class ClusterNode implements AutoCloseable {
     }
 
     /**
+     * Waits until Pekko has ended, or has given up on the parts of it that do not end. Connections
+     * to nodes that cannot be reached may otherwise keep it from ending for many minutes.
+     */
+    private void awaitEnd() {
+        CompletableFuture<?> ended = system.getWhenTerminated().toCompletableFuture();
+        CoordinatedShutdown shutdown = CoordinatedShutdown.get(system);
+        while (!ended.isDone()) {
+            if (shutdown.getShutdownReason().isPresent()) {
+                // Returns the shutdown that was begun for this reason. Each of its phases has a
+                // time limit.
+                CompletableFuture<?> phases =
+                        shutdown.runAll(shutdown.getShutdownReason().get()).toCompletableFuture();
+                CompletableFuture.anyOf(ended, phases).join();
+                return;
+            }
+            LockSupport.parkNanos(LOOK_NANOSECONDS / 20);
+        }
+    }
+
+    /**
      * Waits until the node has left the cluster.
      *
      * @return why the cluster has removed the node; empty if {@link #stop} was called
      */
     public Optional<String> await() {
-        system.getWhenTerminated().toCompletableFuture().join();
+        awaitEnd();
         if (stops) {
             return Optional.empty();
         }
+        isRemoved = true;
         stops = true;
         String reason =
                 "the cluster "
@@ -437,14 +793,20 @@ public final class ClusterNode implements AutoCloseable {
         if (!stops) {
             stop();
         }
-        system.getWhenTerminated().toCompletableFuture().join();
+        awaitEnd();
         try {
+            door.close();
             keeper.join();
+            watcher.join();
+            if (!isRemoved) {
+                catalog.leave(address().toString());
+            }
             catalog.close();
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
         } catch (IOException disconnected) {
-            // The exception is ignored, because the connection is not needed any more.
+            // The exception is ignored, because the connection is not needed any more, and the
+            // report of a node that has ended is soon removed by others.
         }
     }
 }

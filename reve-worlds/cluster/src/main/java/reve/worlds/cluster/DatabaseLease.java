@@ -19,8 +19,9 @@ import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
 
 /**
- * A lease in the database of the worlds. If the nodes of a cluster are divided, the part that takes
- * the lease continues. The owner extends the lease until it releases it. For any thread.
+ * A lease in the database of the worlds. A network failure may divide the nodes of a cluster into
+ * parts. The part that takes the lease continues. The owner extends the lease until it releases it.
+ * For any thread.
  *
  * <p>Pekko creates the object, from the section {@code reve.lease} of the configuration.
  */
@@ -70,8 +71,8 @@ public final class DatabaseLease extends Lease {
     }
 
     /**
-     * Takes the lease. While another owner has it, waits for the time in which the lease of a lost
-     * owner ends. While the database is away, tries again for the limit of an operation.
+     * Takes the lease. Waits as long as the lease of a lost owner lasts if another owner has the
+     * lease. Tries again until the time limit of an operation if the database is away.
      *
      * @return false if another owner extends the lease, or the lease does not end
      */
@@ -106,7 +107,8 @@ public final class DatabaseLease extends Lease {
             LockSupport.parkNanos(settings.timeoutSettings().getHeartbeatInterval().toNanos());
             Optional<Throwable> failure = Optional.empty();
             boolean isLost;
-            synchronized (catalog) { // a lease that was released must not be taken again
+            synchronized (catalog) {
+                // The lock ensures that a released lease is not taken again.
                 if (!held) {
                     return;
                 }
@@ -119,7 +121,9 @@ public final class DatabaseLease extends Lease {
                     failure = Optional.of(away);
                 }
                 isLost = isDenied || !isConfirmed();
-                if (isLost) { // never set to true here: the lease may have been released meanwhile
+                if (isLost) {
+                    // The value is never set to true here, because the lease may have been released
+                    // meanwhile.
                     held = false;
                 }
             }

@@ -4,6 +4,7 @@ package reve.worlds.cluster;
 import reve.worlds.journal.PostgresUrl;
 
 import java.net.UnknownHostException;
+import java.time.Duration;
 import java.util.List;
 import java.util.Optional;
 
@@ -11,18 +12,20 @@ import java.util.Optional;
  * The settings of a node of a cluster.
  *
  * @param cluster name of the cluster, the same for all nodes
- * @param listen address at which the node reaches the others; port 0 selects a free one
- * @param seeds nodes through which the node joins; with none, it begins a new cluster
+ * @param listen address at which the other nodes reach this node; port 0 selects a free port
+ * @param seeds nodes through which the node joins; without seeds, the node begins a new cluster
  * @param store text of the database's URL, with its settings
  * @param tls certificate and key of the node; without them, only programs of this machine may reach
  *     the node
+ * @param sleepAfter time without clients after which a world sleeps; empty if worlds never sleep
  */
 public record NodeSettings(
         String cluster,
         NodeAddress listen,
         List<NodeAddress> seeds,
         String store,
-        Optional<NodeTls.Files> tls) {
+        Optional<NodeTls.Files> tls,
+        Optional<Duration> sleepAfter) {
     /** Form of the name of a cluster. */
     public static final String NAME = "[A-Za-z0-9][A-Za-z0-9-]{0,63}";
 

@@ -9,7 +9,7 @@ import org.jspecify.annotations.Nullable;
  * name of the world, which Pekko's envelope contains.
  */
 public final class WakeSerializer extends JSerializer {
-    /** Differs from the numbers 0 to 40, which Pekko uses. */
+    /** Number that identifies this serializer. Pekko itself uses the numbers 0 to 40. */
     private static final int IDENTIFIER = 72_301;
 
     @Override

@@ -18,36 +18,49 @@ import java.util.function.Consumer;
 /**
  * One world of a cluster, on the node that runs it. Cluster sharding creates the actor when the
  * first {@link WorldCommand.Wake} reaches the node, and sends {@link WorldCommand.Stop} before it
- * places the world elsewhere. The world itself has a thread of its own.
+ * places the world elsewhere. The world itself runs on a separate thread.
  */
 final class WorldActor extends AbstractBehavior<WorldCommand> {
     /**
      * Time after which a world that could not be opened, or has ended, is opened again [ns]. The
-     * reason may need a person, for example a law that this node may not open.
+     * time is long, because an operator may have to remove the reason, for example a law that this
+     * node may not open.
      */
     private static final long RETRY_NANOSECONDS = TimeUnit.SECONDS.toNanos(30);
 
     private final Opener opener;
+    private final Consumer<WorldHost.Hosting> handOver;
     private WorldHost.@Nullable Hosting hosting;
     private boolean stops;
     private boolean hasFailed;
     private long failedNanos;
 
-    /** Opens the world of an actor. */
+    /** A function that opens the world of an actor. */
     interface Opener {
         /**
-         * @param whenClosed is called on any thread, with the reason unless the world was stopped
+         * Opens the world.
+         *
+         * @param whenClosed is called on any thread when the world was closed; the argument is the
+         *     reason, and is empty if the world was stopped
          */
         WorldHost.Hosting open(Consumer<Optional<String>> whenClosed);
     }
 
-    private WorldActor(ActorContext<WorldCommand> context, Opener opener) {
+    private WorldActor(
+            ActorContext<WorldCommand> context,
+            Opener opener,
+            Consumer<WorldHost.Hosting> handOver) {
         super(context);
         this.opener = opener;
+        this.handOver = handOver;
     }
 
-    static Behavior<WorldCommand> of(Opener opener) {
-        return Behaviors.setup(context -> new WorldActor(context, opener));
+    /**
+     * @param handOver closes the world for another node, when the world can be continued there;
+     *     returns at once
+     */
+    static Behavior<WorldCommand> of(Opener opener, Consumer<WorldHost.Hosting> handOver) {
+        return Behaviors.setup(context -> new WorldActor(context, opener, handOver));
     }
 
     @Override
@@ -67,8 +80,8 @@ final class WorldActor extends AbstractBehavior<WorldCommand> {
             try {
                 hosting = opener.open(reason -> self.tell(new WorldCommand.Closed(reason)));
             } catch (IllegalStateException stillClosing) {
-                // An earlier actor of this world was ended at once, and its world is not closed
-                // yet. The next message opens it.
+                // The exception is ignored. An earlier actor of this world has ended, but its world
+                // is not closed yet. The next message opens the world.
             }
         }
         return this;
@@ -79,7 +92,7 @@ final class WorldActor extends AbstractBehavior<WorldCommand> {
         if (hosting == null) {
             return Behaviors.stopped();
         }
-        hosting.stop();
+        handOver.accept(hosting);
         return this;
     }
 
@@ -90,10 +103,10 @@ final class WorldActor extends AbstractBehavior<WorldCommand> {
         return stops ? Behaviors.stopped() : this;
     }
 
-    /** Closes the world if the actor ends without a message, because the node ends. */
+    /** Closes the world if the actor ends without a message. This happens when the node ends. */
     private Behavior<WorldCommand> stopped() {
         if (hosting != null) {
-            hosting.stop();
+            handOver.accept(hosting);
         }
         return this;
     }

@@ -5,18 +5,20 @@ import java.util.Optional;
 
 /** A message to the actor of a world. */
 sealed interface WorldCommand {
-    /** Asks the node to run the world. Also sent between nodes. */
+    /** Asks the node to run the world. Nodes also send this message to each other. */
     record Wake() implements WorldCommand {
         static final Wake INSTANCE = new Wake();
     }
 
-    /** Asks the node to close the world, because another node shall run it or this one ends. */
+    /**
+     * Asks the node to close the world, because another node shall run the world or this node ends.
+     */
     record Stop() implements WorldCommand {}
 
     /**
      * Reports that the world was closed.
      *
-     * @param reason why, if it was not stopped
+     * @param reason the reason; empty if the world was stopped
      */
     record Closed(Optional<String> reason) implements WorldCommand {}
 }

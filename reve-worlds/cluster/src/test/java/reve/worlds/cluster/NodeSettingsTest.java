@@ -37,23 +37,51 @@ class NodeSettingsTest {
     @Test
     void aClusterHasANameAndADatabase() {
         assertThat(
-                        new NodeSettings("lab-2", HERE, List.of(), STORE, Optional.empty())
+                        new NodeSettings(
+                                        "lab-2",
+                                        HERE,
+                                        List.of(),
+                                        STORE,
+                                        Optional.empty(),
+                                        Optional.empty())
                                 .database()
                                 .tls())
                 .containsEntry("sslmode", "disable");
         for (String name : List.of("", "-lab", "my lab", "l".repeat(65))) {
             assertThatIllegalArgumentException()
                     .isThrownBy(
-                            () -> new NodeSettings(name, HERE, List.of(), STORE, Optional.empty()))
+                            () ->
+                                    new NodeSettings(
+                                            name,
+                                            HERE,
+                                            List.of(),
+                                            STORE,
+                                            Optional.empty(),
+                                            Optional.empty()))
                     .withMessageContaining("the cluster is called '" + name + "'");
         }
         assertThatIllegalArgumentException()
                 .isThrownBy(
-                        () -> new NodeSettings("lab", HERE, List.of(), "my.db", Optional.empty()))
+                        () ->
+                                new NodeSettings(
+                                        "lab",
+                                        HERE,
+                                        List.of(),
+                                        "my.db",
+                                        Optional.empty(),
+                                        Optional.empty()))
                 .withMessageContaining("the store of a cluster is my.db");
         NodeAddress open = new NodeAddress("10.0.0.1", 2551);
         assertThatIllegalArgumentException()
-                .isThrownBy(() -> new NodeSettings("lab", open, List.of(), STORE, Optional.empty()))
+                .isThrownBy(
+                        () ->
+                                new NodeSettings(
+                                        "lab",
+                                        open,
+                                        List.of(),
+                                        STORE,
+                                        Optional.empty(),
+                                        Optional.empty()))
                 .withMessageContaining("other machines reach 10.0.0.1:2551, so nodes take TLS");
     }
 

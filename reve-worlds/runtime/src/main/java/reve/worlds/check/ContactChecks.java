@@ -21,15 +21,16 @@ import java.util.Optional;
 /** The checks for bodies that fall through an item or a floor below them. */
 final class ContactChecks {
     /**
-     * Height below which a law's own floor counts as unused [m], because bodies do not reach it.
+     * Height of a law's floor below which the floor counts as unused [m], because no body reaches
+     * it.
      */
     private static final double LOWEST_FLOOR = -1e8;
 
     private static final double ROUNDING = 1e-6;
 
     /**
-     * Distance of a hull's centre from the origin that causes a warning, as a fraction of the
-     * hull's extent.
+     * Distance of a hull's centre from the origin above which a warning is given, as a fraction of
+     * the hull's extent.
      */
     private static final double OFF_CENTRE = 0.1;
 
@@ -67,7 +68,7 @@ final class ContactChecks {
         }
     }
 
-    /** Checks for balls whose radius is used only by pictures, because no law reads it. */
+    /** Warns of balls whose radius no law reads, so that it only affects pictures. */
     private void checkRadii() {
         if (balls.isEmpty() || items.isSetByActions(LawFacts.RADIUS)) {
             return;
@@ -85,7 +86,7 @@ final class ContactChecks {
                                 + " m under `physics`");
     }
 
-    /** Checks for sensors of contact forces in a world in which no law computes contact forces. */
+    /** Warns of sensors of contact forces if no law of the world computes contact forces. */
     private void checkForceSensors() {
         boolean computed =
                 laws.all().stream()
@@ -116,7 +117,7 @@ final class ContactChecks {
     }
 
     /**
-     * Checks for bodies whose mesh has no convex hull, or a hull that is not centred at the body's
+     * Warns of bodies whose mesh has no convex hull, or a hull that is not centred at the body's
      * centre of mass.
      */
     private void checkHulls() {
@@ -160,7 +161,8 @@ final class ContactChecks {
     }
 
     /**
-     * A mesh with a density needs no check here, because it was checked when the density was read.
+     * Returns whether the hull of a body's mesh has its centre far from the body's centre of mass.
+     * A mesh with a density was already checked when the density was read.
      */
     private static boolean isOffCentre(ItemFacts.Entry body) {
         Mesh mesh = mesh(body);
@@ -308,7 +310,8 @@ final class ContactChecks {
     }
 
     /**
-     * Returns the laws that ship with the release and would hold a body, as the end of a message.
+     * Returns the remedy at the end of a message: the shipped laws that would keep a body from
+     * falling through a floor.
      */
     private String remedy(ItemFacts.Entry body, Floor floor, Down down) {
         if (!laws.shipped("rigid_contact").isEmpty()) {

@@ -9,8 +9,8 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Collector of warnings. If a check finds several items, the warning names the first item and the
- * number of items.
+ * Collector of warnings. The warning names the first item and the number of items if a check finds
+ * several items.
  */
 final class Findings {
     private final WorldDescription world;
@@ -25,8 +25,7 @@ final class Findings {
     }
 
     /**
-     * Adds one warning for all items that have the same fault. Adds nothing if there are no such
-     * items.
+     * Adds one warning for all items that have the same fault, or no warning if the list is empty.
      */
     void items(List<ItemFacts.Entry> found, String key, Message message) {
         if (!found.isEmpty()) {
@@ -45,13 +44,18 @@ final class Findings {
         }
     }
 
-    /** The text of a warning about an item. */
+    /** A function that returns the text of a warning about an item. */
     interface Message {
         String about(ItemFacts.Entry item);
     }
 
     void law(LawReference law, String message) {
         all.add(world.places().law(law, "law " + law.name() + ": " + message));
+    }
+
+    /** Adds a warning about the template of agents' bodies. */
+    void template(String key, String message) {
+        all.add(world.places().template(key, message));
     }
 
     void constant(String name, String message) {

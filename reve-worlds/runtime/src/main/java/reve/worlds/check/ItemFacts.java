@@ -22,8 +22,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The items of a world for the checks. They include the items of the world file and those that
- * agents and actions may add.
+ * The items of a world for the checks. They include the items of the world file, and the items that
+ * agents, actions and levels of items may add.
  */
 final class ItemFacts {
     /** An item of the world file, and its index in the description. */
@@ -70,10 +70,12 @@ final class ItemFacts {
             byName.put(item.name(), entry);
             item.references().values().forEach(referredTo::addAll);
             readActions(item, seen);
+            item.levels()
+                    .forEach(level -> level.items().forEach(each -> addAdditional(each, seen)));
         }
         world.agents().template().ifPresent(body -> addAdditional(body, seen));
         for (Rule rule : world.rules()) {
-            readByRules.addAll(rule.expression().uses());
+            readByRules.addAll(rule.source().uses());
         }
     }
 
@@ -154,8 +156,8 @@ final class ItemFacts {
     }
 
     /**
-     * Returns whether at least one of these properties differs from 0 at an item of the kind, or
-     * may differ from 0 later.
+     * Returns whether an item of the kind has a value other than 0 in one of these properties, or
+     * may have one later.
      */
     boolean mayDiffer(String kind, Collection<String> properties) {
         return properties.stream().anyMatch(setByActions::contains)

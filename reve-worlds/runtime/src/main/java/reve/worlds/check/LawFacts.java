@@ -3,6 +3,7 @@ package reve.worlds.check;
 
 import reve.core.file.LawReference;
 import reve.core.file.WorldDescription;
+import reve.core.world.PropertyDescriptor;
 import reve.core.world.WorldPrototype;
 import reve.pe.Access;
 import reve.pe.LawParameter;
@@ -19,7 +20,7 @@ import java.util.function.Predicate;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
-/** The effects of a world's laws, as the properties that the laws declare show them. */
+/** The effects of a world's laws, derived from the properties that the laws declare. */
 final class LawFacts {
     static final String POSITION = "position";
     static final String VELOCITY = "velocity";
@@ -32,7 +33,7 @@ final class LawFacts {
 
     /**
      * Properties of the state or the rest shape of a body. The value 0 is usual for these
-     * properties, so it is no sign of a mistake.
+     * properties and does not indicate a mistake.
      */
     private static final Set<String> STATE =
             Set.of(
@@ -67,18 +68,31 @@ final class LawFacts {
     private static final Pattern EXTENT =
             Pattern.compile("(?i).*(shape|size|extent|dimension|hull|mesh).*");
 
+    private final WorldPrototype prototype;
     private final List<PhysicsLaw> laws;
     private final List<LawReference> references;
+    private final Set<Integer> texts;
     private final Set<String> shipped;
 
-    LawFacts(WorldDescription world, List<PhysicsLaw> laws, Set<String> shipped) {
+    LawFacts(
+            WorldDescription world,
+            List<PhysicsLaw> laws,
+            Set<Integer> texts,
+            Set<String> shipped) {
+        this.prototype = world.prototype();
         this.laws = laws;
+        this.texts = texts;
         this.references = world.laws();
         this.shipped = shipped;
     }
 
     List<PhysicsLaw> all() {
         return laws;
+    }
+
+    /** Returns whether a law is a law as text. */
+    boolean isText(PhysicsLaw law) {
+        return texts.contains(law.libraryId());
     }
 
     /** Returns the entry of the world file that loads a law. */
@@ -113,8 +127,8 @@ final class LawFacts {
     }
 
     /**
-     * Returns whether a law moves bodies according to their velocities. Other laws that move bodies
-     * compute places without regard to velocities.
+     * Returns whether a law moves bodies according to their velocities. A law that moves bodies may
+     * also ignore velocities and compute the places directly.
      */
     boolean integrates(PhysicsLaw mover) {
         return uses(mover, WorldPrototype.BODY, VELOCITY);
@@ -135,13 +149,22 @@ final class LawFacts {
                         .anyMatch(
                                 use ->
                                         use.kind().equals(WorldPrototype.BODY)
-                                                && use.access().contains(Access.ACCUMULATE))
+                                                && use.access().contains(Access.ACCUMULATE)
+                                                && !isOwnSum(use))
                 || law.uses().stream()
                                 .anyMatch(
                                         use ->
                                                 isBody(use, VELOCITY)
                                                         && use.access().contains(Access.WRITE))
                         && law.uses().stream().noneMatch(use -> isBody(use, FORCE));
+    }
+
+    /** Returns whether a property is a sum that the world file declares, which moves nothing. */
+    private boolean isOwnSum(PropertyUse use) {
+        return prototype
+                .find(use.kind(), use.name())
+                .filter(PropertyDescriptor::accumulated)
+                .isPresent();
     }
 
     /** Returns whether any law reads a property. The property is given by its name in the world. */
@@ -226,13 +249,22 @@ final class LawFacts {
         return pushes(law) && law.uses().stream().anyMatch(use -> use.kind().equals(SURFACE));
     }
 
-    /** Returns whether a law computes contacts of bodies by their shapes. */
+    /**
+     * Returns whether a law computes contacts of bodies by their shapes. A law that writes an
+     * extent changes shapes.
+     */
     boolean touchesShapes(PhysicsLaw law) {
         return law.uses().stream()
                 .anyMatch(
                         use ->
                                 use.kind().equals(WorldPrototype.BODY)
+                                        && !use.access().contains(Access.WRITE)
                                         && EXTENT.matcher(use.name()).matches());
+    }
+
+    /** Returns whether the law is of a library that ships with this release. */
+    boolean isShipped(PhysicsLaw law) {
+        return shipped.contains(law.library());
     }
 
     /** Returns which of these law libraries ship with this release. */

@@ -8,7 +8,9 @@ import reve.pe.PhysicsLaw;
 import java.util.List;
 import java.util.Optional;
 
-/** The checks for bodies that, according to the world file, should move or turn, but do not. */
+/**
+ * The checks for bodies that do not move or turn although the world file gives them a reason to.
+ */
 final class MotionChecks {
     private static final String SPIN = "angularVelocity";
     private static final String INERTIA = "inertia";
@@ -38,7 +40,7 @@ final class MotionChecks {
         checkImmovable();
     }
 
-    /** Warns in a world in which no law moves bodies. */
+    /** Warns if no law of the world moves bodies. */
     private void checkUnmoved() {
         if (laws.pusher().isPresent() && items.mayMove()) {
             PhysicsLaw pusher = laws.pusher().get();
@@ -69,7 +71,7 @@ final class MotionChecks {
         }
     }
 
-    /** Warns in a world in which a law moves bodies. */
+    /** Adds the warnings for a world in which a law moves bodies. */
     private void checkMoved(PhysicsLaw mover, boolean complete) {
         if (!items.mayMove() && laws.uses(mover, WorldPrototype.BODY, "mass")) {
             findings.law(

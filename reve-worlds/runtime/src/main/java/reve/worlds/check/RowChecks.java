@@ -16,8 +16,8 @@ import java.util.Set;
 /** The checks for laws without rows to act on, and for values that no law reads. */
 final class RowChecks {
     /**
-     * Laws of this release that read a property, by property. Warnings about a value that no law
-     * reads name such a law as a remedy.
+     * Laws of this release by the name of a property that they read. A warning about a value that
+     * no law reads names the law as a remedy.
      */
     private static final Map<String, String> READERS =
             Map.of(
@@ -66,10 +66,9 @@ final class RowChecks {
                         law ->
                                 findings.law(
                                         laws.reference(law),
-                                        "fails in the first frame, because no law of this world"
-                                                + " provides the field that it reads; add a law"
-                                                + " library that provides the field, or remove the"
-                                                + " law"));
+                                        "rests, because no law of this world provides the field"
+                                                + " that it reads; add a law library that provides"
+                                                + " the field, or remove the law"));
         checkSprings();
         if (complete) {
             checkUnread();
@@ -90,8 +89,13 @@ final class RowChecks {
             if (!isGiven(use)) {
                 findings.law(
                         laws.reference(law),
-                        "exerts no force, because `constants` does not set "
-                                + use.name()
+                        (laws.isShipped(law)
+                                        ? "exerts no force, because `constants` does not set "
+                                                + use.name()
+                                        : "reads "
+                                                + use.name()
+                                                + ", which is 0, because `constants` does not set"
+                                                + " it")
                                 + "; set it"
                                 + example(use.name()));
             }
@@ -124,6 +128,11 @@ final class RowChecks {
         };
     }
 
+    /**
+     * Reports a law whose strength is 0 for every row. A shipped law acts only if all properties
+     * that it needs are set. Other laws may add terms with different properties, so only a law
+     * without any of them is reported.
+     */
     private void checkStrengths(PhysicsLaw law) {
         List<PropertyUse> own =
                 laws.strengths(law)
@@ -131,6 +140,9 @@ final class RowChecks {
                         .toList();
         boolean optionalActs = own.stream().filter(PropertyUse::optional).anyMatch(this::mayDiffer);
         List<PropertyUse> needed = own.stream().filter(use -> !use.optional()).toList();
+        if (!laws.isShipped(law) && needed.stream().anyMatch(this::mayDiffer)) {
+            return;
+        }
         for (PropertyUse use : needed) {
             if (!mayDiffer(use) && !optionalActs) {
                 findings.law(

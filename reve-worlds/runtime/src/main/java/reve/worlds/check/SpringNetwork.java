@@ -102,8 +102,8 @@ final class SpringNetwork {
     private Stiffest iterate() {
         double[] now = new double[3 * inverseRoots.size()];
         for (int i = 0; i < now.length; i++) {
-            now[i] = 1 + StrictMath.sin(1.0 + 7.0 * i); // a start vector that no symmetry of the
-            // network makes orthogonal to the result
+            // No symmetry of the network makes this start vector orthogonal to the result.
+            now[i] = 1 + StrictMath.sin(1.0 + 7.0 * i);
         }
         normalise(now);
         double[] next = new double[now.length];

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.check;
 
+import reve.core.file.LawReference;
 import reve.core.file.WorldDescription;
 import reve.core.text.Rounded;
 import reve.core.world.WorldPrototype;
+import reve.pe.Access;
 import reve.pe.LawParameter;
+import reve.pe.Phase;
 import reve.pe.PhysicsLaw;
 
 import java.util.Comparator;
@@ -46,6 +49,7 @@ final class StepChecks {
         if (laws.mover().isEmpty()) {
             return;
         }
+        laws.all().forEach(this::checkMemory);
         if (laws.isRead("spring", "springConstant")) {
             checkSprings();
         }
@@ -60,6 +64,36 @@ final class StepChecks {
         if (laws.isRead(WorldPrototype.BODY, "linearDragCoefficient")) {
             checkDrag();
         }
+    }
+
+    /**
+     * Warns of a text that keeps values in a property of its own, and that the law acts more than
+     * once in a step. Compiled laws with such memory handle the stages themselves.
+     */
+    private void checkMemory(PhysicsLaw law) {
+        int stages = laws.mover().map(PhysicsLaw::stages).orElse(1);
+        LawReference reference = laws.reference(law);
+        if (law.phase() != Phase.FORCE || stages < 2 || !laws.isText(law)) {
+            return;
+        }
+        law.uses().stream()
+                .filter(use -> use.access().contains(Access.SCRATCH))
+                .findFirst()
+                .ifPresent(
+                        use ->
+                                findings.law(
+                                        reference,
+                                        "changes its own property "
+                                                + use.name()
+                                                + " "
+                                                + stages
+                                                + " times in each step, because it adds forces and "
+                                                + laws.mover().orElseThrow().name()
+                                                + " needs the forces "
+                                                + stages
+                                                + " times; declare the property in the world and"
+                                                + " change it in a law without forces, or use"
+                                                + " velocity_verlet"));
     }
 
     private void checkSprings() {
@@ -206,7 +240,8 @@ final class StepChecks {
     }
 
     /**
-     * Returns a remedy that states the number of steps in a frame at which a step is short enough.
+     * Returns the end of a message. It states the number of steps per frame with which no step is
+     * longer than {@code seconds}.
      */
     private String remedy(double seconds) {
         double frame = 1.0 / world.timing().framesPerSecond();

@@ -21,18 +21,25 @@ public final class WorldCheck {
      * Returns the warnings of the file and of all checks, in the order of their lines.
      *
      * @param laws the loaded laws of the world
+     * @param texts ids of the libraries that are laws as text
      * @param shipped names of the law libraries that ship
      * @param complete whether all laws of the world are loaded; otherwise some checks are skipped,
      *     see {@link #leftOut}
      */
     public static List<Problem> warnings(
-            WorldDescription world, List<PhysicsLaw> laws, Set<String> shipped, boolean complete) {
+            WorldDescription world,
+            List<PhysicsLaw> laws,
+            Set<Integer> texts,
+            Set<String> shipped,
+            boolean complete) {
         Findings findings = new Findings(world);
-        LawFacts facts = new LawFacts(world, laws, shipped);
+        LawFacts facts = new LawFacts(world, laws, texts, shipped);
         ItemFacts items = new ItemFacts(world);
         new RowChecks(world, facts, items, findings).run(complete);
+        new JointChecks(world, facts, items, findings).run(complete);
         new StepChecks(world, facts, items, findings).run();
         new MotionChecks(world, facts, items, findings).run(complete);
+        new VoiceChecks(world, items, findings).run();
         if (complete) {
             new ContactChecks(world, facts, items, findings).run();
         }

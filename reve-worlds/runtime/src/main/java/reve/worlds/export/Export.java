@@ -5,8 +5,8 @@ import java.io.IOException;
 
 /**
  * A file, or a folder of files, that receives the frames of a run in order. For one thread. The
- * files appear at their place only after {@link #finish()}. Without that call, {@link #close()}
- * removes the written data.
+ * files appear at their place only after {@link #finish()}. The method {@link #close()} removes the
+ * written data if {@link #finish()} was not called.
  */
 public interface Export extends AutoCloseable {
     /**

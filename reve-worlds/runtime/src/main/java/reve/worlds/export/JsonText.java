@@ -69,7 +69,7 @@ final class JsonText {
         return this;
     }
 
-    /** Writes a number that is given as text. */
+    /** Writes a number whose digits the caller has already converted to text. */
     JsonText digits(String name, String number) {
         out.writeName(name);
         out.writeNumber(number);

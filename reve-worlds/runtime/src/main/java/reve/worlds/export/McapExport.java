@@ -158,8 +158,8 @@ public final class McapExport implements Export {
     }
 
     /**
-     * Returns the time of a frame [ns]. Seconds and the rest are divided separately, because a
-     * single product may be too large for a long.
+     * Returns the time of a frame [ns]. The full seconds and the remaining frames are converted
+     * separately, because a single product may be too large for a long.
      */
     private long nanos(long frame) {
         long rate = timing.framesPerSecond();

@@ -54,7 +54,7 @@ final class McapWriter {
     private final TreeMap<Integer, Long> messages = new TreeMap<>();
     private Record chunk = new Record();
 
-    /** Time and position of each message of the chunk, alternating, by channel. */
+    /** For each channel, the time and the position of each message of the chunk, alternating. */
     private final TreeMap<Integer, List<Long>> places = new TreeMap<>();
 
     private long position;
@@ -63,7 +63,9 @@ final class McapWriter {
     private long first = Long.MAX_VALUE;
     private long last;
 
-    /** The content of a record, or a list of records. Numbers are little-endian. */
+    /**
+     * A buffer for the content of a record, or for a list of records. Numbers are little-endian.
+     */
     private static final class Record extends ByteArrayOutputStream {
         private final ByteBuffer number = ByteBuffer.allocate(8).order(ByteOrder.LITTLE_ENDIAN);
 
@@ -175,7 +177,9 @@ final class McapWriter {
         }
     }
 
-    /** Writes data about the whole file, after the messages so far. */
+    /**
+     * Writes a record with data about the whole file. It comes after the messages written so far.
+     */
     void metadata(String name, Map<String, String> data) throws IOException {
         endChunk();
         byte[] record = new Record().text(name).map(data).toByteArray();

@@ -45,8 +45,8 @@ final class Properties {
     }
 
     /**
-     * Returns whether the values are written as texts. This is so for references, shapes and
-     * colours.
+     * Returns whether the values are written as texts. References, shapes and colours are written
+     * in this way.
      */
     static boolean isText(PropertyDescriptor property) {
         return property.type() == ScalarType.REF || isLook(property);
@@ -77,6 +77,7 @@ final class Properties {
             case Shape.MESH -> "mesh";
             case Shape.CAPSULE -> "capsule";
             case Shape.CYLINDER -> "cylinder";
+            case Shape.ELLIPSOID -> "ellipsoid";
             default -> Integer.toString(code);
         };
     }

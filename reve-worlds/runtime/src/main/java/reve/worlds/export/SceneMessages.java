@@ -60,10 +60,10 @@ final class SceneMessages {
     private int shownBytes;
     private boolean anyConnections;
 
-    /** The appearance of a body. */
+    /** The appearance of a body, with which the appearance in the next frame is compared. */
     private record Look(Shape shape, Optional<Material> material, int rgba) {}
 
-    /** Returns the name of a body's reference frame: the name of the body. */
+    /** Returns the name of a body's reference frame, which is the name of the body. */
     static String frameOf(String body) {
         return RESERVED.contains(body) ? "body " + body : body;
     }
@@ -119,6 +119,10 @@ final class SceneMessages {
             case Shape.Sphere ball -> {
                 text.beginList("spheres");
                 sized(text, NO_MOVE, NO_TURN, extents(ball), rgba).end().endList();
+            }
+            case Shape.Ellipsoid round -> {
+                text.beginList("spheres");
+                sized(text, NO_MOVE, NO_TURN, extents(round), rgba).end().endList();
             }
             case Shape.Box box -> {
                 text.beginList("cubes");

@@ -3,6 +3,8 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.agent.port.SessionNote;
+import reve.core.file.RuleChanges;
 import reve.core.world.WorldChange;
 import reve.core.world.WorldEvent;
 import reve.pe.adapter.LawChange;
@@ -17,8 +19,8 @@ import java.util.Map;
  */
 final class Entry {
     /**
-     * A change of the world. If a column was edited directly, {@code columnRows} contains the
-     * column's rows after the change; otherwise it is null.
+     * A change of the world. The field {@code columnRows} contains the rows of a column that was
+     * edited directly, after the change. It is null for other changes.
      */
     record Noted(WorldChange change, byte @Nullable [] columnRows) {}
 
@@ -32,13 +34,14 @@ final class Entry {
 
     final List<Noted> late = new ArrayList<>();
     final List<LawChange> laws = new ArrayList<>();
+    final List<RuleChanges.Change> rules = new ArrayList<>();
     List<WorldEvent> events = List.of();
     final long[] digest;
 
     /** Digest of the world before PHYSICS. It is valid only if there are early changes. */
     final long[] earlyDigest;
 
-    /** Image (complete state) of the world at the end of this frame, if one is due. */
+    /** Image (complete state) of the world at the end of this frame; null if none is due. */
     @Nullable SimulationImage image;
 
     /**
@@ -52,17 +55,25 @@ final class Entry {
 
     Map<String, Long> members = Map.of();
 
+    /** All changes of the rules since the world file, for the image. */
+    RuleChanges allRules = RuleChanges.NONE;
+
+    /** The changes of sessions that belong to this frame. */
+    List<SessionNote> sessions = List.of();
+
     Entry(int digestSize) {
         digest = new long[digestSize];
         earlyDigest = new long[digestSize];
     }
 
-    /** Drops all references to the frame's data. */
+    /** Removes all references to the frame's data, so that the entry can be reused. */
     void clear() {
         early.clear();
         late.clear();
         laws.clear();
+        rules.clear();
         events = List.of();
+        sessions = List.of();
         image = null;
         begins = false;
     }

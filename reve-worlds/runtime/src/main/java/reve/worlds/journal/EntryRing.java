@@ -21,7 +21,7 @@ final class EntryRing {
         }
     }
 
-    // Methods for the world's thread.
+    // ---- methods for the world's thread ----
 
     /** Returns the next entry to fill, or null if all entries still wait for the writer. */
     @Nullable Entry next() {
@@ -42,7 +42,7 @@ final class EntryRing {
         written.setRelease(written.getPlain() + 1);
     }
 
-    // Methods for the writer's thread.
+    // ---- methods for the writer's thread ----
 
     /** Returns the oldest waiting entry, or null. */
     @Nullable Entry peek() {

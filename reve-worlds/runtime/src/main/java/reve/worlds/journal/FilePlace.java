@@ -8,8 +8,8 @@ import java.nio.file.Path;
 import java.nio.file.attribute.BasicFileAttributes;
 
 /**
- * A path and the identity of the file that was opened there. They show whether the file was moved
- * or removed, because data written to the file afterwards would be lost. For any thread.
+ * A path and the identity of the file that was opened there. A comparison of both shows whether the
+ * file was moved or removed. Data that is written to such a file would be lost. For any thread.
  */
 record FilePlace(Path path, Object key) {
     static FilePlace of(Path path) throws IOException {
@@ -26,8 +26,8 @@ record FilePlace(Path path, Object key) {
     }
 
     /**
-     * Returns what happened to the file, as the end of a sentence. Empty if the path still leads to
-     * the complete file, or if this cannot be determined.
+     * Returns the end of a sentence that states what happened to the file. The result is empty if
+     * the path still leads to the complete file, or if the state of the file is unknown.
      *
      * @param bytes minimum size of the file [bytes]
      */

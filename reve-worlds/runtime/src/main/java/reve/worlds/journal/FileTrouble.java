@@ -55,7 +55,10 @@ final class FileTrouble {
         return new IOException(file + " could not be " + what + ": " + reason, e);
     }
 
-    /** Returns what the object at the path is; empty if it is a readable file. */
+    /**
+     * Returns the kind of object at the path, such as a folder or a broken link. The result is
+     * empty for a readable file.
+     */
     static Optional<String> noFile(Path file) {
         if (Files.isDirectory(file)) {
             return Optional.of(file + " is a folder");

@@ -3,6 +3,7 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.file.RuleChanges;
 import reve.core.image.ChangeCodec;
 import reve.core.image.CorruptException;
 import reve.core.image.Trees;
@@ -29,6 +30,7 @@ import java.util.function.Function;
  *   <li>{@code changes} and {@code late}: the changes before and after PHYSICS (the phase in which
  *       laws act).
  *   <li>{@code laws}: the changes of the laws.
+ *   <li>{@code rules}: the changes of the rules.
  *   <li>{@code events}: the events, which a replay ignores.
  *   <li>{@code before}: the digest (checksum of the state) before PHYSICS, if there were changes.
  *   <li>{@code digest}: the digest at the end of the frame.
@@ -58,7 +60,8 @@ public final class FrameCodec {
     }
 
     /**
-     * Makes the next written frame contain the complete digest. Called after an image was taken.
+     * Makes the next written frame contain the complete digest. Called after an image was taken,
+     * because a replay may start there.
      */
     void begin() {
         whole = true;
@@ -77,6 +80,7 @@ public final class FrameCodec {
             tree.put("before", delta(entry.earlyDigest));
         }
         putIfAny(tree, "laws", entry.laws.stream().map(FrameCodec::tree).toList());
+        putIfAny(tree, RuleCodec.KEY, RuleCodec.tree(entry.rules));
         putIfAny(tree, "late", entry.late.stream().map(this::tree).toList());
         putIfAny(tree, "events", entry.events.stream().map(FrameCodec::tree).toList());
         tree.put("digest", delta(entry.digest));
@@ -86,7 +90,7 @@ public final class FrameCodec {
     /**
      * Returns the complete digest of a frame; valid until the next call.
      *
-     * @param name {@code before} or {@code digest}; in frames with {@code before}, that one must be
+     * @param name {@code before} or {@code digest}; if the frame has {@code before}, it must be
      *     read first
      * @throws CorruptException if it cannot be read
      */
@@ -123,6 +127,11 @@ public final class FrameCodec {
                             + " bytes");
         }
         return bytes;
+    }
+
+    /** Returns the changes of the rules in a frame. */
+    public static List<RuleChanges.Change> rules(JsonNode frame) {
+        return RuleCodec.read(frame);
     }
 
     /** Returns the changes of the laws in a frame. */

@@ -18,8 +18,8 @@ import java.util.stream.Stream;
  */
 final class FrameFiles {
     /**
-     * Suffix of the longest file name. At ten images per second, this number is reached after 30
-     * years.
+     * Suffix of the longest file name. This number is reached after 30 years at ten images per
+     * second.
      */
     static final String LONGEST_ENDING = "-frames-9999999999";
 
@@ -36,7 +36,7 @@ final class FrameFiles {
     private volatile RunLog.@Nullable Writer previous;
 
     /**
-     * Opens the files; writes nothing before {@link #next}.
+     * Creates the object for the files of a store. No file is written before {@link #next}.
      *
      * @param claim initial content of the manifest
      * @param number the number of the newest existing file; 0 if there is none
@@ -126,8 +126,8 @@ final class FrameFiles {
 
     /**
      * Flushes the frames to the disk, so that they survive a power failure. Flushes the end of the
-     * previous file first, because later frames are of no use without earlier ones. Any thread
-     * except the one that closes the current file.
+     * previous file first, because later frames cannot be used without earlier ones. For any thread
+     * except the thread that closes the current file.
      */
     void force() throws IOException {
         RunLog.Writer before = previous;
@@ -136,7 +136,8 @@ final class FrameFiles {
             try {
                 before.force();
             } catch (IOException e) {
-                if (before.isOpen()) { // otherwise it was flushed and closed meanwhile
+                if (before.isOpen()) {
+                    // The failure is ignored for a closed file, because it was flushed before.
                     throw e;
                 }
             }
@@ -164,7 +165,7 @@ final class FrameFiles {
 
     /**
      * Returns a message for each of the newest file and the manifest that was moved, removed or
-     * truncated. Any thread except the one that closes files.
+     * truncated. For any thread except the thread that closes files.
      */
     List<String> troubles() {
         Manifest listed = manifest;
@@ -175,8 +176,8 @@ final class FrameFiles {
                                 file == null ? "" : file.trouble())
                         .filter(each -> !each.isEmpty())
                         .toList();
-        // If the manifest or the file was replaced during this check, its result is not valid. The
-        // next check then finds the problem.
+        // The result of this check is not valid if the manifest or the file was replaced meanwhile.
+        // It is then discarded, and the next check finds any problem.
         return listed == manifest && file == current ? found : List.of();
     }
 

@@ -3,6 +3,7 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.file.RuleChanges;
 import reve.core.frame.TimeBudget;
 import reve.core.image.CorruptException;
 import reve.core.image.Sections;
@@ -47,10 +48,12 @@ public final class ImageCodec {
      * An image of which only the outer structure was read. Its content is not decoded yet.
      *
      * @param members ids of the agents' bodies by agent
+     * @param rules the changes of the rules since the world file
      */
     public record Stored(
             WorldHeader header,
             Map<String, Long> members,
+            RuleChanges rules,
             JsonNode tree,
             Map<String, byte[]> sections) {}
 
@@ -58,13 +61,17 @@ public final class ImageCodec {
      * Encodes an image.
      *
      * @param members ids of the agents' bodies by agent
+     * @param rules the changes of the rules since the world file
      * @throws IllegalArgumentException if an item of the world has no form in a world file
      */
-    public byte[] write(SimulationImage image, Map<String, Long> members) {
+    public byte[] write(SimulationImage image, Map<String, Long> members, RuleChanges rules) {
         Map<String, Object> tree = new LinkedHashMap<>();
         tree.put("product", Product.version());
         tree.putAll(header.tree());
         tree.put("members", members);
+        if (!rules.isEmpty()) {
+            tree.put(RuleCodec.KEY, RuleCodec.tree(rules.changes()));
+        }
         tree.put("libraries", image.physics().libraries().stream().map(ImageCodec::tree).toList());
         tree.put(
                 "quarantined",
@@ -94,7 +101,8 @@ public final class ImageCodec {
             for (String agent : listed.propertyNames()) {
                 members.put(agent, Trees.integer(listed, agent));
             }
-            return new Stored(WorldHeader.read(tree), members, tree, sections);
+            RuleChanges rules = new RuleChanges(RuleCodec.read(tree));
+            return new Stored(WorldHeader.read(tree), members, rules, tree, sections);
         } catch (IllegalArgumentException | JacksonException e) {
             throw new CorruptException("its header makes no sense: " + e.getMessage(), e);
         }

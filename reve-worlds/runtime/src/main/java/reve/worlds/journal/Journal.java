@@ -3,6 +3,8 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.agent.port.SessionNote;
+import reve.core.file.RuleChanges;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.FramePhase;
@@ -20,21 +22,25 @@ import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
+import java.util.function.Supplier;
 
 /**
  * The journal of a running world. It begins with an image (the complete state) and contains further
- * images at a fixed interval of frames. Between images it contains, for each frame, a digest and
- * all changes that laws did not cause. The world's thread copies data and computes digests; the
- * journal's threads write. A frame is published only after the previous frame was written.
- * Therefore a crash of the process loses at most one frame, unless a write takes longer than
- * FRAME_PATIENCE_NANOSECONDS. If a write fails, the world continues, and the journal resumes with
- * the next image. If the journal's own thread fails, the world stops with an IOError. The world's
+ * images at a fixed interval of frames. Between images, it contains a digest of each frame, and all
+ * changes that laws did not cause. The world's thread copies data and computes digests; the
+ * journal's threads write.
+ *
+ * <p>A frame is published only after the previous frame was written. Therefore a crash of the
+ * process loses at most one frame. It may lose more frames if a write takes longer than
+ * FRAME_PATIENCE_NANOSECONDS. The world continues if a write fails, and the journal resumes with
+ * the next image. The world stops with an IOError if the journal's own thread fails. The world's
  * thread creates and closes the journal, between frames.
  */
 public final class Journal implements AutoCloseable {
@@ -50,10 +56,16 @@ public final class Journal implements AutoCloseable {
     private static final long FRAME_PATIENCE_NANOSECONDS = 1_000_000_000;
 
     /**
-     * Maximum time that a frame waits until an earlier image is written or its own image can be
-     * copied [ns].
+     * Maximum time that a frame waits until the first image, or the first image after a rewind, is
+     * written. Also the maximum time that a frame waits until its own image can be copied [ns].
      */
     private static final long IMAGE_PATIENCE_NANOSECONDS = 5_000_000_000L;
+
+    /** Length of the periods over which the waits of frames for the disk are summed [ns]. */
+    private static final long PERIOD_NANOSECONDS = 5_000_000_000L;
+
+    /** Minimum time between two reports about a disk that slows the world [ns]. */
+    private static final long REPORT_NANOSECONDS = 60_000_000_000L;
 
     private final World world;
     private final PhysicsAdapter physics;
@@ -62,16 +74,39 @@ public final class Journal implements AutoCloseable {
     private final long[] earlyDigest;
     private final EntryRing ring;
     private final Queue<SimulationImage> rooms = new ConcurrentLinkedQueue<>();
+
+    /** Changes of sessions that no frame contains yet. */
+    private final Queue<SessionNote> sessions = new ConcurrentLinkedQueue<>();
+
+    private final boolean keepsSessions;
     private final List<Subscription> subscriptions = new ArrayList<>();
     private final Consumer<LawChange> lawListener;
     private final JournalWriter writer;
     private final Consumer<String> problems;
     private final List<Entry.Noted> early = new ArrayList<>();
     private final List<LawChange> laws = new ArrayList<>();
+    private final List<RuleChanges.Change> rules = new ArrayList<>();
+    private final Supplier<RuleChanges> allRules;
     private Map<String, Long> members;
     private int earlyCount;
     private long lastImage = -1;
+
+    /** Frame of the first image, or of the newest image after a rewind. */
+    private long lastBeginning = -1;
+
+    private long periodStart = System.nanoTime();
+
+    /** Time that frames have waited for the disk since the period began [ns]. */
+    private long waitedNanos;
+
+    /** Time of the last report about a disk that slows the world [ns]; 0 if there was none. */
+    private long reportedNanos;
+
     private long lastFrame;
+
+    /** The first frame of this run; -1 before it is published. */
+    private long firstFrame = -1;
+
     private boolean published;
     private boolean imageWanted = true;
 
@@ -94,13 +129,14 @@ public final class Journal implements AutoCloseable {
     public record Plan(long imageFrames, boolean waits) {}
 
     /**
-     * A report that a journal with images ended without its last image.
+     * The report about a journal that ended without its last image.
      *
      * @param reached last frame that the journal can restore; -1 if it can restore no frame of this
      *     run
+     * @param first the first frame of this run
      * @param last frame that was published
      */
-    public record Shortfall(long reached, long last) {
+    public record Shortfall(long reached, long first, long last) {
         @Override
         public String toString() {
             return "its last image could not be written; it "
@@ -108,7 +144,11 @@ public final class Journal implements AutoCloseable {
                             ? "holds what it held before, and nothing of this run"
                             : "continues from frame " + reached)
                     + (reached < last && last > 0
-                            ? ", frames " + (reached + 1) + " to " + last + " are lost"
+                            ? ", frames "
+                                    + Math.max(reached + 1, first)
+                                    + " to "
+                                    + last
+                                    + " are lost"
                             : ", no frame is lost");
         }
     }
@@ -137,6 +177,7 @@ public final class Journal implements AutoCloseable {
      * Begins the journal. Its first record is an image of the next published frame.
      *
      * @param members ids of the bodies of agents in the world, by agent
+     * @param allRules returns the changes of the world's rules since its world file
      * @param sink storage, which the journal closes
      * @param problems receives messages about failures, on any thread
      */
@@ -146,14 +187,17 @@ public final class Journal implements AutoCloseable {
             PhysicsAdapter physics,
             FrameBus bus,
             Map<String, Long> members,
+            Supplier<RuleChanges> allRules,
             Plan plan,
             JournalSink sink,
             Consumer<String> problems) {
         this.world = world;
+        this.allRules = allRules;
         this.physics = physics;
         this.plan = plan;
         this.members = members;
         this.problems = problems;
+        keepsSessions = sink.keepsSessions();
         digest = new WorldDigest(world);
         earlyDigest = new long[digest.size()];
         ring = new EntryRing(FRAMES_WAITING, digest.size());
@@ -163,13 +207,56 @@ public final class Journal implements AutoCloseable {
         writer = new JournalWriter(header, digest.size(), ring, rooms, plan, sink, problems);
         lawListener = laws::add;
         physics.laws().addListener(lawListener);
-        // The journal subscribes to both INTAKE and ACT, for two reasons. The server may send
-        // results of acts from ACT on. A rewind publishes a frame without INTAKE.
+        // The journal waits for the previous frame in INTAKE and also in ACT. The server may send
+        // results of acts as soon as ACT begins, and a rewind publishes a frame without INTAKE.
         subscriptions.add(bus.subscribe(FramePhase.INTAKE, "journal", this::awaitFrameBefore));
         subscriptions.add(bus.subscribe(FramePhase.ACT, "journal", this::noteEarlyChanges));
         subscriptions.add(bus.subscribe(FramePhase.DERIVE, "journal", this::awaitFrameBefore));
         subscriptions.add(bus.subscribe(FramePhase.PUBLISH, "journal", this::handOver));
         writer.start();
+    }
+
+    /**
+     * Returns whether the last write failed, and the frames since then are not kept. For any
+     * thread.
+     */
+    public boolean isFailing() {
+        return writer.isFailing();
+    }
+
+    /**
+     * Returns whether the journal's storage keeps notes about sessions, for another server. For any
+     * thread.
+     */
+    public boolean keepsSessions() {
+        return keepsSessions;
+    }
+
+    /** Adds a note about a session to the frame that is published next. For any thread. */
+    public void note(SessionNote note) {
+        if (keepsSessions) {
+            sessions.add(note);
+        }
+    }
+
+    /** Adds changes of the world's rules to the frame that is published next. */
+    public void rulesChanged(List<RuleChanges.Change> changes) {
+        if (!subscriptions.isEmpty()) {
+            rules.addAll(changes);
+        }
+    }
+
+    /** Moves the notes about sessions to an entry that is about to be committed. */
+    private void takeNotes(Entry entry) {
+        entry.sessions = List.of();
+        if (sessions.isEmpty()) {
+            return;
+        }
+        List<SessionNote> taken = new ArrayList<>();
+        for (SessionNote note = sessions.poll(); note != null; note = sessions.poll()) {
+            taken.add(note);
+        }
+        entry.sessions = taken;
     }
 
     /**
@@ -183,7 +270,7 @@ public final class Journal implements AutoCloseable {
         subscriptions.forEach(Subscription::close);
         subscriptions.clear();
         physics.laws().removeListener(lawListener);
-        boolean isNewer = lastFrame > lastImage || !world.changes().isEmpty();
+        boolean isNewer = lastFrame > lastImage || !world.changes().isEmpty() || !rules.isEmpty();
         if (plan.imageFrames > 0 && lastImage >= 0 && isNewer) {
             keepLastImage();
         }
@@ -197,18 +284,21 @@ public final class Journal implements AutoCloseable {
                                         "the journal has ended before its last image: " + failure));
         boolean lacks = !writer.isLastImageKept() || writer.reached() < lastFrame;
         if (plan.imageFrames > 0 && published && lacks) {
-            shortfall = Optional.of(new Shortfall(writer.reached(), lastFrame));
+            shortfall = Optional.of(new Shortfall(writer.reached(), firstFrame, lastFrame));
         }
     }
 
-    /** Returns what a journal with images lacks; empty if it is complete. Call after close. */
+    /**
+     * Returns the frames that a journal with images lacks at its end; empty if the journal is
+     * complete. Call this method after close.
+     */
     public Optional<Shortfall> shortfall() {
         return shortfall;
     }
 
     /**
-     * Returns the frames that a recording lacks, except those beyond its size limit. Call after
-     * close.
+     * Returns the frames that a recording lacks, except those beyond its size limit. Call this
+     * method after close.
      */
     public Optional<Gap> gap() {
         return writer.gap();
@@ -219,8 +309,10 @@ public final class Journal implements AutoCloseable {
         if (entry != null) {
             entry.frame = lastFrame;
             entry.members = members;
+            entry.allRules = allRules.get();
             entry.last = true;
             entry.image = copy(lastFrame, Long.MAX_VALUE);
+            takeNotes(entry);
             ring.commit();
         }
     }
@@ -259,7 +351,9 @@ public final class Journal implements AutoCloseable {
         }
         long start = System.nanoTime();
         long patience =
-                lastFrame == lastImage ? IMAGE_PATIENCE_NANOSECONDS : FRAME_PATIENCE_NANOSECONDS;
+                lastFrame == lastBeginning
+                        ? IMAGE_PATIENCE_NANOSECONDS
+                        : FRAME_PATIENCE_NANOSECONDS;
         boolean waits = plan.waits || !writer.isFailing();
         while (waits && !behind && !ring.isEmpty() && writer.isWorking()) {
             LockSupport.parkNanos(PAUSE_NANOSECONDS);
@@ -272,7 +366,34 @@ public final class Journal implements AutoCloseable {
                                 + " loses more than one frame");
             }
         }
+        if (!plan.waits) {
+            countWait(start, System.nanoTime());
+        }
         requireWriter();
+    }
+
+    /**
+     * Adds up the waits for the disk. Reports a disk for which the world waits most of the time.
+     */
+    private void countWait(long start, long now) {
+        waitedNanos += now - start;
+        long elapsed = now - periodStart;
+        if (elapsed < PERIOD_NANOSECONDS) {
+            return;
+        }
+        boolean isDue = reportedNanos == 0 || now - reportedNanos > REPORT_NANOSECONDS;
+        if (2 * waitedNanos > elapsed && isDue) {
+            reportedNanos = now;
+            problems.accept(
+                    String.format(
+                            Locale.ROOT,
+                            "the disk is slow: the world waited for it %.1f of the last %.1f s,"
+                                    + " because each frame is written before the next one",
+                            waitedNanos / 1e9,
+                            elapsed / 1e9));
+        }
+        periodStart = now;
+        waitedNanos = 0;
     }
 
     /**
@@ -296,6 +417,9 @@ public final class Journal implements AutoCloseable {
         Entry entry = plan.waits ? waitForEntry() : ring.next();
         requireWriter();
         lastFrame = frame.frame();
+        if (firstFrame < 0) {
+            firstFrame = lastFrame;
+        }
         published = true;
         followMembers();
         boolean handedOver = false;
@@ -305,6 +429,7 @@ public final class Journal implements AutoCloseable {
             } else {
                 fill(entry, frame.frame());
                 if (entry.begins || !imageWanted) {
+                    takeNotes(entry);
                     ring.commit();
                     writer.wake();
                 }
@@ -314,11 +439,15 @@ public final class Journal implements AutoCloseable {
             imageWanted |= !handedOver; // otherwise the frame would be missing without notice
             early.clear();
             laws.clear();
+            rules.clear();
             earlyCount = 0;
         }
     }
 
-    /** Omits a frame from the journal. An image later replaces the omitted frames. */
+    /**
+     * Omits a frame from the journal. A later image makes the omitted frames unnecessary for a
+     * restore.
+     */
     private void skip(long frame) {
         if (!imageWanted) {
             imageWanted = true;
@@ -339,13 +468,12 @@ public final class Journal implements AutoCloseable {
             entry.late.add(noted(changes.get(i)));
         }
         entry.laws.addAll(laws);
+        entry.rules.addAll(rules);
         entry.events = world.events();
         entry.members = members;
-        entry.begins =
-                imageWanted
-                        || writer.beginsAnew()
-                        || world.changesLost() > 0
-                        || changes.stream().anyMatch(WorldChange.Restored.class::isInstance);
+        entry.allRules = allRules.get();
+        boolean isRewound = changes.stream().anyMatch(WorldChange.Restored.class::isInstance);
+        entry.begins = imageWanted || writer.beginsAnew() || world.changesLost() > 0 || isRewound;
         if (entry.begins) {
             entry.image =
                     copy(
@@ -368,6 +496,9 @@ public final class Journal implements AutoCloseable {
             }
         } else if (entry.image != null) {
             imageWanted = false;
+            if (isRewound || lastImage < 0) {
+                lastBeginning = frame;
+            }
             lastImage = frame;
         }
         digest.compute(entry.digest);
@@ -393,7 +524,8 @@ public final class Journal implements AutoCloseable {
             room.copyFrom(world, physics, frame);
             imageFailed = false;
             return room;
-        } catch (RuntimeException failure) { // thrown by the engine, whose process may be replaced
+        } catch (RuntimeException failure) {
+            // The engine may throw this exception if its process is being replaced.
             rooms.add(room);
             if (!imageFailed) {
                 imageFailed = true;
@@ -436,7 +568,9 @@ public final class Journal implements AutoCloseable {
         }
     }
 
-    /** Returns the ids of the agents' bodies, by agent, after an event. */
+    /**
+     * Returns the ids of the agents' bodies, by agent, after an event such as a join or a leave.
+     */
     static Map<String, Long> after(WorldEvent event, Map<String, Long> members, World world) {
         boolean joined = event.type().equals("joined");
         if (!joined && !event.type().equals("left")) {

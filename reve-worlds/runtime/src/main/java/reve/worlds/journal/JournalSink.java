@@ -1,20 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
+import reve.core.agent.port.CarriedSession;
+import reve.core.agent.port.SessionNote;
+
 import java.io.IOException;
 import java.time.Duration;
 import java.util.List;
 import java.util.Optional;
 import java.util.function.Consumer;
 
-/** The storage of a journal. For one thread, unless a method says otherwise. */
+/** The storage of a journal. For one thread, unless a method states otherwise. */
 public interface JournalSink extends AutoCloseable {
     /**
-     * Appends a library or a frame. After it returns, the record survives the end of this process.
+     * Appends a library or a frame. The record survives the end of this process after the method
+     * has returned.
      *
      * @throws IOException naming the file; the record is then not stored
      */
     void write(JournalRecord record) throws IOException;
+
+    /**
+     * Returns whether the sink stores notes about sessions, for the server that continues the world
+     * if this server is lost. For any thread.
+     */
+    default boolean keepsSessions() {
+        return false;
+    }
+
+    /**
+     * Adds notes about sessions to the next frame or place. The notes are stored together with this
+     * frame or place, or with a later one if it cannot be stored.
+     */
+    default void note(List<SessionNote> notes) {
+        // Only shared stores are continued by other servers.
+    }
 
     /**
      * Reserves the position of an image of the last written frame in the order of records. The
@@ -31,8 +51,9 @@ public interface JournalSink extends AutoCloseable {
     void sync() throws IOException;
 
     /**
-     * Returns the name of the sink's file and what happened to it, if the file was moved, removed
-     * or truncated. Readers would then miss new data. Empty otherwise.
+     * Returns a message if the sink's file was moved, removed or truncated, so that readers would
+     * miss new data. The message contains the name of the file and what happened. The result is
+     * empty otherwise.
      */
     default Optional<String> missing() {
         return Optional.empty();
@@ -40,8 +61,8 @@ public interface JournalSink extends AutoCloseable {
 
     /**
      * Checks the sink's files and returns a line for each file that was removed, replaced or
-     * truncated since the last check. Each line says what to do. Called by the thread that writes
-     * images.
+     * truncated since the last check. Each line states what the operator must do. Called by the
+     * thread that writes images.
      */
     default List<String> troubles() {
         return List.of();
@@ -63,14 +84,36 @@ public interface JournalSink extends AutoCloseable {
     }
 
     /**
-     * Records where agents connect to the world, for clients that search it in a shared store.
-     * Called at most once, before the first frame.
+     * Records the address at which agents connect to the world, for clients that look up the world
+     * in a shared store. Called at most once, before the first frame.
      *
      * @param agents host and port of the server
      * @throws IOException if the store cannot be written; the world may run nevertheless
      */
     default void announce(String agents) throws IOException {
-        // Only shared stores are searched.
+        // This implementation does nothing, because clients search shared stores only.
+    }
+
+    /**
+     * Stores the sessions of clients, for the server that continues the world. Call this method
+     * after the last frame. The world must not depend on them: a server that does not find the
+     * sessions removes the agents.
+     *
+     * @param frame the last frame of the world
+     * @throws IOException if they cannot be stored
+     */
+    default void handOver(long frame, List<CarriedSession> sessions) throws IOException {
+        // Only shared stores are continued by other servers.
+    }
+
+    /**
+     * Records that the world sleeps: no server runs it until a client requests it. Call this method
+     * after the last frame. The record is no longer valid when a server takes the world.
+     *
+     * @throws IOException if it cannot be recorded
+     */
+    default void sleep() throws IOException {
+        throw new UnsupportedOperationException("only worlds of a shared store sleep");
     }
 
     /**
@@ -84,10 +127,11 @@ public interface JournalSink extends AutoCloseable {
 
     /**
      * Limits the time of all writes and of {@link #close} together, because the process is about to
-     * be ended. Writes that are not done by then fail. For any thread; called at most once.
+     * be ended. Writes that are not done within this time fail. For any thread; called at most
+     * once.
      */
     default void hurry(Duration limit) {
-        // A disk cannot be hurried.
+        // This implementation does nothing, because a write to a disk cannot be accelerated.
     }
 
     @Override
@@ -153,15 +197,15 @@ public interface JournalSink extends AutoCloseable {
     }
 
     /**
-     * A reserved position for an image. For any thread, also during a write. Images must be written
-     * in the order of their positions.
+     * A reserved position for an image in the order of records. For any thread, also during a
+     * write. Images must be written in the order of their positions.
      */
     interface Place {
         /**
          * Stores the image and the libraries that it refers to, either all or none of them.
          *
          * @throws BegunAnewException if nothing was written and a retry will probably succeed
-         * @throws IOException naming the file, if the write failed; the place may be retried
+         * @throws IOException naming the file, if the write failed; the write may be retried
          */
         void write(List<JournalRecord.Library> libraries, JournalRecord.Image image)
                 throws IOException;

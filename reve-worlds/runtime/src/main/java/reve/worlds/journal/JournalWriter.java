@@ -3,6 +3,7 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.file.RuleChanges;
 import reve.pe.adapter.LawChange;
 import reve.pe.adapter.LawLibrary;
 
@@ -22,8 +23,8 @@ import java.util.function.Supplier;
 import java.util.regex.Pattern;
 
 /**
- * The two threads that write a journal. One appends each frame as soon as the world's thread passes
- * it. The other writes images and flushes data to the disk.
+ * The two threads that write a journal. The first thread appends each frame as soon as the world's
+ * thread passes it. The second thread writes images and flushes data to the disk.
  */
 final class JournalWriter {
     private static final int SPINS = 1_000;
@@ -64,8 +65,8 @@ final class JournalWriter {
     private long reached = -1;
 
     /**
-     * Frame of the image with which the journal began, or with which it last began again after a
-     * gap.
+     * Frame of the image with which the journal began. After a gap, it is the frame of the image
+     * with which the journal resumed.
      */
     private long begunAt = -1;
 
@@ -73,7 +74,10 @@ final class JournalWriter {
     private final AtomicBoolean beginsAnew = new AtomicBoolean();
     private long lookedNanos = System.nanoTime();
 
-    /** True while the sink accepts nothing, from a failed write up to the next stored image. */
+    /**
+     * True from a failed write until the next image is stored. The sink accepts no frames during
+     * this time.
+     */
     private volatile boolean failing;
 
     /** True while the file is moved, removed or truncated and not yet replaced. */
@@ -94,7 +98,7 @@ final class JournalWriter {
      */
     private final Map<String, Long> reported = new ConcurrentHashMap<>();
 
-    /** The replacement file, for messages; empty if there is none. */
+    /** Name of the file that replaces a lost one, for messages; empty if there is none. */
     private String place = "";
 
     /** The frames that a recording lacks. Set when the writer ends. */
@@ -153,7 +157,7 @@ final class JournalWriter {
 
     /**
      * Returns whether the last write failed and no image has been stored since. Frames then need
-     * not wait for the disk: none of them is written.
+     * not wait for the disk, because none of them is written.
      */
     boolean isFailing() {
         return failing;
@@ -207,7 +211,8 @@ final class JournalWriter {
     private void run() {
         try {
             writeAll();
-        } catch (Throwable e) { // failure() returns it to the world's thread
+        } catch (Throwable e) {
+            // The method failure() passes the error to the world's thread.
             failure = e;
         } finally {
             disk.close();
@@ -235,8 +240,8 @@ final class JournalWriter {
 
     private void writeAll() {
         while (failure == null) {
-            boolean last = ending; // read before the ring is checked: after `ending` is set, no
-            // entry follows
+            // This field is read before the ring, because no entry follows after it is set.
+            boolean last = ending;
             Entry entry = ring.peek();
             if (entry != null) {
                 lookAfterFile();
@@ -324,8 +329,8 @@ final class JournalWriter {
     }
 
     /**
-     * Runs a step. On failure, reports the reason and the consequence, and returns false. An Error,
-     * for example out of memory, is treated like a failure of the disk.
+     * Runs a step of the work. Reports the reason and the consequence if the step fails, and
+     * returns false. An Error, for example out of memory, is treated like a failure of the disk.
      */
     private boolean attempt(Step step, String consequence) {
         return attempt(step, () -> consequence);
@@ -342,7 +347,8 @@ final class JournalWriter {
             if (e instanceof JournalSink.GapException) {
                 beginsAnew.set(true);
             }
-            if (!refused) { // otherwise this was already reported
+            if (!refused) {
+                // The failure of a recording that stays refused was already reported.
                 report(reason(e) + consequence.get());
             }
             return false;
@@ -352,7 +358,7 @@ final class JournalWriter {
     /** Reports a failure, unless the same failure was reported less than a minute ago. */
     private void report(String problem) {
         long now = System.nanoTime();
-        String kind = NUMBER.matcher(problem).replaceAll("#"); // frames and bytes differ each time
+        String kind = NUMBER.matcher(problem).replaceAll("#"); // numbers differ each time
         Long before = reported.get(kind);
         if (before == null || now - before > AGAIN_NANOSECONDS) {
             reported.put(kind, now);
@@ -367,10 +373,13 @@ final class JournalWriter {
     }
 
     /**
-     * Writes an entry. If a frame cannot be written, the journal lacks all frames up to the next
-     * image.
+     * Writes an entry. The journal lacks all frames up to the next image if a frame cannot be
+     * written.
      */
     private void take(Entry entry) {
+        if (!entry.sessions.isEmpty()) {
+            sink.note(entry.sessions);
+        }
         if (begun && !entry.begins && !entry.last) {
             begun =
                     attempt(
@@ -449,11 +458,12 @@ final class JournalWriter {
     }
 
     /**
-     * Writes an image. Meanwhile the other thread continues to write frames. It waits only if the
-     * journal has no first image yet.
+     * Writes an image. Meanwhile the other thread continues to write frames. Only the first image
+     * of a journal makes that thread wait.
      */
     private void keepImage(Entry entry, SimulationImage image) throws IOException {
         Map<String, Long> members = entry.members;
+        RuleChanges rules = entry.allRules;
         int tries = entry.last ? LAST_IMAGE_TRIES : 1;
         String otherwise =
                 begun && !entry.begins
@@ -465,9 +475,9 @@ final class JournalWriter {
             frames.begin();
             kept =
                     CompletableFuture.supplyAsync(
-                            () -> writeImage(image, members, place, tries, otherwise), disk);
+                            () -> writeImage(image, members, rules, place, tries, otherwise), disk);
         } catch (Throwable e) {
-            rooms.add(image); // otherwise writeImage() returns the buffer
+            rooms.add(image); // writeImage() does this if it runs
             throw e;
         }
         if (entry.begins || entry.last || !begun) {
@@ -489,6 +499,7 @@ final class JournalWriter {
     private boolean writeImage(
             SimulationImage image,
             Map<String, Long> members,
+            RuleChanges rules,
             JournalSink.Place place,
             int tries,
             String otherwise) {
@@ -501,7 +512,7 @@ final class JournalWriter {
                                             .map(JournalWriter::record)
                                             .toList(),
                                     new JournalRecord.Image(
-                                            image.frame(), images.write(image, members)));
+                                            image.frame(), images.write(image, members, rules)));
             boolean done = attempt(step, otherwise);
             for (int i = 1; !done && i < tries; i++) {
                 LockSupport.parkNanos(BETWEEN_TRIES_NANOSECONDS);

@@ -16,13 +16,13 @@ import java.util.UUID;
 import java.util.zip.CRC32C;
 
 /**
- * The file STORE-manifest. It lists the minimum content of the other files of a store. After each
- * frame and each image, one small write updates it in place, so it never claims data that is not
- * yet written. If files contain less than the manifest claims, data was lost. The store writes the
- * name of each file of frames to the manifest before it writes a frame to the file. It flushes the
- * manifest before it commits the image that begins the file. Therefore a manifest that does not
- * name the newest file of frames is an older copy. An older copy does not show whether the newest
- * frames are complete. For any thread.
+ * The file STORE-manifest. It lists the minimum content of the other files of a store. One small
+ * write updates the manifest in place after each frame and each image. The manifest therefore never
+ * lists data that is not yet written. Data was lost if the files contain less than the manifest
+ * lists. The store writes the name of each file of frames to the manifest before it writes a frame
+ * to the file. It flushes the manifest before it commits the image that begins the file. Therefore
+ * a manifest that does not name the newest file of frames is an older copy. An older copy does not
+ * show whether the newest frames are complete. For any thread.
  */
 final class Manifest implements AutoCloseable {
     private static final byte[] MARK =
@@ -259,8 +259,9 @@ final class Manifest implements AutoCloseable {
         try {
             return UUID.fromString(Files.readString(BOOT).strip());
         } catch (IOException | IllegalArgumentException unknown) {
-            return new UUID(0, 0); // unknown: with a constant identity, no boot counts as a
-            // different one
+            // The identity of the boot is unknown. The constant identity never counts as the
+            // identity of another boot.
+            return new UUID(0, 0);
         }
     }
 

@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.image.CorruptException;
 
+import java.io.IOException;
 import java.sql.Connection;
 import java.sql.SQLException;
 import java.sql.Statement;
@@ -15,7 +16,10 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.stream.Stream;
 
-/** The content of a world's rows in a shared database, and what is missing. For one thread. */
+/**
+ * The content of a world's rows in a shared database, and the damage that reading them has found.
+ * For one thread.
+ */
 final class PostgresContents implements StoreReading {
     private static final String BACKUP =
             "restore the database from a backup, or store the world under another name";
@@ -30,6 +34,9 @@ final class PostgresContents implements StoreReading {
 
     /** Messages about damage that loses data. */
     private final List<String> damage = new ArrayList<>();
+
+    /** All frames since the oldest image, if they were read. */
+    private final List<JournalRecord> history = new ArrayList<>();
 
     private @Nullable Start start;
     private long known = -1;
@@ -46,6 +53,9 @@ final class PostgresContents implements StoreReading {
         }
     }
 
+    /** A frame, and whether its bytes are as they were written. */
+    private record FrameRow(long image, JournalRecord.Frame frame, boolean isGood) {}
+
     private PostgresContents(String name) {
         this.name = name;
     }
@@ -58,7 +68,8 @@ final class PostgresContents implements StoreReading {
     static PostgresContents read(Connection connection, String name, String world)
             throws SQLException {
         try (Statement statement = connection.createStatement()) {
-            // The database counts the time in which this process receives rows as idle.
+            // A longer limit on idle time is set, because the database counts the time in which
+            // this process receives rows as idle.
             statement.execute(
                     "SET TRANSACTION ISOLATION LEVEL REPEATABLE READ READ ONLY;"
                             + " SET LOCAL idle_in_transaction_session_timeout = '60s'");
@@ -78,9 +89,24 @@ final class PostgresContents implements StoreReading {
         return contents;
     }
 
-    /** Returns the content of a database that has no table of stores. */
-    static PostgresContents none(String name) {
-        return new PostgresContents(name);
+    /**
+     * Reads a world without taking it. Its owner may write meanwhile.
+     *
+     * @param isHistory whether the records contain all frames since the oldest image
+     */
+    static PostgresContents of(StoreAddress.InDatabase address, boolean isHistory)
+            throws IOException {
+        return PostgresTables.reading(
+                address.url(),
+                new PostgresContents(address.toString()),
+                connection -> {
+                    PostgresContents contents =
+                            read(connection, address.toString(), address.world());
+                    if (isHistory) {
+                        contents.readHistory(connection, address.world());
+                    }
+                    return contents;
+                });
     }
 
     private void readLibraries(Connection connection, String world) throws SQLException {
@@ -102,24 +128,7 @@ final class PostgresContents implements StoreReading {
     }
 
     private void readJournal(Connection connection, String world) throws SQLException {
-        List<ImageRow> images =
-                PostgresSession.query(
-                        connection,
-                        "SELECT epoch, number, frame, crc32c FROM reve.image WHERE world = ?"
-                                + " ORDER BY number DESC, epoch DESC",
-                        rows -> {
-                            List<ImageRow> found = new ArrayList<>();
-                            while (rows.next()) {
-                                found.add(
-                                        new ImageRow(
-                                                rows.getLong(1),
-                                                rows.getLong(2),
-                                                rows.getLong(3),
-                                                rows.getLong(4)));
-                            }
-                            return found;
-                        },
-                        world);
+        List<ImageRow> images = images(connection, world);
         lastImage =
                 PostgresSession.query(
                         connection,
@@ -147,6 +156,27 @@ final class PostgresContents implements StoreReading {
         judge(images.isEmpty());
     }
 
+    /** Returns the images of a world, the newest one first. */
+    private static List<ImageRow> images(Connection connection, String world) throws SQLException {
+        return PostgresSession.query(
+                connection,
+                "SELECT epoch, number, frame, crc32c FROM reve.image WHERE world = ?"
+                        + " ORDER BY number DESC, epoch DESC",
+                rows -> {
+                    List<ImageRow> found = new ArrayList<>();
+                    while (rows.next()) {
+                        found.add(
+                                new ImageRow(
+                                        rows.getLong(1),
+                                        rows.getLong(2),
+                                        rows.getLong(3),
+                                        rows.getLong(4)));
+                    }
+                    return found;
+                },
+                world);
+    }
+
     private static Optional<byte[]> bytes(Connection connection, String world, ImageRow row)
             throws SQLException {
         return PostgresSession.query(
@@ -165,45 +195,90 @@ final class PostgresContents implements StoreReading {
                                         == row.sum());
     }
 
+    /** Returns the frames since an image, in order. */
+    private static List<FrameRow> frames(Connection connection, String world, long image)
+            throws SQLException {
+        return PostgresSession.query(
+                connection,
+                "SELECT image, frame, bytes, crc32c FROM reve.frame WHERE world = ? AND image >= ?"
+                        + " ORDER BY image, frame, epoch",
+                rows -> {
+                    List<FrameRow> found = new ArrayList<>();
+                    while (rows.next()) {
+                        long number = rows.getLong(2);
+                        byte[] json = rows.getBytes(3);
+                        found.add(
+                                new FrameRow(
+                                        rows.getLong(1),
+                                        new JournalRecord.Frame(number, json),
+                                        StoreDatabase.checksum(json, rows.getLong(1), number)
+                                                == rows.getLong(4)));
+                    }
+                    return found;
+                },
+                world,
+                image);
+    }
+
     private Start follow(Connection connection, String world, ImageRow row, byte[] bytes)
             throws SQLException {
         List<JournalRecord> after = new ArrayList<>();
         List<String> why = new ArrayList<>();
-        long frame =
-                PostgresSession.query(
-                        connection,
-                        "SELECT epoch, image, frame, bytes, crc32c FROM reve.frame WHERE world = ?"
-                                + " AND image >= ? ORDER BY image, frame, epoch",
-                        rows -> {
-                            long reached = row.frame();
-                            while (rows.next()) {
-                                long number = rows.getLong(3);
-                                known = Math.max(known, number);
-                                byte[] json = rows.getBytes(4);
-                                boolean isGood =
-                                        StoreDatabase.checksum(json, rows.getLong(2), number)
-                                                == rows.getLong(5);
-                                if (!why.isEmpty()) {
-                                    continue;
-                                }
-                                if (number != reached + 1 || !isGood) {
-                                    why.add(
-                                            name
-                                                    + ": frame "
-                                                    + (reached + 1)
-                                                    + (isGood || number != reached + 1
-                                                            ? " is missing"
-                                                            : " is damaged"));
-                                    continue;
-                                }
-                                after.add(new JournalRecord.Frame(number, json));
-                                reached = number;
-                            }
-                            return reached;
-                        },
-                        world,
-                        row.number());
-        return new Start(new JournalRecord.Image(row.frame(), bytes), after, frame, why);
+        long reached = row.frame();
+        for (FrameRow each : frames(connection, world, row.number())) {
+            long number = each.frame().frame();
+            known = Math.max(known, number);
+            if (!why.isEmpty()) {
+                continue;
+            }
+            if (number != reached + 1 || !each.isGood()) {
+                why.add(
+                        name
+                                + ": frame "
+                                + (reached + 1)
+                                + (number == reached + 1 ? " is damaged" : " is missing"));
+                continue;
+            }
+            after.add(each.frame());
+            reached = number;
+        }
+        return new Start(new JournalRecord.Image(row.frame(), bytes), after, reached, why);
+    }
+
+    /**
+     * Reads all frames since the oldest image. An image that follows its frame adds nothing. Where
+     * frames are missing, the records continue with the next image.
+     */
+    private void readHistory(Connection connection, String world) throws SQLException {
+        List<ImageRow> images = images(connection, world).reversed();
+        List<FrameRow> frames =
+                images.isEmpty()
+                        ? List.of()
+                        : frames(connection, world, images.getFirst().number());
+        long reached = -1;
+        for (int i = 0; i < images.size(); i++) {
+            ImageRow row = images.get(i);
+            if (history.isEmpty() || row.frame() != reached) {
+                Optional<byte[]> bytes = bytes(connection, world, row);
+                if (bytes.isPresent()) {
+                    history.add(new JournalRecord.Image(row.frame(), bytes.get()));
+                    reached = row.frame();
+                }
+            }
+            long next = i + 1 < images.size() ? images.get(i + 1).number() : Long.MAX_VALUE;
+            for (FrameRow each : frames) {
+                boolean isNext =
+                        !history.isEmpty()
+                                && each.image() >= row.number()
+                                && each.image() < next
+                                && each.frame().frame() == reached + 1
+                                && each.isGood();
+                if (isNext) {
+                    history.add(each.frame());
+                    reached++;
+                }
+            }
+        }
     }
 
     private void judge(boolean hasNoImage) {
@@ -271,7 +346,9 @@ final class PostgresContents implements StoreReading {
     public List<JournalRecord> records() {
         List<JournalRecord> records = new ArrayList<>();
         libraries.forEach((sha256, bytes) -> records.add(new JournalRecord.Library(sha256, bytes)));
-        if (start != null) {
+        if (!history.isEmpty()) {
+            records.addAll(history);
+        } else if (start != null) {
             records.add(start.image());
             records.addAll(start.after());
         }

@@ -13,9 +13,11 @@ import java.sql.Statement;
 import java.time.Duration;
 import java.util.OptionalLong;
 import java.util.Properties;
+import java.util.logging.Level;
+import java.util.logging.Logger;
 
 /**
- * A connection to a database. It is opened at the first use. If it was lost, it is opened again at
+ * A connection to a database. It is opened at the first use. A lost connection is opened again at
  * the next use. For any thread; one thread at a time uses the connection.
  */
 final class PostgresSession implements AutoCloseable {
@@ -30,15 +32,22 @@ final class PostgresSession implements AutoCloseable {
             "SET lock_timeout = '10s'; SET idle_in_transaction_session_timeout = '5s';"
                     + " SET statement_timeout = '60s'; SET client_min_messages = warning";
 
+    /** The driver's own log. Its exceptions contain the same text, and become our messages. */
+    private static final Logger DRIVER_LOG = Logger.getLogger("org.postgresql");
+
+    static {
+        DRIVER_LOG.setLevel(Level.OFF);
+    }
+
     private final PostgresUrl url;
     private final Properties properties;
     private final boolean flushes;
     private volatile @Nullable Connection connection;
 
-    /** The time at which the session ends [ns]; empty while it has no end. */
+    /** The time at which the session ends [ns]; empty while no end is set. */
     private volatile OptionalLong endNanos = OptionalLong.empty();
 
-    /** Work on the connection. */
+    /** A function that uses the connection. */
     interface Work<T> {
         T run(Connection connection) throws SQLException, IOException;
     }
@@ -61,9 +70,9 @@ final class PostgresSession implements AutoCloseable {
     }
 
     /**
-     * Runs a single statement, which is a transaction by itself. If a connection that was open
-     * before is lost, runs the work once more, on a new connection. The database may have done the
-     * first work then.
+     * Runs a single statement, which is a transaction by itself. The statement is run once more, on
+     * a new connection, if a connection that was already open is lost. In this case the database
+     * may have executed it twice.
      *
      * @param what the operation for messages, as a participle such as "read"
      * @throws IOException if the database refuses the statement or cannot be reached
@@ -73,8 +82,8 @@ final class PostgresSession implements AutoCloseable {
     }
 
     /**
-     * Runs work in a transaction. Either all of its changes take effect, or none. Runs it once more
-     * like {@link #run}.
+     * Runs work in a transaction. Either all of its changes take effect, or none. Like {@link
+     * #run}, runs the work once more if the connection is lost.
      */
     synchronized <T> T transaction(String what, Work<T> work) throws IOException {
         return repeated(
@@ -132,15 +141,16 @@ final class PostgresSession implements AutoCloseable {
                 open.abort(Runnable::run);
             }
         } catch (InterruptedException | SQLException e) {
-            // The connection ends by itself, at the latest with the process.
+            // The exception is ignored, because the connection ends with the process at the latest.
         }
     }
 
-    private Connection open() throws SQLException {
+    private Connection open() throws SQLException, IOException {
         Connection open = connection;
         if (open != null) {
             return open;
         }
+        PasswordFile.check();
         OptionalLong end = endNanos;
         if (end.isPresent()) {
             long left = end.getAsLong() - System.nanoTime();
@@ -187,7 +197,7 @@ final class PostgresSession implements AutoCloseable {
         }
     }
 
-    /** Reads the rows of a query. */
+    /** A function that reads the rows of a query. */
     interface Reading<T> {
         T read(ResultSet rows) throws SQLException;
     }

@@ -3,6 +3,8 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.agent.port.CarriedSession;
+import reve.core.agent.port.SessionNote;
 import reve.core.image.CorruptException;
 
 import java.io.IOException;
@@ -12,7 +14,6 @@ import java.security.SecureRandom;
 import java.sql.Connection;
 import java.sql.ResultSet;
 import java.sql.SQLException;
-import java.sql.Statement;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
@@ -24,23 +25,22 @@ import java.util.function.Consumer;
 
 /**
  * A world in a PostgreSQL database that several servers share. A server takes the world and is
- * granted an epoch, a number that grows with each grant. The row of the world also contains the
- * owner, a text that no other server has, because an epoch is granted again after the database was
- * restored from a backup. Each write of the server compares its epoch and itself with the row, in
- * the same transaction. After another server has taken the world, each write therefore fails with a
- * {@link JournalSink.LostException}. For the threads of a journal.
+ * granted an epoch, a number that grows with each grant. The row of the world contains the epoch
+ * and the owner, a text that is different for each server. The epoch alone is not sufficient,
+ * because it is granted again after the database was restored from a backup. Each write of the
+ * server compares its epoch and its own text with the row, in the same transaction. Each write
+ * therefore fails with a {@link JournalSink.LostException} after another server has taken the
+ * world. For the threads of a journal.
  */
 public final class PostgresStore implements JournalSink {
-    private static final int VERSION = 1;
     private static final int GENERATIONS = 3;
 
-    /** Key of the lock under which the tables are created ("REVE"). */
-    static final long CREATION_LOCK = 0x52455645L;
+    /**
+     * Duration of a lease [s]: after a write, no other server can take the world during this time.
+     */
+    public static final int LEASE_SECONDS = 10;
 
-    /** Time for which a write keeps other servers from taking the world. */
-    private static final String LEASE = "interval '10 s'"; // LEASE_SECONDS
-
-    private static final int LEASE_SECONDS = 10;
+    private static final String LEASE = "interval '" + LEASE_SECONDS + " s'";
     private static final long LEASE_NANOSECONDS = LEASE_SECONDS * 1_000_000_000L;
 
     /** Time without a write after which the lease is extended [ns]. */
@@ -51,36 +51,6 @@ public final class PostgresStore implements JournalSink {
 
     private static final int FRAME_PATIENCE_SECONDS = 10;
     private static final int IMAGE_PATIENCE_SECONDS = 60;
-
-    private static final List<String> TABLES =
-            List.of(
-                    "CREATE SCHEMA IF NOT EXISTS reve",
-                    "CREATE TABLE reve.version (version integer NOT NULL)",
-                    "INSERT INTO reve.version VALUES (" + VERSION + ")",
-                    // half-filled pages have room for the new version of a row after each frame
-                    """
-                    CREATE TABLE reve.world (name text PRIMARY KEY, epoch bigint NOT NULL,
-                        owner text NOT NULL, lease_until timestamptz NOT NULL,
-                        frame bigint NOT NULL, agents text NOT NULL) WITH (fillfactor = 50)
-                    """,
-                    """
-                    CREATE TABLE reve.pack (world text PRIMARY KEY, epoch bigint NOT NULL,
-                        sha256 text NOT NULL, bytes bytea NOT NULL)
-                    """,
-                    """
-                    CREATE TABLE reve.library (world text, sha256 text, epoch bigint NOT NULL,
-                        bytes bytea NOT NULL, PRIMARY KEY (world, sha256))
-                    """,
-                    """
-                    CREATE TABLE reve.image (world text, epoch bigint, number bigint,
-                        frame bigint NOT NULL, bytes bytea NOT NULL, crc32c bigint NOT NULL,
-                        PRIMARY KEY (world, epoch, number))
-                    """,
-                    """
-                    CREATE TABLE reve.frame (world text, image bigint, frame bigint, epoch bigint,
-                        bytes bytea NOT NULL, crc32c bigint NOT NULL,
-                        PRIMARY KEY (world, image, frame, epoch))
-                    """);
 
     private static final String GRANT =
             "INSERT INTO reve.world AS known VALUES (?, 1, ?, clock_timestamp() + "
@@ -96,14 +66,22 @@ public final class PostgresStore implements JournalSink {
                     + " WHERE name = ? AND epoch = ? AND owner = ?";
 
     /**
-     * Adds the frame that follows the last one. This is a single statement, so that the database
-     * keeps no lock while it waits for this process.
+     * Adds the frame that follows the last one. A single statement does all the work, so that the
+     * database keeps no lock while it waits for this process.
      */
     private static final String ADD_FRAME =
             "WITH owned AS ("
                     + OWNED
                     + " AND frame = ? RETURNING name, epoch) INSERT INTO reve.frame"
                     + " SELECT name, ?, ?, epoch, ?, ? FROM owned";
+
+    /** Adds a frame and the notes about sessions that belong to it, either both or none. */
+    private static final String ADD_FRAME_AND_NOTES =
+            "WITH owned AS ("
+                    + OWNED
+                    + " AND frame = ? RETURNING name, epoch), added AS (INSERT INTO reve.frame"
+                    + " SELECT name, ?, ?, epoch, ?, ? FROM owned) INSERT INTO reve.session_note"
+                    + " SELECT name, epoch, ?, false, ? FROM owned";
 
     private static final String ADD_LIBRARY =
             "WITH owned AS ("
@@ -125,18 +103,32 @@ public final class PostgresStore implements JournalSink {
     private final StoreAddress.InDatabase address;
     private final String world;
 
-    /** This server and this use of the world, as the row of the world names them. */
+    /**
+     * The owner's text in the row of the world. It identifies this server and this use of the
+     * world.
+     */
     private final String self = thisServer();
 
-    /** Writes frames and extends the lease. */
+    /** Session that writes frames and extends the lease. */
     private final PostgresSession frames;
 
-    /** Writes images, so that frames do not wait for them. */
+    /** Session that writes images, so that frames do not wait for them. */
     private final PostgresSession images;
 
     private final Object loss = new Object();
     private long epoch;
     private volatile @Nullable PostgresContents contents;
+    private volatile List<CarriedSession> sessions = List.of();
+
+    /** Whether the database has the table for notes about sessions. */
+    private volatile boolean keepsSessions;
+
+    /** The sessions after the last frame that was written. For the thread that writes frames. */
+    private final NotedSessions noted = new NotedSessions();
+
+    /** Notes that are not written yet. For the thread that writes frames. */
+    private final List<SessionNote> notes = new ArrayList<>();
+
     private volatile long image;
     private final AtomicLong reached = new AtomicLong(-1);
     private volatile long confirmedNanos;
@@ -146,8 +138,8 @@ public final class PostgresStore implements JournalSink {
     private volatile boolean toldAway;
 
     /**
-     * The owner of a world and the end of its lease. A later end shows that the owner extends the
-     * lease.
+     * The owner of a world and the end of its lease. The owner has extended the lease if the end
+     * has become later.
      */
     private record Owner(long epoch, String name, String until, double seconds) {
         private boolean isStill(Owner before) {
@@ -211,10 +203,11 @@ public final class PostgresStore implements JournalSink {
             throws IOException {
         PostgresStore store = new PostgresStore(address, durability);
         try {
-            store.images.transaction("opened", PostgresStore::createTables);
+            store.images.transaction("opened", PostgresTables::create);
             store.epoch = store.grant(problems);
             store.confirmedNanos = System.nanoTime();
-            // Reading a large world may take longer than the lease.
+            // The lease is extended meanwhile, because reading a large world may take longer than
+            // the lease.
             Thread.ofVirtual().name("lease of " + store.world).start(store::extendLease);
             PostgresContents read =
                     store.images.transaction(
@@ -223,6 +216,14 @@ public final class PostgresStore implements JournalSink {
                                     PostgresContents.read(
                                             connection, address.toString(), address.world()));
             store.contents = read;
+            store.sessions =
+                    store.images.transaction(
+                            "read",
+                            connection ->
+                                    store.takeSessions(
+                                            connection,
+                                            read.frame(),
+                                            problem -> problems.accept(address + ": " + problem)));
             store.image = read.lastImage();
             store.reached.set(read.frame());
             store.requireNotLost();
@@ -231,6 +232,12 @@ public final class PostgresStore implements JournalSink {
             throw refused;
         }
         return store.taken();
+    }
+
+    private List<CarriedSession> takeSessions(
+            Connection connection, long frame, Consumer<String> problems) throws SQLException {
+        keepsSessions = NotedSessions.areKept(connection);
+        return CarriedSessions.takeAll(connection, world, epoch, frame, keepsSessions, problems);
     }
 
     private TakenStore taken() {
@@ -248,10 +255,15 @@ public final class PostgresStore implements JournalSink {
             }
 
             @Override
+            public List<CarriedSession> sessions() {
+                return sessions;
+            }
+
+            @Override
             public JournalSink open() throws IOException {
                 storePack();
                 opened = true;
-                contents = null; // an image may be large
+                contents = null; // an image may be large, so it is not kept in memory
                 return PostgresStore.this;
             }
 
@@ -280,22 +292,13 @@ public final class PostgresStore implements JournalSink {
         }
     }
 
-    /** Reads a world without taking it. Its owner may write meanwhile. */
-    static StoreReading read(PostgresUrl url, String world) throws IOException {
-        String name = new StoreAddress.InDatabase(url, world, Optional.empty()).toString();
-        return reading(
-                url,
-                PostgresContents.none(name),
-                connection -> PostgresContents.read(connection, name, world));
-    }
-
     /**
      * Returns the worlds of a database, by name.
      *
-     * @throws IOException if the database is away
+     * @throws IOException if the database cannot be reached
      */
     public static List<World> worlds(PostgresUrl url) throws IOException {
-        return reading(url, List.of(), PostgresStore::worlds);
+        return PostgresTables.reading(url, List.of(), PostgresStore::worlds);
     }
 
     /** Returns the worlds of a database that has the tables, by name. */
@@ -317,8 +320,8 @@ public final class PostgresStore implements JournalSink {
      * given the world back. Also waits while the database cannot be reached, and while a world is
      * missing that must be there.
      *
-     * @param mustExist whether only the database has the world; a world that this method has seen
-     *     must also be there
+     * @param mustExist true if only the database has the world, so that it must be there. A world
+     *     that this method has found once must also be there
      * @param owners receives the present owner when the wait begins, and each later owner
      * @param problems receives a message when the database cannot be reached any more, or lacks the
      *     world
@@ -374,15 +377,15 @@ public final class PostgresStore implements JournalSink {
     }
 
     /**
-     * Returns whether an owner has not extended its lease for as long as a lease lasts, by the
-     * clock of this process. The clock of the database may have been set back.
+     * Returns whether an owner has not extended its lease for the duration of a lease. The clock of
+     * this process decides, because the clock of the database may have been set back.
      */
     private static boolean isSilentSince(long nanos) {
         return System.nanoTime() - nanos > LEASE_NANOSECONDS + ATTEMPT_NANOSECONDS;
     }
 
     private static Optional<World> find(Connection connection, String world) throws SQLException {
-        return requireVersion(connection).isEmpty()
+        return PostgresTables.requireVersion(connection).isEmpty()
                 ? Optional.empty()
                 : PostgresSession.query(
                         connection,
@@ -396,10 +399,10 @@ public final class PostgresStore implements JournalSink {
      *
      * @return empty if the database has no such world
      * @throws CorruptException if the pack is damaged
-     * @throws IOException if the database is away
+     * @throws IOException if the database cannot be reached
      */
     public static Optional<byte[]> pack(PostgresUrl url, String world) throws IOException {
-        return reading(
+        return PostgresTables.reading(
                 url,
                 Optional.empty(),
                 connection ->
@@ -422,62 +425,6 @@ public final class PostgresStore implements JournalSink {
                                     return Optional.of(bytes);
                                 },
                                 world));
-    }
-
-    private static <T> T reading(PostgresUrl url, T none, PostgresSession.Work<T> work)
-            throws IOException {
-        try (PostgresSession session = new PostgresSession(url, IMAGE_PATIENCE_SECONDS, true)) {
-            boolean hasTables =
-                    session.run("read", connection -> requireVersion(connection).isPresent());
-            return hasTables ? session.transaction("read", work) : none;
-        }
-    }
-
-    /** Returns the version of the tables; empty if there are none. */
-    private static Optional<Integer> requireVersion(Connection connection) throws SQLException {
-        boolean exists =
-                PostgresSession.query(
-                        connection,
-                        "SELECT to_regclass('reve.version') IS NOT NULL",
-                        rows -> rows.next() && rows.getBoolean(1));
-        if (!exists) {
-            return Optional.empty();
-        }
-        int version =
-                PostgresSession.query(
-                        connection,
-                        "SELECT version FROM reve.version",
-                        rows -> rows.next() ? rows.getInt(1) : 0);
-        if (version != VERSION) {
-            throw new CorruptException(
-                    "the tables of the database "
-                            + connection.getCatalog()
-                            + " have the version "
-                            + version
-                            + ", this program reads and writes "
-                            + VERSION
-                            + "; use the program with which they were written, or another"
-                            + " database");
-        }
-        return Optional.of(version);
-    }
-
-    /** Creates the tables in a database that has none; returns whether it did. */
-    static boolean createTables(Connection connection) throws SQLException {
-        if (requireVersion(connection).isPresent()) {
-            return false;
-        }
-        PostgresSession.query(
-                connection, "SELECT pg_advisory_xact_lock(?)", rows -> rows.next(), CREATION_LOCK);
-        if (requireVersion(connection).isPresent()) {
-            return false;
-        }
-        try (Statement statement = connection.createStatement()) {
-            for (String table : TABLES) {
-                statement.execute(table);
-            }
-        }
-        return true;
     }
 
     private long grant(Consumer<String> problems) throws IOException {
@@ -536,8 +483,8 @@ public final class PostgresStore implements JournalSink {
     }
 
     /**
-     * Refuses a world whose row is missing although there are images of it, because the row says
-     * which frames there must be.
+     * Refuses a world whose row is missing although there are images of it, because only the row
+     * states which frames must exist.
      */
     private void requireRow() throws IOException {
         boolean isMissing =
@@ -637,6 +584,26 @@ public final class PostgresStore implements JournalSink {
     }
 
     @Override
+    public void handOver(long frame, List<CarriedSession> handedOver) throws IOException {
+        requireNotLost();
+        writeOwned(
+                connection -> {
+                    CarriedSessions.write(connection, world, epoch, frame, handedOver);
+                    return -1L;
+                });
+    }
+
+    @Override
+    public void sleep() throws IOException {
+        requireNotLost();
+        writeOwned(
+                connection -> {
+                    PostgresCatalog.markAsleep(connection, world, epoch);
+                    return -1L;
+                });
+    }
+
+    @Override
     public void whenLost(Consumer<String> listener) {
         synchronized (loss) {
             lostListener = listener;
@@ -653,23 +620,7 @@ public final class PostgresStore implements JournalSink {
         long before = System.nanoTime();
         int rows =
                 switch (record) {
-                    case JournalRecord.Frame frame ->
-                            frames.run(
-                                    "written",
-                                    connection ->
-                                            PostgresSession.update(
-                                                    connection,
-                                                    ADD_FRAME,
-                                                    frame.frame(),
-                                                    world,
-                                                    epoch,
-                                                    self,
-                                                    reached.get(),
-                                                    image,
-                                                    frame.frame(),
-                                                    frame.json(),
-                                                    StoreDatabase.checksum(
-                                                            frame.json(), image, frame.frame())));
+                    case JournalRecord.Frame frame -> add(frame);
                     case JournalRecord.Library library ->
                             frames.run(
                                     "written",
@@ -697,7 +648,52 @@ public final class PostgresStore implements JournalSink {
         confirm(before);
         if (record instanceof JournalRecord.Frame frame) {
             reached.set(frame.frame());
+            applyNotes();
         }
+    }
+
+    /** Adds a frame with its notes about sessions, and returns the number of added rows. */
+    private int add(JournalRecord.Frame frame) throws IOException {
+        List<Object> values =
+                new ArrayList<>(
+                        List.of(
+                                frame.frame(),
+                                world,
+                                epoch,
+                                self,
+                                reached.get(),
+                                image,
+                                frame.frame(),
+                                frame.json(),
+                                StoreDatabase.checksum(frame.json(), image, frame.frame())));
+        if (!notes.isEmpty()) {
+            values.add(frame.frame());
+            values.add(NotedSessions.write(notes));
+        }
+        return frames.run(
+                "written",
+                connection ->
+                        PostgresSession.update(
+                                connection,
+                                notes.isEmpty() ? ADD_FRAME : ADD_FRAME_AND_NOTES,
+                                values.toArray()));
+    }
+
+    @Override
+    public boolean keepsSessions() {
+        return keepsSessions;
+    }
+
+    @Override
+    public void note(List<SessionNote> added) {
+        if (keepsSessions) {
+            notes.addAll(added);
+        }
+    }
+
+    private void applyNotes() {
+        noted.apply(notes);
+        notes.clear();
     }
 
     /** Returns whether the write of a frame was done by a connection that was lost afterwards. */
@@ -706,7 +702,7 @@ public final class PostgresStore implements JournalSink {
     }
 
     /**
-     * Returns the frame with which the world ends in the database.
+     * Returns the newest frame of the world in the database.
      *
      * @throws LostException if another server has the world
      */
@@ -737,11 +733,19 @@ public final class PostgresStore implements JournalSink {
         requireNotLost();
         long number = image + 1;
         image = number;
-        return (libraries, state) -> write(number, libraries, state);
+        applyNotes();
+        String whole = noted.whole();
+        return (libraries, state) -> write(number, libraries, state, whole);
     }
 
+    /**
+     * @param whole the sessions after the frame of the image
+     */
     private void write(
-            long number, List<JournalRecord.Library> libraries, JournalRecord.Image state)
+            long number,
+            List<JournalRecord.Library> libraries,
+            JournalRecord.Image state,
+            String whole)
             throws IOException {
         requireNotLost();
         writeOwned(
@@ -760,6 +764,9 @@ public final class PostgresStore implements JournalSink {
                             state.frame(),
                             state.bytes(),
                             StoreDatabase.checksum(state.bytes(), number, state.frame()));
+                    if (keepsSessions) {
+                        NotedSessions.replace(connection, world, epoch, state.frame(), whole);
+                    }
                     dropOld(connection);
                     return state.frame();
                 });
@@ -807,8 +814,8 @@ public final class PostgresStore implements JournalSink {
     }
 
     /**
-     * Writes in one transaction, and compares the epoch at its end. The row of the world is the
-     * last row that the transaction locks.
+     * Writes in one transaction, and compares the epoch at the end of the transaction. The row of
+     * the world is the last row that the transaction locks, so that it is locked only briefly.
      *
      * @param work returns the newest frame that it stores; -1 for none
      * @throws LostException after the changes were undone, if another server has the world
@@ -937,7 +944,7 @@ public final class PostgresStore implements JournalSink {
         return List.of(
                 address
                         + " was not written for "
-                        + LEASE_NANOSECONDS / 1_000_000_000L
+                        + LEASE_SECONDS
                         + " s, so the lease has ended: another server may take the world. This one"
                         + " continues until it learns that; see that the database runs and can be"
                         + " reached");

@@ -9,7 +9,7 @@ import java.util.Set;
 final class PostgresTrouble {
     private static final int CLASS_LENGTH = 2;
 
-    /** Kinds of failures that end by themselves: no connection, and a database that restarts. */
+    /** Classes of temporary failures: no connection, and a database that restarts. */
     private static final Set<String> AWAY = Set.of("08", "57");
 
     private PostgresTrouble() {}
@@ -32,7 +32,7 @@ final class PostgresTrouble {
         return AWAY.contains(stateClass(e));
     }
 
-    /** Returns the first two characters of the state, which name the kind of the failure. */
+    /** Returns the first two characters of the SQL state, which name the class of the failure. */
     private static String stateClass(SQLException e) {
         String state = e.getSQLState();
         return state == null || state.length() < CLASS_LENGTH

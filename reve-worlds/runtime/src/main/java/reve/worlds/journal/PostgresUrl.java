@@ -65,7 +65,8 @@ public record PostgresUrl(
         URI uri;
         try {
             uri = new URI(text);
-        } catch (URISyntaxException e) { // its message would repeat a password
+        } catch (URISyntaxException e) {
+            // The message of the exception is not used, because it would repeat a password.
             throw new IllegalArgumentException(
                     "the URL of the store is broken at character "
                             + (e.getIndex() + 1)
@@ -136,7 +137,7 @@ public record PostgresUrl(
         return URLEncoder.encode(part, StandardCharsets.UTF_8).replace("+", "%20");
     }
 
-    /** Returns the address for the driver, without the user and the settings. */
+    /** Returns the address in the form of the driver, without the user and the settings. */
     String forDriver() {
         return "jdbc:postgresql://" + place() + "/" + encoded(database);
     }

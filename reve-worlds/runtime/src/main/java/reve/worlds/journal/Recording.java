@@ -38,8 +38,8 @@ public final class Recording implements JournalSink {
     }
 
     private OwnedFile open() throws IOException {
-        // This check comes before the lock is taken. It reads the file, and closing the file after
-        // reading would release the lock.
+        // This check comes before the lock is taken. The check reads and closes the file, and
+        // closing it would release the lock.
         requireRecording(file);
         try {
             OwnedFile.requireName(file, "." + plan.keep());
@@ -144,7 +144,7 @@ public final class Recording implements JournalSink {
             if (!wasCut) {
                 requireRoomForOlder();
             }
-            owned.close(); // otherwise this process would still hold the lock
+            owned.close(); // this releases the lock of the process
             if (wasCut) {
                 emptyUnlessRecording();
             }

@@ -15,6 +15,8 @@ public record RecordingPlan(Path file, long maxBytes, int keep) {
     public static final int DEFAULT_KEEP = 8;
 
     /**
+     * Checks the size and the number of files.
+     *
      * @throws IllegalArgumentException if the size is less than 1 byte, or {@code keep} less than 1
      */
     public RecordingPlan {

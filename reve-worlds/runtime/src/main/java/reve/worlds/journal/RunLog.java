@@ -16,6 +16,8 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.nio.channels.Channels;
 import java.nio.channels.FileChannel;
+import java.nio.channels.FileLock;
+import java.nio.channels.OverlappingFileLockException;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.LinkOption;
@@ -34,9 +36,9 @@ import java.util.zip.CRC32C;
 
 /**
  * An append-only file of records: a complete recording, or frames of a store. The file begins with
- * a fixed mark. Each record consists of its length, a letter for its type, its frame, the CRC32C of
- * these three, the content, and the CRC32C of the content. Readers ignore an incomplete record at
- * the end of the file, which a crash may leave.
+ * a fixed mark. Each record begins with its length, a letter for its type, its frame, and the
+ * CRC32C of these three. The content and the CRC32C of the content follow. Readers ignore an
+ * incomplete record at the end of the file, which a crash may leave.
  */
 public final class RunLog {
     /** Type letter of the first record in files of a store. */
@@ -175,22 +177,48 @@ public final class RunLog {
         private static FileChannel emptied(Path file) throws IOException {
             if (Files.exists(file, LinkOption.NOFOLLOW_LINKS)
                     && !Files.isRegularFile(file, LinkOption.NOFOLLOW_LINKS)
-                    && !Files.isDirectory(file)) { // the system refuses to write to a folder
+                    && !Files.isDirectory(file)) {
+                // A folder needs no check, because the system refuses to write to it.
                 throw new IOException(
                         file + " is no regular file, expected a file of the store; move it away");
             }
             try {
                 // A file opened with APPEND stays shorter than {@code written} after another
                 // program has truncated it. The method trouble() detects this.
-                return FileChannel.open(
+                FileChannel channel =
+                        FileChannel.open(
                                 file,
                                 LinkOption.NOFOLLOW_LINKS,
                                 StandardOpenOption.CREATE,
                                 StandardOpenOption.WRITE,
-                                StandardOpenOption.APPEND)
-                        .truncate(0);
+                                StandardOpenOption.APPEND);
+                try {
+                    requireFree(file, channel);
+                    return channel.truncate(0);
+                } catch (IOException e) {
+                    channel.close();
+                    throw e;
+                }
             } catch (IOException e) {
                 throw FileTrouble.of(file, "written", e);
+            }
+        }
+
+        /** Refuses a file that another process has locked, such as the recording of a server. */
+        private static void requireFree(Path file, FileChannel channel) throws IOException {
+            try (FileLock lock = channel.size() == 0 ? null : channel.tryLock()) {
+                if (lock == null && channel.size() > 0) {
+                    throw new IOException(
+                            file
+                                    + " is in use by another program, expected a file of the store;"
+                                    + " let that program write to another file");
+                }
+            } catch (OverlappingFileLockException ofThisProcess) {
+                throw new IOException(
+                        file
+                                + " is in use as another file of this server, expected a file of the"
+                                + " store",
+                        ofThisProcess);
             }
         }
 
@@ -248,9 +276,7 @@ public final class RunLog {
             }
         }
 
-        /**
-         * Returns a message if a file of frames was moved, removed or truncated; empty otherwise.
-         */
+        /** Returns a message if this file was moved, removed or truncated; empty otherwise. */
         String trouble() {
             long bytes = written;
             String what = place.map(existing -> existing.trouble(bytes)).orElse("");
@@ -285,9 +311,9 @@ public final class RunLog {
             }
             long end = channel.position();
             long after = written + bytes.remaining();
-            full |= bytes.remaining() > maxBytes - end; // after a record that does not fit, later
-            // ones are refused, too, because no record
-            // may follow a gap
+            // After a record that does not fit, all later records are refused, because no record
+            // may follow a gap.
+            full |= bytes.remaining() > maxBytes - end;
             if (full) {
                 throw new IOException(file + " has its limit of " + maxBytes + " bytes");
             }

@@ -10,8 +10,8 @@ import java.util.List;
 import java.util.function.Consumer;
 
 /**
- * The complete state of a simulation at the end of a frame. After it is filled, any number of
- * threads may read it and build simulations from it.
+ * The complete state of a simulation at the end of a frame. Any number of threads may read a filled
+ * image and build simulations from it.
  */
 public final class SimulationImage implements AutoCloseable {
     private final WorldImage world;

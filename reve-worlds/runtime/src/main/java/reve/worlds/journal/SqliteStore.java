@@ -27,8 +27,8 @@ import java.util.stream.Stream;
  * {@link JournalSink.Place}. The database is locked, so that only one process at a time has it
  * open.
  *
- * <p>If the database's path leads to a different file than before, that file may belong to another
- * server. In this case the file and the files beside it are not changed, and the store continues
+ * <p>The path of the database may lead to a different file later, which may belong to another
+ * server. In this case that file and the files beside it are not changed, and the store continues
  * under a new name.
  */
 public final class SqliteStore implements JournalSink {
@@ -58,16 +58,16 @@ public final class SqliteStore implements JournalSink {
     /** The maximum loss by a power failure. A crash of the process alone never loses a record. */
     public enum Durability {
         /**
-         * Loses the frames of the last 0.1 s, and the frames that arrive while an image is written.
+         * A power failure loses the frames of the last 0.1 s, and the frames that arrive while an
+         * image is written.
          */
         FULL,
-        /** Loses the frames since the last image. */
+        /** A power failure loses the frames since the last image. */
         NORMAL
     }
 
     /**
-     * Opens a store to resume from it, or creates an empty one. If the store is refused, it stays
-     * unchanged.
+     * Opens a store to resume from it, or creates an empty one. A refused store stays unchanged.
      *
      * @param contents the contents of the store, which the caller has just read; not retained
      * @throws CorruptException if the store is incomplete
@@ -200,7 +200,7 @@ public final class SqliteStore implements JournalSink {
 
     /**
      * Moves the image from the write-ahead log to the database, so that nothing is lost if the log
-     * is removed. If the disk refuses the write, the image stays in the log.
+     * is removed. The image stays in the log if the disk refuses the write.
      */
     private void checkpoint(Path file) throws IOException {
         try {
@@ -230,7 +230,8 @@ public final class SqliteStore implements JournalSink {
         if (trouble.isEmpty() && !isClosed(file)) {
             return;
         }
-        if (place.isReplaced()) { // since the place for this image was reserved
+        if (place.isReplaced()) {
+            // The file was replaced after the place for this image was reserved.
             throw new IOException(file + " " + trouble + "; the next image is written elsewhere");
         }
         var closing = new IOException(trouble);
@@ -361,8 +362,8 @@ public final class SqliteStore implements JournalSink {
     }
 
     /**
-     * Undoes the changes of a failed write. When the disk is full, SQLite has already undone them,
-     * and the transaction state of the connection is wrong. In this case the connection is closed,
+     * Undoes the changes of a failed write. SQLite has already undone them if the disk is full, and
+     * the transaction state of the connection is then wrong. In this case the connection is closed,
      * and the next write opens a new one.
      */
     private void rollback(SQLException after) {

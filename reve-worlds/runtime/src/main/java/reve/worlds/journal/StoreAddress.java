@@ -18,6 +18,14 @@ public sealed interface StoreAddress {
     StoreReading read() throws IOException;
 
     /**
+     * Reads a store like {@link #read}, with all frames that it contains. The records may begin
+     * before the image from which a server would continue the world, and contain several images.
+     */
+    default StoreReading history() throws IOException {
+        return read();
+    }
+
+    /**
      * Takes a store in order to resume its world.
      *
      * @param problems receives what the operator must know, on any thread
@@ -28,8 +36,8 @@ public sealed interface StoreAddress {
             throws IOException;
 
     /**
-     * Returns whether servers on several machines use the store. Such a store does not name a
-     * folder of the world's files, which is different on each machine.
+     * Returns whether servers on several machines use the store. Such a store does not name the
+     * folder of the world's files, because each machine has a different folder.
      */
     default boolean isShared() {
         return false;
@@ -64,8 +72,7 @@ public sealed interface StoreAddress {
 
                 @Override
                 public void close() {
-                    // There is nothing to close, because no file stays open after the store was
-                    // read.
+                    // This method does nothing, because reading the store leaves no file open.
                 }
             };
         }
@@ -81,12 +88,17 @@ public sealed interface StoreAddress {
      *
      * @param world the name of the world
      * @param pack file with the world and all files that it needs, which the store shall contain;
-     *     empty if the store has it already
+     *     empty if the store contains the world already
      */
     record InDatabase(PostgresUrl url, String world, Optional<Path> pack) implements StoreAddress {
         @Override
         public StoreReading read() throws IOException {
-            return PostgresStore.read(url, world);
+            return PostgresContents.of(this, false);
+        }
+
+        @Override
+        public StoreReading history() throws IOException {
+            return PostgresContents.of(this, true);
         }
 
         @Override

@@ -20,8 +20,8 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * The content of a store's files, and what is missing. Reading it changes no file. For one thread.
- * No other process may have the store open.
+ * The content of a store's files, and the damage that reading them has found. Reading a store
+ * changes no file. For one thread. No other process may have the store open.
  */
 public final class StoreContents implements StoreReading {
     private static final String NOT_VOUCHED = ", so the newest frames may be missing, too";
@@ -72,7 +72,8 @@ public final class StoreContents implements StoreReading {
     /**
      * Reads a store; a missing file counts as an empty store.
      *
-     * @throws CorruptException if it is not a store, has another version, or has no database
+     * @throws CorruptException if the file is not a store, or the store has another version or no
+     *     database
      * @throws IOException if a file cannot be read, or another process has the store open
      */
     public static StoreContents read(Path file) throws IOException {
@@ -221,8 +222,8 @@ public final class StoreContents implements StoreReading {
 
     /** Returns the number of the newest file of frames that exists or existed; 0 for none. */
     long lastFile() {
-        long newest = files.isEmpty() ? 0 : files.lastKey(); // also counts a file that cannot be
-        // read
+        // Files that cannot be read count, too.
+        long newest = files.isEmpty() ? 0 : files.lastKey();
         for (StoreDatabase.ImageRow row : rows.images()) {
             newest = Math.max(newest, row.framesFile());
         }
@@ -329,8 +330,8 @@ public final class StoreContents implements StoreReading {
     }
 
     /**
-     * Checks that each file of frames belongs to this store and continues the previous file. Files
-     * of other stores are ignored.
+     * Checks that each file of frames belongs to this store and continues the previous file.
+     * Ignores files of other stores.
      */
     private void checkLinks() throws IOException {
         long first =
@@ -352,9 +353,10 @@ public final class StoreContents implements StoreReading {
 
     /**
      * Compares the files of frames with the manifest. The manifest names a file of frames before
-     * the file contains a frame. Therefore a file with frames that the manifest does not name is
-     * damage. The only exception is a power failure that has lost the manifest's newest content.
-     * The manifest is flushed before an image is committed.
+     * the file contains a frame. Therefore a file with frames that the manifest does not name
+     * counts as damage. The only exception is a power failure that has lost the newest content of
+     * the manifest. This loss cannot include a committed image, because the manifest is flushed
+     * before an image is committed.
      */
     private void compareFramesWithManifest() {
         claim.ifPresent(
@@ -374,7 +376,7 @@ public final class StoreContents implements StoreReading {
         return Manifest.path(file) + " is older than " + than + NOT_VOUCHED;
     }
 
-    /** Returns whether the database belongs to another store than the files beside it. */
+    /** Returns whether the database and the files beside it belong to different stores. */
     private boolean isStranger() {
         return claim.isPresent()
                 && !id.equals(claim.get().store())
@@ -498,8 +500,8 @@ public final class StoreContents implements StoreReading {
     }
 
     /**
-     * Returns whether no later file contains a frame. If power fails just after a file was begun,
-     * the disk may lack this file, its content, and the end of the file before it.
+     * Returns whether no later file contains a frame. A power failure just after a file was begun
+     * may lose this file, its content, and the end of the previous file.
      */
     private boolean isNewest(FrameFile file) {
         FrameFile newest = read.get(lastFile());
@@ -509,8 +511,8 @@ public final class StoreContents implements StoreReading {
     }
 
     /**
-     * Adds the names of files that are missing from a range of numbers. Returns whether any is
-     * missing.
+     * Adds the names of files that are missing from a range of numbers. Returns whether at least
+     * one file is missing.
      */
     private boolean addMissing(long from, long before, String more, List<String> into) {
         long first = Math.max(from, since());
@@ -528,7 +530,7 @@ public final class StoreContents implements StoreReading {
         return first < before;
     }
 
-    /** Decides which damage loses data, after all parts were read. */
+    /** Decides which damage loses data. Called after all parts of the store were read. */
     private void judge() {
         Start from = start;
         if (from == null) {
@@ -602,7 +604,23 @@ public final class StoreContents implements StoreReading {
         Stream.concat(Stream.of(Manifest.path(file)), StoreDatabase.besides(file).stream())
                 .filter(each -> Files.exists(each) && each.toFile().length() > 0)
                 .forEach(beside::add);
-        beside.addAll(setAside(file));
+        List<Path> aside = setAside(file);
+        for (Path folder : aside) {
+            if (Files.exists(folder.resolve(REPAIRED))) {
+                throw new CorruptException(
+                        file
+                                + " is missing, because `store repair` was interrupted. All of its"
+                                + " old files are in "
+                                + folder
+                                + " or still here. Move the files (not the folder "
+                                + REPAIRED
+                                + ") of "
+                                + folder
+                                + " back to this folder, and repair the store again (nothing was"
+                                + " changed)");
+            }
+        }
+        beside.addAll(aside);
         if (!beside.isEmpty()) {
             throw new CorruptException(
                     file
@@ -618,6 +636,12 @@ public final class StoreContents implements StoreReading {
                             + " these away (nothing was changed)");
         }
     }
+
+    /**
+     * Name of the folder in STORE.damaged-N in which a repair writes the new files. It exists only
+     * until the repair has ended.
+     */
+    public static final String REPAIRED = "repaired";
 
     /** Returns the folders to which repairs moved damaged files, STORE.damaged-1 and so on. */
     public static List<Path> setAside(Path file) throws IOException {
@@ -672,8 +696,8 @@ public final class StoreContents implements StoreReading {
             throw new IOException(file + " could not be opened: there is no folder " + parent);
         }
         String name = file.getFileName().toString();
-        if (file.toString().contains("?")) { // the database driver would read the text behind ? as
-            // options
+        if (file.toString().contains("?")) {
+            // The database driver would read the text behind the question mark as options.
             throw new IOException(file + " contains a question mark; name the store without one");
         }
         if (OWN_NAME.matcher(name).find()) {

@@ -39,7 +39,7 @@ import java.util.zip.CRC32C;
  * any byte of it.
  */
 final class StoreDatabase {
-    /** "REVE" in SQLite's header, which identifies the application. */
+    /** Number in SQLite's header that identifies the application; its bytes are "REVE" in ASCII. */
     static final int APPLICATION_ID = 0x52455645;
 
     static final int VERSION = 3;
@@ -77,8 +77,8 @@ final class StoreDatabase {
     private static final int NAME_LENGTH = 60;
 
     /**
-     * System property that names the folder of SQLite's native library. Without it, the driver
-     * unpacks the library to a temporary file.
+     * System property that names the folder of SQLite's native library. The driver unpacks the
+     * library to a temporary file if this property is not set.
      */
     private static final String LIBRARY_FOLDER = "org.sqlite.lib.path";
 
@@ -207,11 +207,12 @@ final class StoreDatabase {
         }
         try (Statement statement = opened.createStatement()) {
             restrict(opened, statement);
-            // because the lock is exclusive already, WAL mode needs no -shm file
+            // The exclusive lock is set first. WAL mode then needs no file for shared memory
+            // (-shm).
             statement.execute("PRAGMA journal_mode = WAL");
             statement.execute("PRAGMA synchronous = FULL");
-            opened.setAutoCommit(false); // one transaction: all or nothing, even if the process is
-            // killed
+            // One transaction makes all changes or none, even if the process is killed.
+            opened.setAutoCommit(false);
             boolean isNew = isBlank(statement);
             if (isNew) {
                 statement.executeUpdate("PRAGMA application_id = " + APPLICATION_ID);
@@ -220,8 +221,8 @@ final class StoreDatabase {
                 }
             }
             long version = isNew ? VERSION : number(statement, "PRAGMA user_version");
-            statement.executeUpdate("PRAGMA user_version = " + version); // the first write locks
-            // the file
+            // The first write locks the file.
+            statement.executeUpdate("PRAGMA user_version = " + version);
             opened.commit();
             return opened;
         } catch (SQLException e) {
@@ -245,7 +246,7 @@ final class StoreDatabase {
         }
     }
 
-    /** Returns the files that SQLite keeps beside the database. */
+    /** Returns the paths of the files that SQLite creates beside the database. */
     static List<Path> besides(Path file) {
         return List.of(
                 file.resolveSibling(file.getFileName() + "-wal"),
@@ -274,9 +275,9 @@ final class StoreDatabase {
 
     /**
      * Runs a query on a read-only connection, because other connections change the write-ahead log.
-     * SQLite nevertheless creates files beside the database; this method removes them. If the
-     * creation of the store was interrupted, there is a rollback journal, and SQLite must write to
-     * apply it.
+     * SQLite nevertheless creates files beside the database; this method removes them. A store
+     * whose creation was interrupted has a rollback journal, and SQLite must write to the database
+     * to apply it.
      */
     private static void reading(Path file, Query query) throws IOException {
         List<Path> made =
@@ -375,8 +376,9 @@ final class StoreDatabase {
     }
 
     /**
-     * Throws an exception for any other schema. A view, trigger, check or generated column would
-     * run SQL of an untrusted author. Such SQL may run for ever, or show data that is not stored.
+     * Throws an exception if the schema differs from the expected one. A view, trigger, check or
+     * generated column would run SQL of an untrusted author. Such SQL may run for ever, or show
+     * data that is not stored.
      */
     private static void requireSchema(Path file, Statement statement, long version)
             throws SQLException {

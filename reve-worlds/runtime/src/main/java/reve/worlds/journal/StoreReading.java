@@ -5,7 +5,7 @@ import reve.core.image.CorruptException;
 
 import java.util.List;
 
-/** The content of a store as it was read, and what is missing. For one thread. */
+/** The content of a store as it was read, and the damage that was found. For one thread. */
 public interface StoreReading {
     /** Returns the store, for messages. */
     String name();
@@ -17,8 +17,8 @@ public interface StoreReading {
     boolean isWhole();
 
     /**
-     * Returns the damage, one message for each. Each message names the damaged part. Damage that
-     * loses data comes first.
+     * Returns one message for each damage. Each message names the damaged part. Damage that loses
+     * data comes first.
      */
     List<String> problems();
 
@@ -40,7 +40,8 @@ public interface StoreReading {
     /**
      * Refuses an incomplete store.
      *
-     * @throws CorruptException saying what is missing, what is left and what to do
+     * @throws CorruptException with a message that states the missing data, the remaining data and
+     *     a remedy
      */
     void requireWhole();
 

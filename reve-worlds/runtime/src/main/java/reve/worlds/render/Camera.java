@@ -7,7 +7,7 @@ import reve.core.file.CameraDescription;
  * The viewpoint of a picture.
  *
  * @param eye position of the camera [m]
- * @param target point that it looks at [m], different from the eye
+ * @param target point at the centre of the view [m], different from the eye
  * @param up direction that is up in the picture, not parallel to the line of sight
  * @param orthographic whether lines of sight are parallel
  * @param extent vertical field of view [rad], from 0.001 to 3.1; for an orthographic camera, the
@@ -18,8 +18,8 @@ public record Camera(Point eye, Point target, Point up, boolean orthographic, do
     private static final Point UP = new Point(0, 1, 0);
 
     /**
-     * Direction from the target to the eye. It points slightly to the right and upwards, which
-     * gives a three-quarter view.
+     * Direction from the target to the eye. It points slightly to the right and upwards, so that
+     * the camera shows the front, a side and the top of a box.
      */
     private static final Point THREE_QUARTER = new Point(0.48, 0.42, 1).normalized();
 
@@ -75,6 +75,19 @@ public record Camera(Point eye, Point target, Point up, boolean orthographic, do
             distance = Math.max(distance, nearer + Math.abs(corner.dot(up)) / slope);
         }
         return perspective(centre.plus(distance, THREE_QUARTER), centre, UP, FIT_FOV_RADIANS);
+    }
+
+    /**
+     * Returns the length that a pixel shows at the distance of the target, perpendicular to the
+     * line of sight [m/px].
+     *
+     * @param height height of the picture [px]
+     */
+    public double metresPerPixel(int height) {
+        Point sight = target.plus(-1, eye);
+        double seen =
+                orthographic ? extent : 2 * Math.sqrt(sight.dot(sight)) * Math.tan(extent / 2);
+        return seen / height;
     }
 
     private static Point point(double[] values) {

@@ -14,8 +14,8 @@ import reve.core.world.WorldSnapshot;
 import java.util.Optional;
 
 /**
- * A named camera that follows the items of a running world. If an item leaves the world, the camera
- * uses the item's last known place. For one thread.
+ * A named camera that follows the items of a running world. The camera uses the item's last known
+ * place if an item leaves the world. For one thread.
  */
 public final class CameraMount {
     private static final Point DOWN_Z = new Point(0, 0, -1);

@@ -4,8 +4,8 @@ package reve.worlds.render;
 import reve.core.world.Colour;
 
 /**
- * Background and light. If light and ambient sum to 1, a white surface that faces the light appears
- * white.
+ * Background and light. A white surface that faces the light appears white if light and ambient sum
+ * to 1.
  *
  * @param top background colour at the top of the picture
  * @param bottom background colour at the bottom of the picture

@@ -10,7 +10,10 @@ public final class RenderException extends RuntimeException {
         super(message);
     }
 
-    /** Creates an exception with a message as above, and its cause. */
+    /**
+     * Creates an exception with a message that says what the renderer lacks or refused, and its
+     * cause.
+     */
     public RenderException(String message, Throwable cause) {
         super(message, cause);
     }

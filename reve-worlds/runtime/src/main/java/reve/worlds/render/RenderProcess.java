@@ -23,8 +23,8 @@ final class RenderProcess {
     RenderProcess(Path program) throws IOException {
         process = new ProcessBuilder(List.of(program.toString())).start();
         stream = new SceneStream(process.getOutputStream(), process.getInputStream());
-        // This is a platform thread, because reading a pipe would block the carrier of a virtual
-        // thread as long as the process lives.
+        // A platform thread reads the error output. A virtual thread would block its carrier thread
+        // as long as the process lives, because reading a pipe blocks.
         errorReader =
                 Thread.ofPlatform().daemon().name("vesper-render errors").start(this::keepErrors);
     }

@@ -15,8 +15,8 @@ import java.util.concurrent.locks.ReentrantLock;
 
 /**
  * Renderer of scenes in a separate process. A crash in a graphics library therefore loses a picture
- * but does not end the world's process. The process starts with the first picture, and starts again
- * after it has ended.
+ * but does not end the world's process. The process starts with the first picture. The next picture
+ * starts the process again if it has ended.
  *
  * <p>Any thread may call this class. Pictures are made one after the other, and callers wait for
  * their picture. {@link #close()} never waits, and aborts the picture in progress.
@@ -56,7 +56,7 @@ public final class Renderer implements AutoCloseable {
      * Draws a scene.
      *
      * @return a PNG
-     * @throws RenderException if the picture failed; the next one may succeed
+     * @throws RenderException if the picture failed; the next picture may succeed
      * @throws IllegalStateException if a row of the scene lacks a value
      */
     public byte[] render(Scene scene) {
@@ -167,7 +167,8 @@ public final class Renderer implements AutoCloseable {
         process = null;
         RenderProcess started = new RenderProcess(program);
         process = started;
-        if (closed) { // close() may have been called while the process started
+        if (closed) {
+            // The method close() may have been called while the process started.
             started.kill();
         }
         SceneStream.Answer hello = started.stream().hello();
@@ -178,8 +179,8 @@ public final class Renderer implements AutoCloseable {
     }
 
     /**
-     * Ends the process, because the state of its stream is unknown. Returns normally if another
-     * attempt may succeed; otherwise throws an exception with the reason.
+     * Ends the process after a failure, because the state of its stream is unknown. Returns
+     * normally if another attempt may succeed. Otherwise throws an exception with the reason.
      */
     private void explain(IOException cut, boolean expired, int attempt) {
         RenderProcess broken = process;

@@ -23,8 +23,8 @@ import java.util.Optional;
  * corners. Items whose size or distance from the origin exceeds {@link #FARTHEST} are omitted, so
  * that one item cannot prevent all pictures. The number of a drawn item is the value of its {@link
  * ItemId}. A body whose colour has alpha 0 is hidden. A surface is hidden if all its corners are
- * hidden bodies. Planes have a grid. In a world without planes, a faint ground that fades with
- * distance is added, so that depth and motion are visible.
+ * hidden bodies. Planes have a grid. A faint ground that fades with distance is added to a world
+ * without planes, so that depth and motion are visible.
  *
  * @param image size and quality
  * @param environment background and light
@@ -69,7 +69,10 @@ public record SceneBuilder(
     private static final double INFINITY = Double.POSITIVE_INFINITY;
     private static final Point ORIGIN = new Point(0, 0, 0);
 
-    /** A column of real numbers, in the precision of the world. */
+    /**
+     * A column of real numbers. The precision of the world decides whether they are float or
+     * double.
+     */
     private record Reals(MemorySegment segment, boolean single) {
         Reals(TableSnapshot table, String property) {
             this(table.column(property).segment(), table.column(property).type() == ScalarType.F32);
@@ -90,7 +93,8 @@ public record SceneBuilder(
     /**
      * Builds the scene of a snapshot, which may be closed afterwards. For any thread.
      *
-     * @throws RenderException if the snapshot was overwritten during the build; use a newer one
+     * @throws RenderException if the snapshot was overwritten during the build; the caller may
+     *     retry with a newer snapshot
      */
     public Scene build(WorldSnapshot snapshot) {
         try {
@@ -141,8 +145,8 @@ public record SceneBuilder(
     }
 
     /**
-     * Returns the box around all visible bodies except planes, and around surfaces. If there are
-     * none, returns the box around the planes.
+     * Returns the box around all visible bodies except planes, and around surfaces. Returns the box
+     * around the planes if there are no such bodies and surfaces.
      */
     public static Optional<Bounds> bounds(WorldSnapshot snapshot) {
         TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);
@@ -205,7 +209,10 @@ public record SceneBuilder(
                 });
     }
 
-    /** A visitor of visible surfaces and the rows of the bodies at their corners. */
+    /**
+     * A function that is called for each visible surface, with the rows of the bodies at its
+     * corners.
+     */
     private interface SurfaceVisitor {
         void visit(ItemId surface, int[] corners);
     }
@@ -334,13 +341,16 @@ public record SceneBuilder(
     }
 
     /**
-     * Returns the instances to which an item is added. If the item's mesh has materials of its own,
-     * there is one for each part of the mesh; otherwise there is one.
+     * Returns the instances to which an item is added. A mesh with materials of its own has one
+     * element for each part of the mesh. Any other item has one element.
      */
     private static List<Instances> looks(Scene scene, ItemSymbols item) {
         Material material = item.material().orElse(Material.DEFAULT);
         if (!(item.shape() instanceof Mesh mesh)) {
-            return List.of(scene.instances(item.shape().code(), material));
+            // an ellipsoid is a sphere with three diameters
+            boolean round = item.shape() instanceof Shape.Ellipsoid;
+            int code = round ? Shape.SPHERE : item.shape().code();
+            return List.of(scene.instances(code, material));
         }
         if (item.material().isPresent() || mesh.parts().isEmpty()) {
             return List.of(scene.instances(mesh, material));

@@ -54,7 +54,7 @@ final class SceneStream {
     private static final int MAX_ANSWER_BYTES = 256 << 20;
 
     /**
-     * An answer of the renderer. If the status is OK, the payload is a PNG, pixels or nothing.
+     * An answer of the renderer. The payload is a PNG, pixels or nothing if the status is OK.
      * Otherwise the payload is the reason.
      */
     record Answer(int status, byte[] payload) {
@@ -115,8 +115,8 @@ final class SceneStream {
     }
 
     /**
-     * Reads the renderer's last answer after a failed write. The renderer sent this answer before
-     * it stopped reading, and the answer contains the reason.
+     * Reads the renderer's last answer after a failed write. The renderer sends such an answer
+     * before it stops reading, and the answer contains the reason.
      */
     private Answer lastWords(IOException cut) throws IOException {
         try {

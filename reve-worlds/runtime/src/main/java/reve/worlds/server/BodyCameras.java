@@ -185,7 +185,10 @@ final class BodyCameras implements Cameras, AutoCloseable {
         }
     }
 
-    /** Replaces the items' ids by small numbers, in the order of the items' first pixels. */
+    /**
+     * Replaces the ids of items in the pixels by numbers from 1, in the order of the items' first
+     * pixels.
+     */
     private static byte[] number(byte[] ids, WorldSnapshot snapshot, List<String> names) {
         Map<Integer, Short> known = new HashMap<>();
         ByteBuffer from = numbers(ids);

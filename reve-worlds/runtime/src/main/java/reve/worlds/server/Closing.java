@@ -5,8 +5,8 @@ import java.util.ArrayDeque;
 import java.util.Deque;
 
 /**
- * Resources that are closed together in reverse order of opening. If one fails to close, the others
- * are still closed. For one thread.
+ * Resources that are closed together in reverse order of opening. A failure to close one resource
+ * does not prevent the closing of the others. For one thread.
  */
 final class Closing implements AutoCloseable {
     private final Deque<AutoCloseable> open = new ArrayDeque<>();

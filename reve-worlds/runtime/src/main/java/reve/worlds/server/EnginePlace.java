@@ -29,8 +29,8 @@ public interface EnginePlace {
             VesperConfig config, Prototype prototype, ApartRule apart, SharedArena arena);
 
     /**
-     * Returns a place that starts a separate process for each engine. After the crash of a law,
-     * only one frame is repeated.
+     * Returns a place that starts a separate process for each engine. The crash of a law ends only
+     * this process, and the world repeats one frame.
      */
     static EnginePlace hosted(Hosts hosts, Duration frameLimit) {
         return (config, prototype, apart, arena) ->

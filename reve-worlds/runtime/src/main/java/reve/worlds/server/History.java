@@ -1,49 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import org.jspecify.annotations.Nullable;
-
-import reve.core.frame.Pacing;
+import reve.core.file.WorldDescription;
 import reve.core.frame.Timing;
 import reve.core.image.CorruptException;
 import reve.core.image.Trees;
 import reve.core.world.WorldPrototype;
 import reve.core.world.WorldSnapshot;
 import reve.pe.PhysicsException;
+import reve.pe.adapter.LawLibrary;
 import reve.worlds.journal.JournalRecord;
-import reve.worlds.journal.RunLog;
-import reve.worlds.journal.StoreContents;
 
 import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
-import java.io.InputStream;
-import java.nio.charset.StandardCharsets;
-import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
-import java.util.Arrays;
-import java.util.Iterator;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.stream.Stream;
 
 /**
- * The states of a recording or a store, frame by frame. Each frame is repeated and compared with
- * the journal. Therefore a state that differs from the recorded one is never returned. For one
+ * The states of a recording or a store, frame by frame. Each frame is computed again and compared
+ * with the journal. Therefore a state that differs from the recorded one is never returned. For one
  * thread.
  */
 public final class History implements AutoCloseable {
-    private static final byte[] DATABASE = "SQLite format 3\0".getBytes(StandardCharsets.US_ASCII);
+    /** Keys of a recorded frame that contain changes of the world by something else than laws. */
+    private static final List<String> INPUTS = List.of("changes", "laws", "rules", "late");
 
-    private final Path file;
+    private final StoredRun run;
     private final Replay replay;
-    private final Iterator<JournalRecord> records;
-    private final RunLog.@Nullable Reader recording;
-    private final long last;
     private long first = -1;
     private List<Happening> happenings = List.of();
+
+    /** True if the world changed in the last record by something else than its laws. */
+    private boolean isChanged;
 
     /**
      * An event that a journal contains.
@@ -52,74 +46,14 @@ public final class History implements AutoCloseable {
      */
     public record Happening(String type, Map<String, Object> fields) {}
 
-    private History(
-            Path file,
-            Replay replay,
-            Iterator<JournalRecord> records,
-            RunLog.@Nullable Reader recording,
-            long last) {
-        this.file = file;
-        this.replay = replay;
-        this.records = records;
-        this.recording = recording;
-        this.last = last;
-    }
-
-    /** Returns whether a file begins like a recording or a store. */
-    public static boolean isOne(Path file) throws IOException {
-        return isStore(file) || isRecording(file);
-    }
-
-    private static boolean isRecording(Path file) throws IOException {
-        if (!Files.isRegularFile(file)) {
-            return false;
-        }
-        try (InputStream in = Files.newInputStream(file)) {
-            return RunLog.isRecording(in);
-        }
-    }
-
-    private static boolean isStore(Path file) throws IOException {
-        if (!Files.isRegularFile(file)) {
-            return false;
-        }
-        try (InputStream in = Files.newInputStream(file)) {
-            return Arrays.equals(in.readNBytes(DATABASE.length), DATABASE);
-        }
-    }
-
     /**
-     * Opens a recording, or a store that no server uses. The file is not changed.
+     * Creates the history of a run.
      *
-     * @param laws decides which of the journal's law libraries may be opened
-     * @throws IOException if the file cannot be read
-     * @throws CorruptException if it is no recording and no store, or a store is damaged
+     * @param run belongs to the history from now on
      */
-    public static History open(Path file, LawPath laws) throws IOException {
-        if (isStore(file)) {
-            StoreContents contents = StoreContents.read(file);
-            contents.requireWhole();
-            LawFiles found = new LawFiles(laws, _ -> {});
-            List<JournalRecord> records = contents.records();
-            return new History(
-                    file,
-                    new Replay(Optional.empty(), Optional.empty(), Pacing.FAST, laws, found::find),
-                    records.iterator(),
-                    null,
-                    contents.frame());
-        }
-        RunLog.Reader recording = RunLog.open(file);
-        try {
-            return new History(
-                    file,
-                    new Replay(Optional.empty(), Pacing.FAST, laws),
-                    recording,
-                    recording,
-                    recording.lastFrame());
-        } catch (IOException e) {
-            recording.close();
-            throw e;
-        }
+    public History(StoredRun run) {
+        this.run = run;
+        this.replay = run.replay();
     }
 
     /**
@@ -127,13 +61,13 @@ public final class History implements AutoCloseable {
      * state).
      *
      * @return false if the journal has ended
-     * @throws CorruptException if the journal is damaged, or the repeated frame differs from the
+     * @throws CorruptException if the journal is damaged, or the computed frame differs from the
      *     recorded one
      * @throws PhysicsException if a law may not be opened, or does not load
      */
     public boolean next() {
-        while (records.hasNext()) {
-            JournalRecord record = records.next();
+        while (run.hasNext()) {
+            JournalRecord record = run.next();
             take(record);
             first = first < 0 ? replay.frame() : first;
             switch (record) {
@@ -141,10 +75,14 @@ public final class History implements AutoCloseable {
                 case JournalRecord.Image _ -> {
                     replay.publish();
                     happenings = List.of();
+                    isChanged = true;
                     return true;
                 }
                 case JournalRecord.Frame frame -> {
-                    happenings = happenings(frame);
+                    JsonNode tree = Trees.read(frame.json());
+                    happenings = happenings(tree);
+                    isChanged =
+                            INPUTS.stream().anyMatch(key -> !Trees.listIfAny(tree, key).isEmpty());
                     return true;
                 }
             }
@@ -164,7 +102,7 @@ public final class History implements AutoCloseable {
                 .ifPresent(
                         found -> {
                             throw new CorruptException(
-                                    file
+                                    run.name()
                                             + ": the repeated run differs from the recorded one: "
                                             + found.message()
                                             + "; replay it with the version of REVE that recorded"
@@ -173,12 +111,12 @@ public final class History implements AutoCloseable {
     }
 
     private String place() {
-        return file + (replay.frame() < 0 ? "" : ", after frame " + replay.frame()) + ": ";
+        return run.name() + (replay.frame() < 0 ? "" : ", after frame " + replay.frame()) + ": ";
     }
 
-    private static List<Happening> happenings(JournalRecord.Frame frame) {
+    private static List<Happening> happenings(JsonNode frame) {
         List<Happening> all = new ArrayList<>();
-        for (JsonNode event : Trees.listIfAny(Trees.read(frame.json()), "events")) {
+        for (JsonNode event : Trees.listIfAny(frame, "events")) {
             Map<String, Object> fields = new LinkedHashMap<>();
             Trees.field(event, "fields")
                     .properties()
@@ -205,6 +143,82 @@ public final class History implements AutoCloseable {
         return happenings;
     }
 
+    /**
+     * Returns whether the world changed in the current frame by something else than its laws, for
+     * example by an act of an agent, a rewind, or a law that was loaded. True for the first frame.
+     */
+    public boolean isChanged() {
+        return isChanged;
+    }
+
+    /**
+     * Returns a description of the world at the end of the current frame, for a world file.
+     *
+     * @param worldFile the world file of the run, if {@link StoredRun#open} did not get it
+     */
+    public WorldDescription description(Optional<WorldDescription> worldFile) {
+        Simulation simulation = replay.simulation();
+        WorldDescription file = worldFile.orElseGet(simulation::description);
+        return simulation.descriptionNow(file.withRules(replay.rules(file)));
+    }
+
+    /** Returns whether the rules of the world were changed while it ran. */
+    public boolean hasChangedRules() {
+        return !replay.changedRules().isEmpty();
+    }
+
+    /**
+     * Returns one message for each change of a rule that {@link #description} does not contain,
+     * because the rule does not fit the world file.
+     */
+    public List<String> ruleProblems() {
+        return replay.ruleProblems();
+    }
+
+    /**
+     * Refuses a world file that cannot be the world file of the run. Valid after the first {@link
+     * #next()}.
+     *
+     * @throws CorruptException naming the first difference
+     */
+    public void requireSame(WorldDescription worldFile) {
+        Replay.requireSame(replay.header(), worldFile);
+    }
+
+    /** Returns one message for each part of the state that {@link #description} cannot contain. */
+    public List<String> notDescribed() {
+        return replay.simulation().notDescribed();
+    }
+
+    /** Returns the folder of the world's meshes and textures. Valid after the first next(). */
+    public Path folder() {
+        return replay.header().folder();
+    }
+
+    /** Returns the loaded libraries of native code and Python that do not ship. */
+    public List<LawLibrary> ownLaws() {
+        return loaded().filter(library -> !library.isText() && !hasShippedName(library)).toList();
+    }
+
+    /** Returns the loaded libraries with the name of a law that ships, but with other bytes. */
+    public List<LawLibrary> otherVersions() {
+        return loaded().filter(library -> hasShippedName(library) && !run.laws().ships(library))
+                .toList();
+    }
+
+    private Stream<LawLibrary> loaded() {
+        return replay.simulation().physics().laws().libraries().stream();
+    }
+
+    private boolean hasShippedName(LawLibrary library) {
+        return run.laws().shippedNames().contains(library.name());
+    }
+
+    /** Returns the hash of the state at the end of the current frame. */
+    public long stateHash() {
+        return replay.simulation().physics().stateHash();
+    }
+
     /** Returns the name of the world. Valid after the first {@link #next()}. */
     public String world() {
         return replay.simulation().description().name();
@@ -226,22 +240,20 @@ public final class History implements AutoCloseable {
     }
 
     /**
-     * Returns the fraction of the frames that was made, from 0 to 1. Used for progress messages.
+     * Returns the fraction of the frames that was made so far, from 0 to 1, for progress messages.
      */
     public double part() {
+        long last = run.lastFrame();
         return last <= first ? 1 : Math.min(1, (double) (frame() - first) / (last - first));
     }
 
     /** Returns whether a recording ends within a record. Valid after its last frame. */
     public boolean wasCut() {
-        return recording != null && recording.wasCut();
+        return run.wasCut();
     }
 
     @Override
     public void close() throws IOException {
-        replay.close();
-        if (recording != null) {
-            recording.close();
-        }
+        run.close();
     }
 }

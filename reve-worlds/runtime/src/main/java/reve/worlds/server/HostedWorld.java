@@ -5,12 +5,17 @@ import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
+import reve.core.agent.port.CarriedSession;
+import reve.core.agent.port.ClusterPort;
+import reve.core.agent.port.SessionNotes;
 import reve.core.agent.port.WorldPort;
 import reve.core.file.AgentPolicy;
 import reve.core.file.Problem;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
+import reve.core.plugin.PluginInfo;
+import reve.core.plugin.Plugins;
 import reve.core.world.WorldEvent;
 import reve.pe.adapter.LawFolder;
 import reve.worlds.Product;
@@ -59,7 +64,7 @@ final class HostedWorld implements AutoCloseable {
     private @Nullable Journal recordingJournal;
     private Optional<String> unkept = Optional.empty();
 
-    /** True after another server has taken the store, which was reported. */
+    /** True after another server has taken the store. This was then reported. */
     private volatile boolean isLost;
 
     private Optional<Path> olderRecording = Optional.empty();
@@ -81,14 +86,14 @@ final class HostedWorld implements AutoCloseable {
      * Builds the world of a server in a cluster, like {@link #HostedWorld(WorldPlan, Pacing,
      * Optional, ServerEvents)}.
      *
-     * @param cluster returns the state of the cluster, for operators; on the world's thread
+     * @param cluster returns the cluster, for operators
      */
     HostedWorld(
             WorldPlan plan,
             Pacing pacing,
             Optional<Path> lawsFolder,
             ServerEvents events,
-            Supplier<Optional<Map<String, Object>>> cluster)
+            Supplier<Optional<ClusterPort>> cluster)
             throws IOException {
         this.plan = plan;
         this.lawsFolder = lawsFolder;
@@ -107,6 +112,8 @@ final class HostedWorld implements AutoCloseable {
                                                             plan.laws())));
             simulation.unloadExcluded();
             simulation.physics().enforceBudgets(true);
+            simulation.measureProvidedSensors();
+            simulation.usePluginListeners();
             closing.add(plan.pictures());
             shadows = closing.add(new Shadows(simulation, plan.swaps()));
             lawsFolder.ifPresent(folder -> laws.add(watch(LawFolder.ORIGIN, folder)));
@@ -175,6 +182,7 @@ final class HostedWorld implements AutoCloseable {
      */
     private void keepJournals(boolean waits) throws IOException {
         Persistence persistence = plan.persistence();
+        Map<String, Long> members = stored.map(StoredWorld::members).orElse(Map.of());
         if (stored.isPresent()) {
             long frames =
                     Math.max(
@@ -186,7 +194,7 @@ final class HostedWorld implements AutoCloseable {
                     closing.add(
                             simulation.journal(
                                     persistence.folder(),
-                                    Map.of(),
+                                    members,
                                     new Journal.Plan(
                                             frames,
                                             waits
@@ -202,7 +210,7 @@ final class HostedWorld implements AutoCloseable {
                     closing.add(
                             simulation.journal(
                                     persistence.folder(),
-                                    Map.of(),
+                                    members,
                                     new Journal.Plan(0, waits),
                                     recording,
                                     problem -> tellProblem("recording", problem)));
@@ -227,6 +235,12 @@ final class HostedWorld implements AutoCloseable {
         return simulation.loop().frame() > 0 ? List.of() : simulation.warnings(true);
     }
 
+    /** Returns whether the store, if there is one, accepts the frames of the world. Any thread. */
+    boolean isKept() {
+        Journal journal = storeJournal;
+        return journal == null || !journal.isFailing();
+    }
+
     Simulation simulation() {
         return simulation;
     }
@@ -246,7 +260,62 @@ final class HostedWorld implements AutoCloseable {
                 simulation.snapshots(),
                 simulation.loop(),
                 control,
-                cameras);
+                cameras,
+                notes());
+    }
+
+    /** Returns the place for notes about sessions: the store, if other servers may continue it. */
+    private SessionNotes notes() {
+        Journal journal = storeJournal;
+        return journal != null && journal.keepsSessions() ? journal::note : SessionNotes.NONE;
+    }
+
+    /** Returns the sessions of the previous server that continue with the world. */
+    List<CarriedSession> sessions() {
+        return stored.map(StoredWorld::sessions).orElse(List.of());
+    }
+
+    /** Stores sessions for the server that continues the world. Called after the last frame. */
+    void handOver(List<CarriedSession> sessions) {
+        if (stored.isEmpty() || sessions.isEmpty() || isLost) {
+            return;
+        }
+        try {
+            stored.get().store().handOver(simulation.loop().frame(), sessions);
+        } catch (JournalSink.LostException lost) {
+            // The listener of the store has reported it; the other server has the world.
+        } catch (IOException e) {
+            tellProblem("store", "the sessions of agents are lost: " + e.getMessage());
+        }
+    }
+
+    /**
+     * Records in the store that the world sleeps. Called after the last frame.
+     *
+     * @return false if it could not be recorded, which was then reported
+     */
+    boolean fallAsleep() {
+        if (stored.isEmpty() || isLost) {
+            return false;
+        }
+        try {
+            stored.get().store().sleep();
+            return true;
+        } catch (JournalSink.LostException lost) {
+            return false; // the listener of the store has reported it
+        } catch (IOException e) {
+            tellProblem("store", "the world does not sleep: " + e.getMessage());
+            return false;
+        }
+    }
+
+    /** Returns the fields of the event that reports that the world sleeps. */
+    Map<String, Object> asleepFields() {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("world", name());
+        fields.put("frame", simulation.loop().frame());
+        stored.ifPresent(world -> world.epoch().ifPresent(epoch -> fields.put("epoch", epoch)));
+        return fields;
     }
 
     /** Returns the interface through which a watchdog observes the world. */
@@ -268,6 +337,10 @@ final class HostedWorld implements AutoCloseable {
             fields.put("note", "the world file grants agents no body, so none can join");
         }
         lawsFolder.ifPresent(folder -> fields.put("laws", folder.toString()));
+        List<PluginInfo> plugins = Plugins.current().infos();
+        if (!plugins.isEmpty()) {
+            fields.put("plugins", plugins.stream().map(PluginInfo::toString).toList());
+        }
         Optional<Path> untrusted = plan.laws().sandboxed().folder();
         untrusted.ifPresent(folder -> fields.put("untrusted", folder.toString()));
         stored.ifPresent(
@@ -293,7 +366,8 @@ final class HostedWorld implements AutoCloseable {
         try {
             store.announce(agents.getHostString() + ":" + agents.getPort());
         } catch (JournalSink.LostException lost) {
-            // The listener of the store stops the world.
+            // The exception needs no further handling here, because the listener of the store stops
+            // the world.
         } catch (IOException e) {
             tellProblem("store", e.getMessage());
         }
@@ -335,12 +409,18 @@ final class HostedWorld implements AutoCloseable {
         }
     }
 
-    /** Returns what the store lacks; empty if it is complete. Valid after close. */
+    /**
+     * Returns a message about the data that the store lacks; empty if the store is complete. Valid
+     * after close.
+     */
     Optional<String> unkept() {
         return unkept;
     }
 
-    /** Returns what the recording lacks; empty if it is complete. Valid after close. */
+    /**
+     * Returns a message about the frames that the recording lacks; empty if the recording is
+     * complete. Valid after close.
+     */
     Optional<String> gap() {
         return Optional.ofNullable(recordingJournal)
                 .flatMap(Journal::gap)
@@ -349,8 +429,8 @@ final class HostedWorld implements AutoCloseable {
 
     /**
      * Reports the events of the frame so far if a law was loaded. This method runs after all
-     * changes of ACT and before the law's first step, because a law that does not return would
-     * delay the report.
+     * changes of ACT and before the law's first step. A later report would never appear if the law
+     * did not return.
      */
     private void reportLoaded(FrameEvent frame) {
         List<WorldEvent> soFar = frame.world().events();

@@ -5,6 +5,7 @@ import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
 import reve.core.disk.PartFile;
+import reve.core.disk.Reason;
 import reve.pe.adapter.LawLibrary;
 
 import java.io.IOException;
@@ -25,10 +26,10 @@ import java.util.function.Predicate;
  * The file of known law libraries. A library is known if it shipped with the release or was in the
  * operator's folder when this account stored or recorded worlds. Libraries are identified by the
  * SHA-256 of their bytes. Known libraries may be replaced later, by an upgrade or by a new version
- * in the folder. A store that contains the old bytes still opens without {@code --trust}. For a
- * library of a folder, the operator must name the same folder again.
+ * in the folder. A store that contains the old bytes still opens without {@code --trust}. The
+ * operator must name the same folder again for a library of a folder.
  *
- * <p>A known library of a folder of untrusted laws runs in a sandbox only.
+ * <p>A library that is known from a folder of untrusted laws runs in a sandbox only.
  *
  * <p>A line contains the SHA-256, the name and, for a library of a folder, the folder. The file
  * belongs to the account; stores and recordings cannot add to it. It keeps at most {@link
@@ -38,7 +39,7 @@ final class KnownLaws {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
     private static final Path FILE = folder().resolve("known-laws");
 
-    /** Maximum number of libraries. When the maximum is reached, the older half is dropped. */
+    /** Maximum number of libraries. The older half is dropped when the maximum is reached. */
     private static final int MOST_LINES = 10_000;
 
     /** Separates the name of a library from its folder. */
@@ -124,7 +125,7 @@ final class KnownLaws {
                 kept.addAll(lines);
                 Path part = PartFile.create(FILE); // only this process uses this file
                 Files.write(part, kept);
-                Files.move(part, FILE, StandardCopyOption.ATOMIC_MOVE);
+                PartFile.move(part, FILE, StandardCopyOption.ATOMIC_MOVE);
                 return;
             }
             Files.write(FILE, lines, StandardOpenOption.CREATE, StandardOpenOption.APPEND);
@@ -133,7 +134,7 @@ final class KnownLaws {
                     "{} cannot be written, so stores of these laws need --trust after they were"
                             + " replaced: {}",
                     FILE,
-                    unwritable.toString());
+                    Reason.of(unwritable));
         }
     }
 
@@ -145,7 +146,8 @@ final class KnownLaws {
         if (!Files.isRegularFile(FILE) || Files.size(FILE) > MOST_BYTES) {
             throw new IOException("it is no regular file of at most " + MOST_BYTES + " bytes");
         }
-        // A damaged byte in one line must not invalidate the other lines.
+        // The text is decoded without a check, so that a damaged byte in one line does not
+        // invalidate the other lines.
         return new String(Files.readAllBytes(FILE), StandardCharsets.UTF_8).lines().toList();
     }
 

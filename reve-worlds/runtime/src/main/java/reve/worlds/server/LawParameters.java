@@ -37,7 +37,7 @@ final class LawParameters {
 
     /**
      * Returns the parameters whose unit has another dimension than the law requires. The result
-     * contains a message with the parameter's place, by name of the parameter.
+     * maps the name of each such parameter to a message with its place in the file.
      *
      * @param loaded the laws of the library
      */
@@ -107,7 +107,7 @@ final class LawParameters {
                                 });
             } catch (PhysicsException notForItsParameters) {
                 // The engine accepts each parameter alone, so it refuses the law for another
-                // reason. The message names the place of the law.
+                // reason. Therefore the message names the place of the law instead of a parameter.
             }
         }
         if (wrong.isEmpty()) {
@@ -146,8 +146,8 @@ final class LawParameters {
     }
 
     /**
-     * Reads the file with the parameters of a library in a watched folder, which others may
-     * replace.
+     * Reads the file with the parameters of a library in a watched folder. Other programs may
+     * replace the file at any time.
      *
      * @throws PhysicsException with the places of all mistakes
      */

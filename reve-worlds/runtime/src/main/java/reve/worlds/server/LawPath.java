@@ -32,7 +32,7 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * The search path of laws, and the decision which native code may be opened. A name is searched
+ * The search path of laws. It also decides which native code may be opened. A name is searched
  * among the shipped laws, then in the operator's folder, then in {@code laws/} beside the world
  * file. Code from {@code laws/} beside the world file, from a store or from a recording came with
  * the world. Such code is opened only in one of three cases: the operator trusts the world, the
@@ -91,13 +91,13 @@ public record LawPath(
 
     /** The origin of a library. */
     public enum Origin {
-        /** Shipped with the release. */
+        /** A library that is shipped with the release. */
         SHIPPED,
-        /** From the operator's {@code --laws} folder. */
+        /** A library from the operator's {@code --laws} folder. */
         FOLDER,
-        /** From the operator's {@code --untrusted} folder. */
+        /** A library from the operator's {@code --untrusted} folder. */
         UNTRUSTED,
-        /** Came with the world. */
+        /** A library that came with the world. */
         WORLD
     }
 
@@ -209,7 +209,9 @@ public record LawPath(
                 && (isPython || !sandboxed.worlds());
     }
 
-    /** Returns the message that a law of the world's own folder is not opened, with the reason. */
+    /**
+     * Returns the message which states that a law of the world's own folder is not opened, and why.
+     */
     public String untrusted(String name) {
         String file = find(name).file().getFileName().toString();
         return "law '"
@@ -326,7 +328,7 @@ public record LawPath(
 
     /**
      * Returns whether native code was in the operator's folder of untrusted laws when this account
-     * stored the world. It then runs in a sandbox again.
+     * stored the world. If so, the code runs in a sandbox again.
      */
     private boolean wasUntrusted(LawLibrary library) {
         return !PreparedLibrary.isPython(library.bytes())
@@ -338,7 +340,7 @@ public record LawPath(
 
     /**
      * Decides how a library is isolated from the engine and other laws; see {@link ApartRule#of}.
-     * Libraries that this path cannot judge, for example those of an image, run apart, too.
+     * Libraries of unknown origin, for example those of an image, also run in a sandbox.
      */
     ApartRule.Isolation isolation(Optional<Path> file, byte[] library) {
         Optional<Path> own = sandboxed.folder();
@@ -370,8 +372,8 @@ public record LawPath(
     void remember(List<LawLibrary> libraries) {
         List<LawLibrary> opened = libraries.stream().filter(library -> !library.isText()).toList();
         KnownLaws.keep(opened.stream().filter(this::ships).toList(), Optional.empty());
-        // Without these options, only libraries of the operator and of the release can have been
-        // opened. This holds even if the folder has other content by now.
+        // Only libraries of the operator and of the release can have been opened without these
+        // options. This is true even if the content of the folder has changed meanwhile.
         boolean onlyOperators = !trusted && !sandboxed.isUsed();
         folder.ifPresent(
                 own ->
@@ -384,8 +386,8 @@ public record LawPath(
                                                                 || holds(own, library.bytes()))
                                         .toList(),
                                 folder));
-        // A library of --laws whose file was replaced can be among these. It then runs in a
-        // sandbox, too.
+        // These libraries may include a library of --laws whose file was replaced. Such a library
+        // then also runs in a sandbox.
         boolean onlyFolders = !trusted && !sandboxed.worlds();
         sandboxed
                 .folder()
@@ -458,7 +460,7 @@ public record LawPath(
         return near.isEmpty() ? "; known are " + String.join(", ", names) : near;
     }
 
-    /** Lists the laws of a folder. Ignores pipes, because opening one would block. */
+    /** Lists the laws of a folder. Ignores pipes, because opening a pipe would block. */
     private static List<String> namesIn(Path folder) {
         if (!Files.isDirectory(folder)) {
             return List.of();
@@ -493,7 +495,7 @@ public record LawPath(
         return Visible.line(path.toString());
     }
 
-    /** Refuses links, pipes and devices. The watch of the folder refuses them, too. */
+    /** Refuses links, pipes and devices. The code that watches the folder also refuses them. */
     private static void requireRegular(Path file) {
         String other;
         try {
@@ -531,7 +533,7 @@ public record LawPath(
 
     /**
      * Returns the names of the files for a law, in order of preference: the compiled library, the
-     * text, the file in Python. A name that ends in ".law" or ".py" means exactly that file.
+     * text, the file in Python. A name that ends in ".law" or ".py" is the name of a file.
      */
     public static List<String> filesOf(String name) {
         for (String ending : SOURCES) {

@@ -4,6 +4,7 @@ package reve.worlds.server;
 import reve.pe.LawParameter;
 import reve.pe.PhysicsLaw;
 import reve.pe.PropertyUse;
+import reve.pe.adapter.LawColumns;
 import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.LawTime;
 import reve.pe.adapter.Laws;
@@ -28,7 +29,12 @@ final class LawReport {
     private final LawEquations equations;
     private final LawTrust trust;
 
-    /** Creates reports with the equations and the reasons of trust that were read. */
+    /**
+     * Creates an object that makes reports.
+     *
+     * @param equations equations of laws that were read
+     * @param trust the reasons why laws are executed
+     */
     LawReport(LawEquations equations, LawTrust trust) {
         this.equations = equations;
         this.trust = trust;
@@ -79,6 +85,32 @@ final class LawReport {
             content.put("trials", trials);
         }
         return content;
+    }
+
+    /** Returns the fields of laws' own columns in the report of an item; none if it has none. */
+    static Map<String, Object> columns(LawColumns columns) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        if (!columns.columns().isEmpty()) {
+            fields.put("lawColumns", columns.columns().stream().map(LawReport::column).toList());
+        }
+        if (columns.more() > 0) {
+            fields.put("moreLawColumns", columns.more());
+        }
+        return fields;
+    }
+
+    private static Map<String, Object> column(LawColumns.Column column) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("library", column.library());
+        fields.put("law", column.law());
+        fields.put("name", column.name());
+        fields.put(
+                "value", column.components() == 1 ? column.values().getFirst() : column.values());
+        fields.put("unit", column.unit());
+        if (column.values().size() < column.components()) {
+            fields.put("components", column.components());
+        }
+        return fields;
     }
 
     private static Map<String, Object> quarantined(Quarantined law, boolean faults) {

@@ -23,8 +23,8 @@ import java.util.Optional;
 
 /**
  * Changes of a simulation's laws at given frames. Each change is made in the phase ACT of its
- * frame. If a change is refused, the loop stops after that frame. Created and closed on the thread
- * that owns the world.
+ * frame. The loop stops after the frame of a refused change. Created and closed on the thread that
+ * owns the world.
  */
 public final class LawSchedule implements FrameListener, AutoCloseable {
     private final Simulation simulation;
@@ -82,7 +82,7 @@ public final class LawSchedule implements FrameListener, AutoCloseable {
         T run();
     }
 
-    /** Runs a task. If a law is refused, adds its place in the file to the message. */
+    /** Runs a task. Adds the place of the law in the file to the message if the law is refused. */
     private static <T> T placed(LawReference law, Task<T> task) {
         try {
             return task.run();

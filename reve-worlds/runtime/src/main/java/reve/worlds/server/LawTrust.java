@@ -52,7 +52,7 @@ final class LawTrust {
      * <ul>
      *   <li>{@code untrusted}: the library runs in a sandbox;
      *   <li>{@code shipped}: its bytes are those of a law that ships;
-     *   <li>{@code text}: it is another law as text;
+     *   <li>{@code text}: it is a law as text that does not ship;
      *   <li>{@code operator}: it is native code or Python, and the operator permits it to run with
      *       the rights of the account.
      * </ul>

@@ -23,7 +23,7 @@ import java.util.concurrent.TimeUnit;
 
 /**
  * Pictures of a running world at given frames. The world's thread only builds the scene; another
- * thread draws it. If a picture fails, the world continues.
+ * thread draws it. The world continues if a picture fails.
  */
 public final class Pictures implements AutoCloseable {
     /** Default size of pictures. */
@@ -42,6 +42,8 @@ public final class Pictures implements AutoCloseable {
     private boolean wanted;
 
     /**
+     * Creates the taker of pictures, which draws nothing yet.
+     *
      * @param folder the folder for the pictures; their names contain the world and the frame
      * @param frames the frames at whose end a picture is taken
      */

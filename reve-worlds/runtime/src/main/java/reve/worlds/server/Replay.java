@@ -3,6 +3,8 @@ package reve.worlds.server;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.file.EditReader;
+import reve.core.file.RuleChanges;
 import reve.core.file.WorldDescription;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.FramePhase;
@@ -12,6 +14,8 @@ import reve.core.frame.Timing;
 import reve.core.image.CorruptException;
 import reve.core.image.Trees;
 import reve.core.image.WorldDigest;
+import reve.core.plugin.Plugins;
+import reve.core.rule.Rule;
 import reve.core.world.ItemId;
 import reve.pe.PhysicsException;
 import reve.pe.adapter.LawChange;
@@ -46,6 +50,7 @@ public final class Replay implements AutoCloseable {
     private final Map<String, byte[]> libraries = new HashMap<>();
     private final Function<String, byte @Nullable []> elsewhere;
     private final List<Subscription> subscriptions = new ArrayList<>();
+    private List<String> missingPlugins = List.of();
     private final List<LawChange> lawChanges = new ArrayList<>();
     private final Consumer<LawChange> lawListener = lawChanges::add;
     private @Nullable Simulation simulation;
@@ -53,10 +58,13 @@ public final class Replay implements AutoCloseable {
     private @Nullable FrameCodec codec;
     private @Nullable WorldDigest digest;
     private Map<String, Long> members = Map.of();
+    private @Nullable WorldHeader worldHeader;
     private @Nullable JsonNode inputs;
     private @Nullable RuntimeException failure;
     private @Nullable Divergence divergence;
     private long frames;
+    private RuleChanges ruleChanges = RuleChanges.NONE;
+    private final List<String> ruleProblems = new ArrayList<>();
 
     /**
      * The first difference between a replay and the recorded run.
@@ -129,8 +137,9 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Applies the next record, but makes no frame after {@code until}. Returns false also after
-     * that frame was made.
+     * Applies the next record, but makes no frame after {@code until}.
+     *
+     * @return false if a difference was found, or the frame {@code until} was made
      */
     public boolean take(JournalRecord record, long until) {
         switch (record) {
@@ -191,14 +200,50 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Ends the replay and returns its simulation at the current frame; the caller closes it.
+     * Returns the symbols of the rules that were set or removed while the world ran, up to the
+     * current frame, in alphabetical order.
+     */
+    public List<String> changedRules() {
+        return ruleChanges.symbols().stream().sorted().toList();
+    }
+
+    /**
+     * Returns the rules at the current frame: those of a world file after the changes that were
+     * made while the world ran. A replay itself evaluates no changed rules.
+     */
+    List<Rule> rules(WorldDescription worldFile) {
+        return new EditReader(worldFile.prototype())
+                .rules(worldFile.rules(), ruleChanges, ruleProblems::add);
+    }
+
+    /**
+     * Returns one message for each change of a rule that {@link #rules} or {@link #release} could
+     * not make.
+     */
+    List<String> ruleProblems() {
+        return ruleProblems;
+    }
+
+    /** Returns whether a change of the rule of this symbol may concern a rule of the world file. */
+    private boolean isInFile(String symbol) {
+        return wanted.isEmpty()
+                || wanted.get().rules().stream().anyMatch(rule -> rule.symbol().equals(symbol));
+    }
+
+    /**
+     * Ends the replay and returns its simulation at the current frame, with the rules of this
+     * frame; the caller closes it.
      *
      * @throws CorruptException if the journal contained no image
      */
     public Simulation release() {
         Simulation released = simulation();
+        if (wanted.isPresent()) {
+            released.repeatRules(ruleChanges, ruleProblems::add);
+        }
         subscriptions.forEach(Subscription::close);
         released.physics().laws().removeListener(lawListener);
+        released.repeatLevels(false);
         simulation = null;
         return released;
     }
@@ -227,6 +272,8 @@ public final class Replay implements AutoCloseable {
     private void begin(JournalRecord.Image record) {
         ImageCodec.Stored stored = ImageCodec.open(record.bytes());
         WorldHeader header = folder.map(stored.header()::in).orElse(stored.header());
+        wanted.ifPresent(description -> requireSame(header, description));
+        missingPlugins = header.missing(Plugins.current().infos());
         if (images == null) {
             images = new ImageCodec(header);
         }
@@ -239,12 +286,32 @@ public final class Replay implements AutoCloseable {
             }
         }
         members = stored.members();
+        ruleChanges = stored.rules();
+    }
+
+    /**
+     * Returns one message for each plugin of the recorded run that is missing or has changed. The
+     * replay does not call plugins, but items may name their actions and sensors.
+     */
+    public List<String> missingPlugins() {
+        return missingPlugins;
+    }
+
+    /**
+     * Returns the data of the world that never change.
+     *
+     * @throws CorruptException if the journal contained no image
+     */
+    WorldHeader header() {
+        simulation();
+        return Objects.requireNonNull(worldHeader);
     }
 
     private void begin(WorldHeader header, SimulationImage image) {
+        worldHeader = header;
         WorldDescription description = wanted.orElseGet(() -> description(header));
-        requireSame(header, description);
         Simulation made = new Simulation(description, pacing, laws, image);
+        made.repeatLevels(true);
         simulation = made;
         digest = new WorldDigest(made.world());
         codec = new FrameCodec(header, digest.size());
@@ -258,7 +325,12 @@ public final class Replay implements AutoCloseable {
         return WorldDescription.bare(header.name(), header.prototype(), header.timing());
     }
 
-    private static void requireSame(WorldHeader header, WorldDescription description) {
+    /**
+     * Refuses a world file that cannot be the file of the recorded world.
+     *
+     * @throws CorruptException naming the first difference
+     */
+    static void requireSame(WorldHeader header, WorldDescription description) {
         requireSame("is called", header.name(), description.name());
         requireSame("makes", text(header.timing()), text(description.timing()));
         requireSame("has the prototype", header.prototype().name(), description.prototype().name());
@@ -319,6 +391,7 @@ public final class Replay implements AutoCloseable {
             throw failure;
         }
         followMembers(frame);
+        ruleChanges = ruleChanges.with(FrameCodec.rules(frame), this::isInFile);
         compareLaws(frame);
         compare(frame, "digest");
     }
@@ -341,8 +414,8 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Applies the inputs of the frame. Runs as the last listener of ACT, because the journal
-     * recorded the inputs at this point.
+     * Applies the inputs of the frame. This method runs as the last listener of ACT, because the
+     * journal recorded the inputs at this point.
      */
     private void comeIn(FrameEvent event) {
         apply(
@@ -393,8 +466,8 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Records the failure of a law in the replay as a difference. A law that failed in the recorded
-     * run is not present at this point, because its recorded removal was already applied.
+     * Records the failure of a law in the replay as a difference. A law that also failed in the
+     * recorded run causes no difference, because its recorded removal was already applied.
      */
     private void compareLaws(JsonNode frame) {
         for (LawChange change : lawChanges) {

@@ -138,10 +138,7 @@ public record RunReport(
         out.printf(Locale.ROOT, "state hash: %s%n", hash());
     }
 
-    /**
-     * Prints the busy time of each part of a frame, one line each. Gives the time per frame and per
-     * body.
-     */
+    /** Prints one line for each part of a frame, with its busy time per frame and per body. */
     public void printProfile(PrintWriter out) {
         double busy = profile.busyNanoseconds();
         out.printf(Locale.ROOT, "%-24s %12s %12s %8s%n", "profile", "ns/frame", "ns/body", "share");
@@ -159,8 +156,8 @@ public record RunReport(
     }
 
     /**
-     * Prints the times of the laws, one line each. These times are parts of the line PHYSICS
-     * advance.
+     * Prints one line for each law, with its time. These times are included in the line "PHYSICS
+     * advance".
      */
     private void printLaws(PrintWriter out) {
         out.printf(
@@ -183,8 +180,8 @@ public record RunReport(
     }
 
     /**
-     * Returns the parts of the busy time [ns]. They do not overlap. The phase PHYSICS is split into
-     * the adapter's parts.
+     * Returns the parts of the busy time [ns]. The parts do not overlap. The phase PHYSICS is split
+     * into the parts of the adapter's work.
      */
     Map<String, Long> parts() {
         Map<FramePhase, Long> phases = profile.phaseNanoseconds();

@@ -5,20 +5,20 @@ import java.nio.file.Path;
 import java.util.Optional;
 
 /**
- * The native laws that run apart. Each such library runs in a sandbox: a process that can access
- * only the columns that its laws declare.
+ * The native laws that run in a sandbox: a process that can access only the columns that its laws
+ * declare.
  *
  * @param folder the folder of laws that the operator does not trust
  * @param worlds true if untrusted native code that comes with a world, a store or a recording runs
- *     apart; false if such code is refused
- * @param weakly true if laws run apart even if the machine lacks a layer of the sandbox; false if
- *     they are then refused
+ *     in a sandbox; false if such code is refused
+ * @param weakly true if laws run in a sandbox even on a machine that lacks a layer of the sandbox;
+ *     false if they are then refused
  */
 public record Sandboxed(Optional<Path> folder, boolean worlds, boolean weakly) {
-    /** No law runs apart. */
+    /** The value for a server in which no law runs in a sandbox. */
     public static final Sandboxed NONE = new Sandboxed(Optional.empty(), false, false);
 
-    /** Returns whether laws may run apart. */
+    /** Returns whether laws may run in a sandbox. */
     public boolean isUsed() {
         return folder.isPresent() || worlds;
     }

@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
+import reve.core.agent.port.ClusterPort;
 import reve.core.agent.port.WorldControl;
 import reve.core.disk.Reason;
 import reve.core.file.EditReader;
@@ -14,6 +15,7 @@ import reve.core.frame.LawSwap;
 import reve.core.frame.TimeBudget;
 import reve.core.world.ActionRefused;
 import reve.core.world.Departure;
+import reve.core.world.Item;
 import reve.core.world.ItemId;
 import reve.core.world.World;
 import reve.core.world.WorldSnapshot;
@@ -74,6 +76,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private final LawEquations equations = new LawEquations();
     private final LawTrust trust;
     private final WorldAnswers answers;
+    private final Supplier<Optional<ClusterPort>> cluster;
     private @Nullable SimulationImage beginning;
 
     /**
@@ -81,7 +84,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
      *
      * @param saves folder for world files; empty if saving is not permitted
      * @param shadows trials of new versions of laws
-     * @param cluster returns the state of the cluster to which the server belongs
+     * @param cluster returns the cluster to which the server belongs
      */
     ServerControl(
             Simulation simulation,
@@ -89,13 +92,14 @@ final class ServerControl implements WorldControl, AutoCloseable {
             Optional<Path> saves,
             ServerEvents events,
             Shadows shadows,
-            Supplier<Optional<Map<String, Object>>> cluster) {
+            Supplier<Optional<ClusterPort>> cluster) {
         this.simulation = simulation;
         this.shadows = shadows;
         this.pictures = pictures;
         this.saves = saves;
         this.events = events;
         this.ledger = new Ledger(simulation.physics());
+        this.cluster = cluster;
         this.answers = new WorldAnswers(simulation, cluster);
         this.trust = new LawTrust(simulation.shippedLaws());
     }
@@ -219,6 +223,19 @@ final class ServerControl implements WorldControl, AutoCloseable {
     }
 
     @Override
+    public Map<String, Object> lawColumns(String item) {
+        Optional<Item> found = simulation.world().find(item);
+        try {
+            return found.isEmpty()
+                    ? Map.of()
+                    : LawReport.columns(simulation.physics().lawColumns(found.get()));
+        } catch (PhysicsException | IllegalStateException lost) {
+            LOG.debug("the columns of laws of {} cannot be read", item, lost);
+            return Map.of(); // the engine is being replaced
+        }
+    }
+
+    @Override
     public Map<String, Object> ledger(Optional<Boolean> open) throws ActionRefused {
         try {
             return ledger.report(open);
@@ -256,6 +273,11 @@ final class ServerControl implements WorldControl, AutoCloseable {
     }
 
     @Override
+    public Optional<ClusterPort> cluster() {
+        return cluster.get();
+    }
+
+    @Override
     public Change changeRules(Map<String, Optional<String>> rules) {
         return (world, frame) ->
                 simulation.setRules(
@@ -275,13 +297,18 @@ final class ServerControl implements WorldControl, AutoCloseable {
     public Image keep() throws ActionRefused {
         try {
             return new Kept(simulation.keep());
-        } catch (IllegalStateException full) {
-            LOG.warn("no image of the world is kept: {}", full.getMessage());
-            throw new ActionRefused(
-                    "too-many-images",
-                    "the images that are kept take all the memory there is for them;"
-                            + " a snapshot under one of their names replaces it",
-                    full);
+        } catch (IllegalStateException failed) {
+            LOG.warn("no image of the world is kept: {}", failed.getMessage());
+            throw simulation.hasRoomForImage()
+                    ? new ActionRefused(
+                            "action-failed",
+                            "the state of the laws cannot be read now; the server's log says why",
+                            failed)
+                    : new ActionRefused(
+                            "too-many-images",
+                            "the images that are kept take all the memory there is for them;"
+                                    + " a snapshot under one of their names replaces it",
+                            failed);
         }
     }
 
@@ -395,8 +422,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
 
     /**
      * Loads a library, or replaces a loaded library. A text replaces the loaded text of the same
-     * name. A library of native code or in Python replaces the loaded one of the same name if its
-     * bytes differ. If the engine refuses the new library, the old one stays loaded. For the
+     * name. A library in native code or in Python replaces a loaded library of the same name with
+     * other bytes. The old library stays loaded if the engine refuses the new library. For the
      * world's thread, outside PHYSICS.
      *
      * @return id of the library
@@ -415,7 +442,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
         return old.getAsInt();
     }
 
-    /** Returns the id of the loaded library that a prepared library replaces. */
+    /**
+     * Returns the id of the loaded library that a prepared library replaces; empty if there is
+     * none.
+     */
     private static OptionalInt toReplace(Laws laws, PreparedLibrary prepared) {
         boolean text = PreparedLibrary.isText(prepared.bytes());
         return laws.byId().entrySet().stream()

@@ -40,8 +40,8 @@ public record ServerReport(
 
     /**
      * Returns true if a world failed, messages lack their audit record, a store lacks the end of
-     * the run, or a recording lacks frames. Each of these was already reported as a fault event
-     * when it happened.
+     * the run, or a recording lacks frames. Each of these failures was already reported as a fault
+     * event when it happened.
      */
     public boolean failed() {
         return runs.size() < worlds

@@ -32,7 +32,7 @@ import java.util.stream.Stream;
  * copy runs on its own thread and may lag behind the world. The world never waits for it.
  */
 final class Shadow implements AutoCloseable {
-    /** Maximum memory of the frames that wait for all copies of this process [bytes]. */
+    /** Maximum memory of waiting frames, for all copies of this process together [bytes]. */
     private static final long MOST_WAITING_BYTES =
             Math.min(256L << 20, Runtime.getRuntime().maxMemory() / 8);
 
@@ -57,8 +57,8 @@ final class Shadow implements AutoCloseable {
     private @Nullable PhysicsException failure;
 
     /**
-     * The items that were arrested in the copy in this frame. Only the copy's thread uses the
-     * field.
+     * The items that were arrested in the copy in this frame. An arrested item is at rest and
+     * immovable, because a law failed at it. Only the copy's thread uses the field.
      */
     private final Set<ItemId> arrests = new LinkedHashSet<>();
 
@@ -148,7 +148,7 @@ final class Shadow implements AutoCloseable {
         return Optional.ofNullable(verdict);
     }
 
-    /** Ends the copy as soon as its present frame is done. Does not wait for this. */
+    /** Ends the copy as soon as its present frame is done. Does not wait for this end. */
     @Override
     public void close() {
         cancelled = true;
@@ -221,8 +221,8 @@ final class Shadow implements AutoCloseable {
     }
 
     /**
-     * Loads the new versions into the copy. A version that is refused at first is tried again after
-     * the others, because it may depend on them.
+     * Loads the new versions into the copy. A refused version is tried again after the other
+     * versions, because it may depend on them.
      *
      * @return the refused versions, each with the reason
      */
@@ -252,8 +252,8 @@ final class Shadow implements AutoCloseable {
     }
 
     /**
-     * Removes the budgets of all libraries that are not tried, because their budgets apply only in
-     * the world.
+     * Removes the budgets of all libraries except the new versions, because those budgets apply
+     * only in the world.
      */
     private void dropOtherBudgets(Laws laws, long frame) {
         Set<String> tried = names().collect(Collectors.toSet());
@@ -312,8 +312,8 @@ final class Shadow implements AutoCloseable {
     }
 
     /**
-     * Fails if an item was arrested in the copy but not in the world. If the world has arrested the
-     * item in the same frame, the cause is an action or an edit, and not the new version.
+     * Fails if an item was arrested in the copy but not in the world. The cause is an action or an
+     * edit, and not the new version, if the world has arrested the item in the same frame.
      */
     private void failAtArrests(Simulation copy, ShadowFrame frame) {
         arrests.stream()

@@ -111,7 +111,8 @@ final class ShadowClaims {
     }
 
     /**
-     * Returns the sum of the magnitudes of all momenta if each body moved with 1 m/s [kg*m/s].
+     * Returns the sum of the magnitudes of the momenta that all bodies would have at 1 m/s
+     * [kg*m/s].
      *
      * @param angular true to sum angular momenta about the origin instead, for velocities at right
      *     angles to the position [kg*m^2/s]

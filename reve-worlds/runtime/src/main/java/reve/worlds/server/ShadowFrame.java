@@ -26,11 +26,12 @@ import java.util.Set;
  * bodies.
  *
  * @param early changes before the laws acted
- * @param late changes after that
- * @param positions of the bodies with physics at the end of the frame, in the column's type. Empty
- *     if there was no room for them; the copy is then not compared with the world in this frame.
- * @param velocities likewise
- * @param arrested items that were arrested in this frame, because a law failed at them
+ * @param late changes after the laws acted
+ * @param positions positions of the bodies with physics at the end of the frame, in the column's
+ *     type. The array is empty if there was no room for it; the copy is then not compared with the
+ *     world in this frame.
+ * @param velocities velocities of these bodies, in the same form
+ * @param arrested items that stopped moving in this frame, because a law failed at them
  */
 record ShadowFrame(
         List<Noted> early,
@@ -42,8 +43,8 @@ record ShadowFrame(
     static final String VELOCITY = "velocity";
 
     /**
-     * A change of the world. If a column was edited directly, {@code columnRows} contains the
-     * column's rows after the change; otherwise it is null.
+     * A change of the world. The field {@code columnRows} contains the rows of a column that was
+     * edited directly, after the change. It is null for other changes.
      */
     record Noted(WorldChange change, byte @Nullable [] columnRows) {}
 

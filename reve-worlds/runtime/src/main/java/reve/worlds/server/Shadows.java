@@ -41,11 +41,11 @@ import java.util.stream.Collectors;
  * The world never waits for a copy. For the world's thread only.
  *
  * <p>A copy cannot continue to make the frames of the world after a change of laws, after a rewind,
- * or if too many frames wait. In these cases a new copy begins. A trial is refused as too slow if
+ * or if too many frames wait. A new copy begins in these cases. A trial is refused as too slow if
  * it takes more than {@link #MOST_TIMES} times the world time that it covers. This limit applies
- * both to world time and to wall-clock time, and the limit of wall-clock time is at least a minute.
- * There is at most one copy at a time. A new copy does not begin before the previous copy could
- * have made all its frames. Therefore repeated new versions or rewinds cost no more than one copy.
+ * both to world time and to elapsed time. The limit of elapsed time is at least a minute. There is
+ * at most one copy at a time. A new copy does not begin before the previous copy could have made
+ * all its frames. Therefore repeated new versions or rewinds cost no more than one copy.
  */
 final class Shadows implements Trials, AutoCloseable {
     /** Type of the events. */
@@ -55,15 +55,18 @@ final class Shadows implements Trials, AutoCloseable {
     private static final int MOST_TIMES = 10;
 
     /**
-     * Least wall-clock time that a trial may take before it is refused as too slow [ns]. The time
-     * is long because a machine may be busy.
+     * Minimum elapsed time that a trial may take before it is refused as too slow [ns]. The time is
+     * long because a machine may be busy.
      */
     private static final double LEAST_NANOS = 60e9;
 
     /** Number of events about the divergence in a trial. */
     private static final int REPORTS = 10;
 
-    /** World time after a replacement within which a failure restores the old version [s]. */
+    /**
+     * World time after a replacement during which a failure of the new version restores the old
+     * version [s].
+     */
     private static final long PROBATION_SECONDS = 60;
 
     private static final long CLOSE_MILLISECONDS = 5_000;
@@ -126,7 +129,11 @@ final class Shadows implements Trials, AutoCloseable {
                 simulation.bus().subscribe(FramePhase.PUBLISH, "shadows", this::onPublish));
     }
 
-    /** Returns whether a new version is tried in the shadow before it takes over. */
+    /**
+     * Returns whether a new version is tried in the shadow before it takes over.
+     *
+     * @param text whether the version is a law as text
+     */
     boolean areDue(boolean text, Optional<LawSwap> asked) {
         return plan.isShadowed(text, asked);
     }

@@ -1,21 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
+import static java.util.stream.Collectors.toSet;
+
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
 import reve.core.derive.DerivedColumns;
 import reve.core.derive.InertialMeasurements;
+import reve.core.derive.ProvidedMeasurements;
+import reve.core.file.EditReader;
 import reve.core.file.LawReference;
 import reve.core.file.Problem;
+import reve.core.file.RuleChanges;
 import reve.core.file.WorldDescription;
 import reve.core.frame.CommandQueue;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.FrameListener;
+import reve.core.frame.FrameListenerProvider;
 import reve.core.frame.FrameLoop;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
+import reve.core.level.LevelKeeper;
+import reve.core.plugin.Plugins;
 import reve.core.rule.Rule;
 import reve.core.rule.Rules;
 import reve.core.world.SnapshotRing;
@@ -25,6 +33,7 @@ import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
+import reve.pe.PropertyUse;
 import reve.pe.Status;
 import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.PhysicsAdapter;
@@ -42,6 +51,7 @@ import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.Collection;
+import java.util.HashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -73,10 +83,20 @@ public final class Simulation implements AutoCloseable {
     private final FrameLoop loop;
     private final PhysicsEngine engine;
     private final PhysicsAdapter physics;
+    private final InertialMeasurements inertia = new InertialMeasurements(this::gravity);
     private final Rules rules;
+    private final LevelKeeper levels = new LevelKeeper();
     private final RunEvents events = new RunEvents();
     private final Set<SimulationImage> kept = ConcurrentHashMap.newKeySet();
     private long snapshotNanoseconds;
+
+    /** Symbols of the rules of the world file. */
+    private final Set<String> rulesOfFile;
+
+    /** The changes of the rules since the world file. */
+    private RuleChanges ruleChanges = RuleChanges.NONE;
+
+    private final List<Consumer<List<RuleChanges.Change>>> ruleListeners = new ArrayList<>();
 
     /** Builds a world that uses shipped laws only. */
     public Simulation(WorldDescription description, Pacing pacing) {
@@ -87,8 +107,8 @@ public final class Simulation implements AutoCloseable {
      * Builds the world and loads its laws.
      *
      * @param lawPath search path of the laws
-     * @throws PhysicsException if laws do not load or fit; the message has one line for each law,
-     *     with its place in the world file
+     * @throws PhysicsException if laws do not load or do not fit the world; the message has one
+     *     line for each law, with its place in the world file
      */
     public Simulation(WorldDescription description, Pacing pacing, LawPath lawPath) {
         this(description, pacing, lawPath, Optional.empty());
@@ -115,6 +135,7 @@ public final class Simulation implements AutoCloseable {
             LawPath lawPath,
             Optional<SimulationImage> image) {
         this.description = description;
+        this.rulesOfFile = description.rules().stream().map(Rule::symbol).collect(toSet());
         this.lawPath = lawPath;
         closing.add(() -> Set.copyOf(kept).forEach(SimulationImage::close));
         try {
@@ -145,8 +166,11 @@ public final class Simulation implements AutoCloseable {
             closing.closeAfter(refused);
             throw refused;
         }
+        var flight = new FlightEvents(description.name(), loop, physics);
+        bus.subscribe(FramePhase.INTAKE, "flight recorder", _ -> flight.onFrame());
         commands.subscribeTo(bus);
-        var inertia = new InertialMeasurements(this::gravity);
+        levels.subscribeTo(bus);
+        physics.beforeRepetition(() -> inertia.begin(world));
         bus.subscribe(
                 FramePhase.PHYSICS,
                 "physics",
@@ -158,7 +182,7 @@ public final class Simulation implements AutoCloseable {
         bus.subscribe(
                 FramePhase.DERIVE,
                 "inertial measurements",
-                frame -> inertia.derive(world, frame.dtSeconds() * frame.steps()));
+                frame -> inertia.derive(world, frame.frame(), frame.dtSeconds() * frame.steps()));
         rules.subscribeTo(bus, loop::isStopped);
         onPublish("snapshots", this::publish);
         onPublish("run events", events);
@@ -261,7 +285,10 @@ public final class Simulation implements AutoCloseable {
         }
     }
 
-    /** Unloads libraries of a restored state that the law path excludes. Called between frames. */
+    /**
+     * Unloads the libraries of a restored state that the search path of laws excludes. Called
+     * between frames.
+     */
     void unloadExcluded() {
         physics.laws()
                 .byId()
@@ -322,7 +349,17 @@ public final class Simulation implements AutoCloseable {
      * @param complete whether all laws of the world are loaded
      */
     public List<Problem> warnings(boolean complete) {
-        return WorldCheck.warnings(description, engine.laws(), lawPath.shippedNames(), complete);
+        Set<Integer> texts = new HashSet<>();
+        physics.laws()
+                .byId()
+                .forEach(
+                        (id, library) -> {
+                            if (library.isText()) {
+                                texts.add(id);
+                            }
+                        });
+        return WorldCheck.warnings(
+                description, engine.laws(), texts, lawPath.shippedNames(), complete);
     }
 
     /** Returns the description from which the world was built. */
@@ -340,7 +377,16 @@ public final class Simulation implements AutoCloseable {
      * world's thread.
      */
     public WorldDescription descriptionNow() {
-        return description.of(
+        return descriptionNow(description);
+    }
+
+    /**
+     * Returns a description of the current world like {@link #descriptionNow()}.
+     *
+     * @param file has the parts that a world itself does not have: camera, agents and rules
+     */
+    WorldDescription descriptionNow(WorldDescription file) {
+        return file.of(
                 world,
                 physics.laws().libraries().stream()
                         .map(
@@ -363,7 +409,7 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Returns the name by which a world file refers to the library. For a shipped text the name
+     * Returns the name by which a world file refers to the library. The name of a shipped text
      * includes ".law", because the bare name means the compiled library.
      */
     private String nameOf(LawLibrary library) {
@@ -373,27 +419,67 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Returns what {@link #descriptionNow} cannot describe, one message each. For the world's
-     * thread only.
+     * Returns one message for each part of the world that {@link #descriptionNow} cannot describe.
+     * For the world's thread only.
      */
     public List<String> notDescribed() {
         List<String> left = new ArrayList<>();
         for (PhysicsLaw law : physics.laws().loaded()) {
-            if (law.uses().stream().anyMatch(use -> use.access().contains(Access.SCRATCH))) {
-                left.add("what " + law.name() + " remembers of earlier steps");
+            List<String> own =
+                    law.uses().stream()
+                            .filter(use -> use.access().contains(Access.SCRATCH))
+                            .map(PropertyUse::name)
+                            .toList();
+            if (!own.isEmpty()) {
+                left.add(
+                        "what "
+                                + law.name()
+                                + " remembers of earlier steps ("
+                                + String.join(", ", own)
+                                + ")");
+            }
+        }
+        for (LawLibrary library : physics.laws().libraries()) {
+            if (library.interval() > 1) {
+                left.add(
+                        "that the laws of "
+                                + library.name()
+                                + " are evaluated once in "
+                                + library.interval()
+                                + " steps");
             }
         }
         return left;
     }
 
     /**
-     * Replaces the rules. The symbols that they derive change in the next frame. Journals do not
-     * contain rules, so a resumed world has the rules of its world file. For the world's thread,
-     * outside DERIVE.
+     * Replaces the rules. The symbols that they derive change in the next frame. Journals contain
+     * the changes. For the world's thread, outside DERIVE.
      */
     public void setRules(List<Rule> newRules) {
+        List<RuleChanges.Change> made = RuleChanges.between(description.rules(), newRules);
         rules.set(newRules);
         description = description.withRules(newRules);
+        ruleChanges = ruleChanges.with(made, rulesOfFile::contains);
+        ruleListeners.forEach(listener -> listener.accept(made));
+    }
+
+    /**
+     * Gives a restored world the rules of its world file after the changes of the run that made its
+     * state. Removes the symbols of all other rules from its items. For the world's thread, between
+     * frames.
+     *
+     * @param problems receives one message for each change that cannot be made
+     */
+    void repeatRules(RuleChanges changes, Consumer<String> problems) {
+        List<Rule> now =
+                new EditReader(world.prototype()).rules(description.rules(), changes, problems);
+        Set<String> kept = now.stream().map(Rule::symbol).collect(toSet());
+        kept.removeAll(changes.symbols());
+        world.items().forEach(item -> item.semantic().dropDerived(name -> !kept.contains(name)));
+        rules.set(now);
+        description = description.withRules(now);
+        ruleChanges = changes;
     }
 
     /** Returns the bus on which components subscribe to phases of the frame. */
@@ -443,15 +529,15 @@ public final class Simulation implements AutoCloseable {
      * valid until it or the simulation is closed. Taking it costs one bulk copy of the columns. For
      * the world's thread, between frames.
      *
-     * @throws IllegalStateException if the maximum number or size of images is reached
+     * @throws IllegalStateException if the maximum number or size of images is reached, or the
+     *     engine cannot be asked for its state
      */
     public SimulationImage keep() {
-        long bytes = kept.stream().mapToLong(SimulationImage::bytes).sum();
-        if (kept.size() >= MAX_IMAGES || bytes >= MAX_IMAGE_BYTES) {
+        if (!hasRoomForImage()) {
             throw new IllegalStateException(
                     kept.size()
                             + " images of "
-                            + bytes
+                            + keptBytes()
                             + " bytes in all "
                             + "are kept, at most "
                             + MAX_IMAGES
@@ -460,16 +546,30 @@ public final class Simulation implements AutoCloseable {
                             + " bytes may be: close one first");
         }
         SimulationImage image = new SimulationImage(world, kept::remove);
+        try {
+            image.copyFrom(world, physics, loop.frame());
+        } catch (RuntimeException failed) {
+            image.close();
+            throw failed;
+        }
         kept.add(image);
-        image.copyFrom(world, physics, loop.frame());
         return image;
     }
 
+    /** Returns whether {@link #keep} may take one more image. */
+    public boolean hasRoomForImage() {
+        return kept.size() < MAX_IMAGES && keptBytes() < MAX_IMAGE_BYTES;
+    }
+
+    private long keptBytes() {
+        return kept.stream().mapToLong(SimulationImage::bytes).sum();
+    }
+
     /**
-     * Restores time, items and laws from an image. With the same inputs, the same frames follow,
-     * with equal bits. Frame numbers continue; the next frame shows the restored world. Data that
-     * clients have received is not withdrawn. If the restore fails, nothing has changed. For the
-     * world's thread, between frames.
+     * Restores time, items and laws from an image. The same inputs then produce the same frames,
+     * with equal bits. Frame numbers continue, and the next frame shows the restored world. Data
+     * that clients have received is not withdrawn. Nothing has changed if the restore fails. For
+     * the world's thread, between frames.
      *
      * @return the number of the next frame
      * @throws IllegalStateException if a frame is in progress, or no process can be started for the
@@ -483,8 +583,8 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Continues with the frame after that of an image. The image must not be older than the current
-     * frame. For the world's thread only.
+     * Restores an image, and continues with the frame after the image's frame. The image must not
+     * be older than the current frame. For the world's thread only.
      */
     void goOnFrom(SimulationImage image) {
         restore(image, image.frame());
@@ -514,10 +614,21 @@ public final class Simulation implements AutoCloseable {
 
     /**
      * Returns a second world like {@link #fork}, but without the rules, because laws do not use
-     * them.
+     * them. It does not evaluate conditions of levels, because its caller repeats the changes of
+     * this world.
      */
     Simulation shadow(SimulationImage image) {
-        return new Simulation(description.withRules(List.of()), Pacing.FAST, lawPath, image);
+        var shadow = new Simulation(description.withRules(List.of()), Pacing.FAST, lawPath, image);
+        shadow.repeatLevels(true);
+        return shadow;
+    }
+
+    /**
+     * Stops or continues the evaluation of the conditions of levels. It is stopped while the
+     * simulation repeats the changes of another run. Called between frames.
+     */
+    void repeatLevels(boolean repeats) {
+        levels.pause(repeats);
     }
 
     /**
@@ -536,28 +647,47 @@ public final class Simulation implements AutoCloseable {
             Consumer<String> problems) {
         WorldHeader header =
                 new WorldHeader(
-                        description.name(), description.prototype(), description.timing(), folder);
+                        description.name(),
+                        description.prototype(),
+                        description.timing(),
+                        folder,
+                        Plugins.current().infos());
         lawPath.remember(physics.laws().libraries());
         physics.laws()
                 .addListener(
                         change ->
                                 change.brought()
                                         .ifPresent(
-                                                library -> // reading its file here would delay
-                                                        // the world
+                                                library ->
+                                                        // Another thread reads the file of the
+                                                        // library, so that the world is not
+                                                        // delayed.
                                                         Thread.ofVirtual()
                                                                 .start(
                                                                         () ->
                                                                                 lawPath.remember(
                                                                                         List.of(
                                                                                                 library)))));
-        return new Journal(header, world, physics, bus, members, plan, sink, problems);
+        Journal journal =
+                new Journal(
+                        header,
+                        world,
+                        physics,
+                        bus,
+                        members,
+                        () -> ruleChanges,
+                        plan,
+                        sink,
+                        problems);
+        ruleListeners.add(journal::rulesChanged);
+        return journal;
     }
 
     private void restore(SimulationImage image, long frame) {
         loop.requireContinuable(frame);
         physics.restore(frame, image.physics(), () -> world.restore(image.world()));
         rules.forget();
+        inertia.forget();
         loop.continueAfter(frame);
     }
 
@@ -567,6 +697,25 @@ public final class Simulation implements AutoCloseable {
      */
     public void onPublish(String name, FrameListener listener) {
         bus.subscribe(FramePhase.PUBLISH, name, listener);
+    }
+
+    /**
+     * Adds the frame listeners of the plugins of the calling thread. Not called for a replay,
+     * because a recording contains the changes that listeners made. For the world's thread, between
+     * frames, before a {@link #journal}, once.
+     */
+    public void usePluginListeners() {
+        for (FrameListenerProvider provider : Plugins.current().listeners()) {
+            PluginListener.subscribe(world, loop.frame(), bus, provider);
+        }
+    }
+
+    /**
+     * Makes the sensors that are written in Java measure in each frame, for agents. For the world's
+     * thread, between frames, once.
+     */
+    void measureProvidedSensors() {
+        ProvidedMeasurements.subscribeTo(bus);
     }
 
     /** Frees the engine and the columns, after the loop has ended. Idempotent. */

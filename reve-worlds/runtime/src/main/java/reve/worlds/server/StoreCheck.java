@@ -103,7 +103,7 @@ public record StoreCheck(
         Path aside =
                 Files.createDirectory(
                         store.resolveSibling(store.getFileName() + ".damaged-" + number));
-        Path place = Files.createDirectory(aside.resolve("repaired"));
+        Path place = Files.createDirectory(aside.resolve(StoreContents.REPAIRED));
         Path repaired = place.resolve(store.getFileName());
         try {
             write(made, repaired);

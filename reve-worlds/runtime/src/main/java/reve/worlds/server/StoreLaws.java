@@ -24,11 +24,11 @@ import java.util.Optional;
 
 /**
  * The laws of a store at the frame from which a world would resume. They are read without being
- * opened, so a law that crashes does no harm. One thread; no other process may have a store in
+ * opened, so a law that crashes does no harm. For one thread. No other process may have a store in
  * files open.
  *
  * @param store the store
- * @param isWhole whether no data is lost, and the bytes of all laws are there
+ * @param isWhole true if no data is lost and the bytes of all laws are available
  * @param frame from which a world can resume; -1 for none
  * @param laws the loaded libraries, in the order of loading
  * @param quarantined the libraries that failed and stay unloaded
@@ -64,7 +64,7 @@ public record StoreLaws(
     /**
      * Reads the laws of a store without changing it.
      *
-     * @param laws where to search for replacements of damaged laws
+     * @param laws search path for replacements of damaged laws
      * @throws CorruptException if it is not a store, or contains nothing that can be read
      * @throws IOException if it cannot be read, or another process has it open
      */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
+import reve.core.agent.port.CarriedSession;
 import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
 import reve.core.image.CorruptException;
@@ -18,10 +19,13 @@ import reve.worlds.journal.TakenStore;
 
 import java.io.IOException;
 import java.nio.file.Path;
+import java.util.HashSet;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalLong;
+import java.util.Set;
 import java.util.function.Consumer;
 
 /**
@@ -31,8 +35,14 @@ import java.util.function.Consumer;
  * @param stateHash the hash of the world's state at that frame, before the agents of the previous
  *     process were removed
  * @param epoch the epoch in which this process writes to a shared store; empty for other stores
+ * @param sessions the sessions of the previous server that continue
  */
-record StoredWorld(Simulation simulation, JournalSink store, long stateHash, OptionalLong epoch) {
+record StoredWorld(
+        Simulation simulation,
+        JournalSink store,
+        long stateHash,
+        OptionalLong epoch,
+        List<CarriedSession> sessions) {
 
     /** Returns the loss that the problems of a store have caused, as the end of a message. */
     private static String cost(StoreReading contents) {
@@ -54,7 +64,8 @@ record StoredWorld(Simulation simulation, JournalSink store, long stateHash, Opt
      * @param problems receives descriptions of damage that loses no data, on any thread
      * @throws IOException if the store cannot be opened or read
      * @throws PhysicsException if a law of the store may not be opened, or does not load
-     * @throws CorruptException if it is not a store, belongs to another world, or is incomplete
+     * @throws CorruptException if there is no store at the address, or the store belongs to another
+     *     world or is incomplete
      */
     static StoredWorld open(
             StoreAddress address,
@@ -70,7 +81,7 @@ record StoredWorld(Simulation simulation, JournalSink store, long stateHash, Opt
             contents.requireWhole();
             if (contents.isEmpty()) {
                 Simulation begun = new Simulation(description, pacing, laws);
-                return kept(begun, taken, begun.physics().stateHash());
+                return kept(begun, taken, begun.physics().stateHash(), List.of());
             }
             String cost = cost(contents);
             contents.problems().forEach(problem -> problems.accept(problem + cost));
@@ -84,9 +95,24 @@ record StoredWorld(Simulation simulation, JournalSink store, long stateHash, Opt
                             laws,
                             found::find)) {
                 make(replay, contents);
+                replay.missingPlugins()
+                        .forEach(problem -> problems.accept(address + ": " + problem));
                 Simulation resumed = replay.release();
-                StoredWorld world = kept(resumed, taken, resumed.physics().stateHash());
-                replay.members().forEach((agent, body) -> leave(resumed, agent, body));
+                replay.ruleProblems().forEach(problem -> problems.accept(address + ": " + problem));
+                Map<String, Long> members = replay.members();
+                List<CarriedSession> continued =
+                        taken.sessions().stream()
+                                .filter(session -> isWhole(session, members, resumed.world()))
+                                .toList();
+                StoredWorld world = kept(resumed, taken, resumed.physics().stateHash(), continued);
+                Set<String> stay = new HashSet<>();
+                continued.forEach(session -> stay.add(session.client()));
+                members.forEach(
+                        (agent, body) -> {
+                            if (!stay.contains(agent)) {
+                                leave(resumed, agent, body);
+                            }
+                        });
                 return world;
             }
         }
@@ -97,10 +123,29 @@ record StoredWorld(Simulation simulation, JournalSink store, long stateHash, Opt
         return address.isShared() ? Optional.of(folder) : Optional.empty();
     }
 
-    private static StoredWorld kept(Simulation simulation, TakenStore taken, long stateHash)
+    /** Returns whether the client of a session is in the world, with its body if it has one. */
+    private static boolean isWhole(CarriedSession session, Map<String, Long> members, World world) {
+        Long body = members.get(session.client());
+        return session.body().isEmpty()
+                ? body == null
+                : body != null
+                        && body == session.body().getAsLong()
+                        && world.find(new ItemId(body)).isPresent();
+    }
+
+    /** Returns the ids of the bodies of agents whose sessions continue, by agent. */
+    Map<String, Long> members() {
+        Map<String, Long> members = new LinkedHashMap<>();
+        sessions.forEach(
+                session -> session.body().ifPresent(body -> members.put(session.client(), body)));
+        return members;
+    }
+
+    private static StoredWorld kept(
+            Simulation simulation, TakenStore taken, long stateHash, List<CarriedSession> sessions)
             throws IOException {
         try {
-            return new StoredWorld(simulation, taken.open(), stateHash, taken.epoch());
+            return new StoredWorld(simulation, taken.open(), stateHash, taken.epoch(), sessions);
         } catch (IOException | RuntimeException e) {
             simulation.close();
             throw e;
@@ -108,7 +153,7 @@ record StoredWorld(Simulation simulation, JournalSink store, long stateHash, Opt
     }
 
     /**
-     * Replays all frames of a store. If the replay fails, refuses the store before any of its files
+     * Replays all frames of a store. Refuses the store if the replay fails, before any of its files
      * is changed.
      */
     private static void make(Replay replay, StoreReading contents) {

@@ -15,10 +15,10 @@ import java.util.Optional;
  *     ShadowEnergy} compares it with; above 0
  */
 public record SwapPlan(Optional<LawSwap> swap, double seconds, double energyLimit) {
-    /** World time that a trial covers, unless the operator gives another one [s]. */
+    /** World time that a trial covers, unless the operator gives another time [s]. */
     public static final double DEFAULT_SECONDS = 1;
 
-    /** Limit of the gain of energy, unless the operator gives another one. */
+    /** Limit of the gain of energy, unless the operator gives another limit. */
     public static final double DEFAULT_ENERGY_LIMIT = 10;
 
     /**

@@ -57,7 +57,7 @@ final class Watchdog implements AutoCloseable {
         worlds.add(new Watched(subject));
     }
 
-    /** Watches a world no longer. For any thread. */
+    /** Stops watching a world. For any thread. */
     void remove(Subject subject) {
         worlds.removeIf(watched -> watched.subject == subject);
     }
@@ -73,8 +73,8 @@ final class Watchdog implements AutoCloseable {
         while (!closed) {
             LockSupport.parkNanos(periodNanos);
             long now = System.nanoTime();
-            // One check counts at most two periods. In a longer interval, the whole process was
-            // stopped or had no processor, so the worlds could not run either.
+            // One check counts at most two periods of time. A longer interval means that the whole
+            // process was stopped or had no processor, so the worlds could not run either.
             long seen = Math.min(now - last, 2 * periodNanos);
             last = now;
             for (Watched world : worlds) {
@@ -162,7 +162,8 @@ final class Watchdog implements AutoCloseable {
         }
 
         /**
-         * Returns the stack of the thread, innermost method first, without the JDK's own methods.
+         * Returns the methods on the stack of the thread, innermost method first. Methods of the
+         * JDK are omitted.
          */
         private static List<String> stackOf(Thread thread) {
             return Stream.of(thread.getStackTrace())

@@ -3,6 +3,7 @@ package reve.worlds.server;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.agent.port.ClusterPort;
 import reve.core.frame.FrameEvent;
 import reve.core.space.Box;
 import reve.core.text.Visible;
@@ -30,7 +31,7 @@ final class WorldAnswers {
     private static final String BAD = "out-of-range";
 
     private final Simulation simulation;
-    private final Supplier<Optional<Map<String, Object>>> cluster;
+    private final Supplier<Optional<ClusterPort>> cluster;
 
     /** The collected changes since the last question about them; null before the first question. */
     private @Nullable List<Map<String, Object>> changes;
@@ -38,9 +39,9 @@ final class WorldAnswers {
     private long lost;
 
     /**
-     * @param cluster returns the state of the cluster to which the server belongs
+     * @param cluster returns the cluster to which the server belongs
      */
-    WorldAnswers(Simulation simulation, Supplier<Optional<Map<String, Object>>> cluster) {
+    WorldAnswers(Simulation simulation, Supplier<Optional<ClusterPort>> cluster) {
         this.simulation = simulation;
         this.cluster = cluster;
         simulation.onPublish("changes", this::follow);
@@ -54,6 +55,7 @@ final class WorldAnswers {
             case "region" -> region(arguments);
             case "cluster" ->
                     cluster.get()
+                            .map(ClusterPort::state)
                             .orElseThrow(
                                     () ->
                                             new ActionRefused(
@@ -130,7 +132,7 @@ final class WorldAnswers {
                         + most);
     }
 
-    /** Returns the changes since the last question. Collects further changes from this call on. */
+    /** Returns the changes since the last question. The first call begins to collect changes. */
     private Map<String, Object> changes() {
         List<Map<String, Object>> seen = changes == null ? List.of() : changes;
         Map<String, Object> answer = new LinkedHashMap<>();

@@ -5,12 +5,14 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
+import reve.core.agent.port.ClusterPort;
 import reve.core.agent.port.Elsewhere;
 import reve.core.frame.Pacing;
 
 import java.io.IOException;
 import java.net.InetSocketAddress;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
@@ -18,8 +20,6 @@ import java.util.Optional;
 import java.util.concurrent.Callable;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.locks.ReentrantLock;
-import java.util.function.Consumer;
-import java.util.function.Supplier;
 
 /**
  * A server that opens and closes worlds while it runs, and serves them to agents at one address.
@@ -33,20 +33,25 @@ public final class WorldHost implements AutoCloseable {
     private final Watchdog watchdog;
     private final Map<String, Hosting> worlds = new ConcurrentHashMap<>();
 
-    /** One world at a time is built, so that each has the processors for itself. */
+    /**
+     * This lock is held while a world is built. Only one world at a time is built, so that it can
+     * use all processors.
+     */
     private final ReentrantLock building = new ReentrantLock();
 
-    /** Guarded by itself. */
+    /** Reports of the closed worlds. Guarded by the lock of this list. */
     private final List<RunReport> reports = new ArrayList<>();
 
-    /** Guarded by itself. */
+    /** Messages about data that the stores lack. Guarded by the lock of this list. */
     private final List<String> unkept = new ArrayList<>();
 
-    private volatile Supplier<Optional<Map<String, Object>>> cluster = Optional::empty;
+    private volatile Optional<HostCluster> cluster = Optional.empty();
+    private volatile Optional<HostPage> page = Optional.empty();
     private volatile boolean closing;
 
     /**
-     * Starts to listen for agents, without a world.
+     * Starts to listen for agents, without a world. Until the host has joined a cluster, agents are
+     * told to try again.
      *
      * @param lawsFolder folder that is watched for law libraries, if present; they act in all
      *     worlds
@@ -68,6 +73,7 @@ public final class WorldHost implements AutoCloseable {
                         List.of(),
                         (source, message) ->
                                 events.happened("fault", WorldServer.fault(source, message)));
+        agents.sendTo(Elsewhere.UNKNOWN); // until the host joins a cluster
         this.watchdog = new Watchdog(watch, List.of());
         watchdog.start();
     }
@@ -78,27 +84,46 @@ public final class WorldHost implements AutoCloseable {
     }
 
     /**
-     * Joins a cluster: sends agents to the worlds of other servers from now on, and answers
-     * operators' questions about the cluster.
-     *
-     * @param state returns the answer, for any thread and at once
+     * Joins a cluster. The host then refers agents to the worlds of other servers, and passes on
+     * operators' questions and orders about the cluster.
      */
-    public void join(Elsewhere others, Supplier<Map<String, Object>> state) {
-        cluster = () -> Optional.of(state.get());
-        agents.sendTo(others);
+    public void join(HostCluster joined) {
+        cluster = Optional.of(joined);
+        agents.sendTo(joined);
+    }
+
+    /** Shows the worlds that are opened from now on in a web page. The caller closes the page. */
+    public void show(HostPage shown) {
+        page = Optional.of(shown);
+    }
+
+    /** Returns the address of the web page; empty if there is none. */
+    public Optional<String> web() {
+        return page.map(HostPage::address);
+    }
+
+    /** Returns the cluster; empty until the host has joined it. */
+    public Optional<ClusterPort> cluster() {
+        return cluster.map(ClusterPort.class::cast);
     }
 
     /**
-     * Opens a world on a thread of its own, and runs it until it is stopped or ends.
+     * Returns the server for agents. Other servers of this process may connect clients to it
+     * directly.
+     */
+    public AgentServer agents() {
+        return agents;
+    }
+
+    /**
+     * Opens a world on a separate thread, and runs it until it is stopped or ends.
      *
      * @param plan makes the plan of the world, on the thread of the world
      * @param whenClosed is called on the thread of the world when the world was closed, or could
-     *     not be opened. The argument is the reason, which was reported; it is empty if the world
-     *     was stopped
+     *     not be opened
      * @throws IllegalStateException if the host has the world already
      */
-    public Hosting open(
-            String world, Callable<WorldPlan> plan, Consumer<Optional<String>> whenClosed) {
+    public Hosting open(String world, Callable<WorldPlan> plan, CloseListener whenClosed) {
         Hosting hosting = new Hosting(world, plan, whenClosed);
         if (worlds.putIfAbsent(world, hosting) != null) {
             throw new IllegalStateException("the world " + world + " is open already");
@@ -107,24 +132,100 @@ public final class WorldHost implements AutoCloseable {
         return hosting;
     }
 
+    /**
+     * Puts the worlds to sleep that have no clients, and had none for a time: each of them writes
+     * its state and is closed, until a client asks for it. A world whose store accepts no frames
+     * continues. Waits for the event loop of the agent server, but for no world.
+     */
+    public void sleepUnused(Duration time) {
+        worlds.values().forEach(hosting -> hosting.sleepIfUnused(time));
+    }
+
+    /**
+     * Prevents all worlds from making frames, or permits it again, because another server may run
+     * them. Returns at once.
+     */
+    public void suspend(boolean isSuspended) {
+        worlds.values().forEach(hosting -> hosting.suspend(isSuspended));
+    }
+
+    /** Receives the end of a world. */
+    @FunctionalInterface
+    public interface CloseListener {
+        /**
+         * @param reason why the world has ended, which was reported; empty if it was stopped
+         * @param isAsleep whether the world sleeps until a client asks for it
+         */
+        void closed(Optional<String> reason, boolean isAsleep);
+    }
+
     /** A world of a host. For any thread. */
     public final class Hosting {
         private final String name;
         private final Callable<WorldPlan> plan;
-        private final Consumer<Optional<String>> whenClosed;
+        private final CloseListener whenClosed;
         private final Thread thread;
 
-        // Guarded by this object's lock.
+        // The world; null before it is built. Guarded by this object's lock.
         private @Nullable HostedWorld hosted;
         private boolean stopped;
+        private boolean handsOver;
+        private boolean shallSleep;
         private boolean isOpening = true;
 
-        private Hosting(
-                String name, Callable<WorldPlan> plan, Consumer<Optional<String>> whenClosed) {
+        private Hosting(String name, Callable<WorldPlan> plan, CloseListener whenClosed) {
             this.name = name;
             this.plan = plan;
             this.whenClosed = whenClosed;
             this.thread = Thread.ofPlatform().name("world " + name).unstarted(this::live);
+        }
+
+        /**
+         * Closes the world like {@link #stop}, because another server of the cluster shall run it:
+         * sends its agents there.
+         */
+        public synchronized void handOver() {
+            if (!stopped) {
+                handsOver = true;
+                stop();
+            }
+        }
+
+        /**
+         * @param mayContinue whether another server may run the world, so that its agents ask there
+         */
+        private void close(boolean mayContinue) {
+            if (mayContinue) {
+                handOver();
+            } else {
+                stop();
+            }
+        }
+
+        private void sleepIfUnused(Duration time) {
+            if (isOpen() && isKept() && agents.endIfUnused(name, time)) {
+                synchronized (this) {
+                    if (!stopped) {
+                        shallSleep = true;
+                        stop();
+                    }
+                }
+            }
+        }
+
+        private synchronized void suspend(boolean isSuspended) {
+            if (hosted != null) {
+                hosted.simulation().loop().suspend(isSuspended);
+            }
+        }
+
+        private synchronized boolean isOpen() {
+            return hosted != null && !stopped;
+        }
+
+        /** Returns whether the world's store, if it has one, accepts its frames. */
+        public synchronized boolean isKept() {
+            return hosted == null || hosted.isKept();
         }
 
         /** Closes the world after its current frame. Returns at once. Idempotent. */
@@ -137,27 +238,36 @@ public final class WorldHost implements AutoCloseable {
             if (running != null) {
                 running.stop();
             } else if (isOpening) {
-                thread.interrupt(); // it may wait for the lease of another server
+                thread.interrupt(); // the thread may wait for the lease of another server
             }
         }
 
         private void live() {
             Optional<String> problem = Optional.empty();
+            boolean isAsleep = false;
             try {
                 WorldPlan made = plan.call();
                 HostedWorld world = build(made);
                 try (world) {
                     if (hasOpened(world)) {
                         problem = run(world);
+                        isAsleep = shallSleep() && world.fallAsleep();
                     }
                 }
                 keep(world);
+                if (isAsleep) {
+                    new NamedEvents(name, events).happened("world-asleep", world.asleepFields());
+                }
             } catch (Exception | Error failure) {
                 problem = isStopped() ? Optional.empty() : Optional.of(reported(failure));
             } finally {
                 worlds.remove(name, this);
-                whenClosed.accept(problem);
+                whenClosed.closed(problem, isAsleep);
             }
+        }
+
+        private synchronized boolean shallSleep() {
+            return shallSleep;
         }
 
         private HostedWorld build(WorldPlan made) throws IOException, InterruptedException {
@@ -168,13 +278,16 @@ public final class WorldHost implements AutoCloseable {
                         pacing,
                         lawsFolder,
                         new NamedEvents(name, events),
-                        () -> cluster.get());
+                        WorldHost.this::cluster);
             } finally {
                 building.unlock();
             }
         }
 
-        /** Ends the time in which {@link #stop} interrupts; returns whether the world shall run. */
+        /**
+         * Records that the world is open, so that {@link #stop} does not interrupt its thread after
+         * this call. Returns whether the world shall run.
+         */
         private synchronized boolean hasOpened(HostedWorld world) {
             isOpening = false;
             Thread.interrupted();
@@ -182,16 +295,28 @@ public final class WorldHost implements AutoCloseable {
             return !stopped;
         }
 
-        private synchronized boolean isStopped() {
+        /** Returns whether the world was told to stop. */
+        public synchronized boolean isStopped() {
             return stopped;
         }
 
         private Optional<String> run(HostedWorld world) {
+            Optional<HostPage> shows = page;
+            shows.ifPresent(
+                    shown -> shown.add(world.port(), world.simulation().description().camera()));
+            try {
+                return serve(world);
+            } finally {
+                shows.ifPresent(shown -> shown.remove(name));
+            }
+        }
+
+        private Optional<String> serve(HostedWorld world) {
             Watchdog.Subject watched = world.watched();
-            agents.add(world.port());
+            agents.add(world.port(), world.sessions());
             try {
                 watchdog.add(watched);
-                world.start(agents.address(), Optional.empty());
+                world.start(agents.address(), web());
                 RunReport report = world.run();
                 if (closing) {
                     synchronized (reports) {
@@ -206,8 +331,17 @@ public final class WorldHost implements AutoCloseable {
                                         : "the world " + name + " was shut down");
             } finally {
                 watchdog.remove(watched);
-                agents.remove(name);
+                page.ifPresent(shown -> shown.remove(name)); // it is no failure that the world ends
+                world.handOver(agents.remove(name, next(world)));
             }
+        }
+
+        /** Returns the address at which the agents of the world ask for it from now on. */
+        private synchronized Optional<String> next(HostedWorld world) {
+            if (world.isLost()) {
+                return cluster.flatMap(known -> known.refuge(name));
+            }
+            return handsOver ? cluster.flatMap(known -> known.next(name)) : Optional.empty();
         }
 
         private void keep(HostedWorld world) {
@@ -228,7 +362,9 @@ public final class WorldHost implements AutoCloseable {
                             + name
                             + (world == null ? " could not be opened: " : " has ended: ")
                             + (failure.getMessage() == null ? failure : failure.getMessage());
-            if (world == null || !world.isLost()) { // otherwise the reason was reported
+            if (world == null || !world.isLost()) {
+                // Only other failures are reported here, because the loss of a world was already
+                // reported.
                 new NamedEvents(name, events)
                         .happened("fault", WorldServer.fault("world", message));
             }
@@ -252,7 +388,7 @@ public final class WorldHost implements AutoCloseable {
         }
     }
 
-    /** Announces that the worlds that close from now on belong into the report. */
+    /** Makes the report include the worlds that are closed after this call. */
     public void willClose() {
         closing = true;
     }
@@ -262,7 +398,7 @@ public final class WorldHost implements AutoCloseable {
     public void close() {
         willClose();
         List<Hosting> open = List.copyOf(worlds.values());
-        open.forEach(Hosting::stop);
+        open.forEach(hosting -> hosting.close(cluster.isPresent()));
         boolean interrupted = false;
         for (Hosting hosting : open) {
             while (hosting.thread.isAlive()) {

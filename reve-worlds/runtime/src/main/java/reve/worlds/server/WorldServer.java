@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
+import reve.core.agent.port.CarriedSession;
 import reve.core.agent.port.WorldPort;
 import reve.core.file.Problem;
 import reve.core.file.WorldDescription;
@@ -73,11 +74,14 @@ public final class WorldServer implements AutoCloseable {
             }
             descriptions = plans.stream().map(WorldPlan::description).toList();
             ports = worlds.stream().map(HostedWorld::port).toList();
+            Map<String, List<CarriedSession>> carried = new LinkedHashMap<>();
+            worlds.forEach(world -> carried.put(world.name(), world.sessions()));
             agents =
                     closing.add(
                             AgentServer.start(
                                     config,
                                     ports,
+                                    carried, // a node of a cluster may have had the worlds before
                                     (source, message) ->
                                             events.happened("fault", fault(source, message))));
             watchdog =
@@ -168,7 +172,7 @@ public final class WorldServer implements AutoCloseable {
                 List.of());
     }
 
-    /** One world on its own thread. */
+    /** The run of one world on its own thread. */
     private final class Run {
         private final HostedWorld world;
         private final Thread thread;
@@ -184,7 +188,9 @@ public final class WorldServer implements AutoCloseable {
             try {
                 report = world.run();
             } catch (RuntimeException | Error failure) {
-                if (!world.isLost()) { // otherwise the reason was reported
+                if (!world.isLost()) {
+                    // Only other failures are reported here, because the loss of a world was
+                    // already reported.
                     world.tellProblem(
                             "world", "the world " + world.name() + " has ended: " + failure);
                 }

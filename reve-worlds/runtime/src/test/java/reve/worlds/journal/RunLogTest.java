@@ -20,6 +20,7 @@ import java.nio.file.StandardOpenOption;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Random;
+import java.util.UUID;
 import java.util.zip.CRC32C;
 
 class RunLogTest {
@@ -68,6 +69,20 @@ class RunLogTest {
         assertThatExceptionOfType(CorruptException.class)
                 .isThrownBy(() -> RunLog.open(file).next())
                 .withMessageContaining("damaged in the record at byte 15");
+    }
+
+    /** A recording has the name that a store needs for its next file of frames. */
+    @Test
+    void aStoreDoesNotWriteOverARecordingInUse() throws IOException {
+        Path file = folder.resolve("s.db-frames-2");
+        try (Recording recording = new Recording(RecordingPlan.of(file))) {
+            recording.write(new JournalRecord.Frame(1, new byte[3]));
+            assertThatExceptionOfType(IOException.class)
+                    .isThrownBy(
+                            () -> new RunLog.Writer(file, new RunLog.Link(new UUID(1, 1), 2, 3, 4)))
+                    .withMessageContaining("is in use");
+        }
+        assertThat(RunLog.open(file).next()).isInstanceOf(JournalRecord.Frame.class);
     }
 
     @Test
@@ -122,5 +137,14 @@ class RunLogTest {
     private static long allocated() {
         return ((com.sun.management.ThreadMXBean) ManagementFactory.getThreadMXBean())
                 .getCurrentThreadAllocatedBytes();
+    }
+
+    /** A run that resumes at frame 180 and keeps nothing has not lost the frames before it. */
+    @Test
+    void aRunThatKeepsNothingLosesItsOwnFrames() {
+        assertThat(new Journal.Shortfall(-1, 181, 260).toString())
+                .endsWith("nothing of this run, frames 181 to 260 are lost");
+        assertThat(new Journal.Shortfall(200, 181, 260).toString())
+                .endsWith("continues from frame 200, frames 201 to 260 are lost");
     }
 }

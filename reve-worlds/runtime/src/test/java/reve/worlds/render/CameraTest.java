@@ -74,6 +74,47 @@ class CameraTest {
         assertThat(Math.tan(camera.extent() / 2) * distance * 0.82).isCloseTo(0.5, within(1e-9));
     }
 
+    /**
+     * Returns the place of a point in the picture, to the right of its middle and above it [px].
+     */
+    private static double[] project(Camera camera, Point point, int height) {
+        Point forward = camera.target().plus(-1, camera.eye()).normalized();
+        Point right = forward.cross(camera.up()).normalized();
+        Point up = right.cross(forward);
+        Point seen = point.plus(-1, camera.eye());
+        double halfHeight =
+                camera.orthographic()
+                        ? camera.extent() / 2
+                        : seen.dot(forward) * Math.tan(camera.extent() / 2);
+        double scale = height / 2.0 / halfHeight;
+        return new double[] {scale * seen.dot(right), scale * seen.dot(up)};
+    }
+
+    @Test
+    void twoPointsOneMetreApartAtTheTargetAreAsFarApartAsTheScaleSays() {
+        long seed = 4712;
+        var random = new Random(seed);
+        for (int i = 0; i < 1000; i++) {
+            var target = new Point(random.nextGaussian(), random.nextGaussian(), 3);
+            var aside = new Point(random.nextGaussian(), random.nextGaussian(), 0.1);
+            Point eye = target.plus(Math.pow(10, random.nextInt(0, 4)), aside);
+            var up = new Point(0.1, 1, 0.2);
+            Camera camera =
+                    i % 2 == 0
+                            ? Camera.perspective(eye, target, up, 0.1 + 2 * random.nextDouble())
+                            : Camera.orthographic(eye, target, up, 1 + 9 * random.nextDouble());
+            Point along =
+                    aside.cross(new Point(random.nextGaussian(), 1, random.nextGaussian()))
+                            .normalized();
+            double[] one = project(camera, target.plus(0.5, along), 640);
+            double[] other = project(camera, target.plus(-0.5, along), 640);
+            double pixels = Math.hypot(one[0] - other[0], one[1] - other[1]);
+            assertThat(pixels * camera.metresPerPixel(640))
+                    .as("seed %d, case %d: %s", seed, i, camera)
+                    .isCloseTo(1, within(1e-9));
+        }
+    }
+
     @Test
     void boundsAreNotInsideOut() {
         assertThatIllegalArgumentException()

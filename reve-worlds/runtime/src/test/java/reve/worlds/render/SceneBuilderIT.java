@@ -299,6 +299,31 @@ class SceneBuilderIT {
         assertThat(isMostly(picture.at(65, 100), 16)).isFalse();
     }
 
+    /** The half axes are 6, 2 and 1 m. The body is turned by 90° about the direction of view. */
+    @Test
+    void anEllipsoidIsAsWideAndHighAsItsAxes() {
+        World world = world("si-f64");
+        double half = Math.sqrt(0.5);
+        world.add(
+                ItemDefinition.named("egg")
+                        .shape(Shape.ellipsoid(12, 4, 2))
+                        .colour("#ff0000")
+                        .orientation(0, 0, half, half)
+                        .build());
+        Picture picture = draw(world, Optional.of(FRONT));
+        for (int[] inside : new int[][] {{100, 42}, {100, 158}, {82, 100}, {118, 100}, {113, 60}}) {
+            assertThat(picture.at(inside[0], inside[1]) & 0xff0000)
+                    .as("%d, %d", inside[0], inside[1])
+                    .isNotZero();
+        }
+        for (int[] outside :
+                new int[][] {{100, 38}, {100, 162}, {78, 100}, {122, 100}, {118, 55}}) {
+            assertThat(picture.at(outside[0], outside[1]) & 0xff0000)
+                    .as("%d, %d", outside[0], outside[1])
+                    .isZero();
+        }
+    }
+
     @Test
     void withoutACameraAllBodiesAreInThePicture() {
         World world = world("si-f64");

@@ -92,6 +92,9 @@ class BudgetReplayNativeTest {
                 assertThat(library(again, "gravity_field").interval()).isEqualTo(3);
                 assertThat(library(again, "gravity_field").budget())
                         .contains(new TimeBudget(1, 3, Response.SKIP_STEPS, 3));
+                assertThat(again.notDescribed())
+                        .containsExactly(
+                                "that the laws of gravity_field are evaluated once in 3 steps");
                 assertThat(again.descriptionNow().laws().getFirst().budget())
                         .contains(new TimeBudget(1, 3, Response.SKIP_STEPS, 3));
             }

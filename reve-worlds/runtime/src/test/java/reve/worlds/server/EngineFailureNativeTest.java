@@ -2,6 +2,7 @@
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Tag;
@@ -110,6 +111,25 @@ class EngineFailureNativeTest {
                         "the image of frame 6 could not be copied: no process can be started; the"
                                 + " next frame tries again");
         repeated(hash).close();
+    }
+
+    /** Each failed attempt would otherwise count as one of the images that are kept. */
+    @Test
+    void anImageThatCannotBeCopiedIsNotKept() throws IOException {
+        int[] failures = {0};
+        run(
+                0,
+                (simulation, frame) -> {
+                    failing = frame >= 5 && frame < 20 ? "saveState" : "";
+                    while (frame == 7 && failures[0] < 100) {
+                        assertThatIllegalStateException()
+                                .isThrownBy(simulation::keep)
+                                .withMessage("no process can be started");
+                        failures[0]++;
+                    }
+                    assertThat(simulation.hasRoomForImage()).isTrue();
+                });
+        assertThat(failures[0]).isEqualTo(100);
     }
 
     private interface Interference {

@@ -103,6 +103,7 @@ class HostileActsNativeTest {
                       - name: %s
                         like: ball
                         physical: {location: [%s, 0, 0]}
+                        sensors: {imu: {imu: {}}}
                         access: {%s: %s}
                     """
                             .formatted(name, 0.9 * (i + 1), evil[i], action(evil[i])));

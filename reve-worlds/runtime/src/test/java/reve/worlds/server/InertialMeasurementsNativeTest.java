@@ -57,6 +57,39 @@ class InertialMeasurementsNativeTest {
         return Math.sin(angle / 2) / (angle / 2);
     }
 
+    /** 720,000 pairs of sensors and bodies, of which the world computes 500,000. */
+    @Test
+    void tooManySensorsUnderGravitationAreReportedAndMeasureNothing() throws WorldFileException {
+        String text =
+                """
+                reve: 1
+                name: w
+                laws: [newton_gravitation, drag, newton_motion]
+                constants: {gravitationalConstant: 1, softening: 1}
+                items:
+                  - {name: 'a{i}', repeat: 600, physical: {location: ['{3 * i}', 0, 0]},
+                     physics: {mass: 1, velocity: [0, 0, 10], linearDragCoefficient: 0.5},
+                     sensors: {imu: {imu: {}}}}
+                  - {name: 'b{i}', repeat: 600, physical: {location: ['{3 * i}', 9, 0]},
+                     physics: {mass: 1}}
+                """;
+        try (var simulation =
+                new Simulation(
+                        WorldFile.parse("w", text.getBytes(StandardCharsets.UTF_8)), Pacing.FAST)) {
+            simulation.loop().run(3);
+            assertThat(simulation.events().faults())
+                    .singleElement()
+                    .satisfies(
+                            fault ->
+                                    assertThat(fault.fields().get("message").toString())
+                                            .contains("600 items have an `imu`", "of 416 items"));
+            double drag = -0.5 * 10 * Math.exp(-0.5 * 2.5 * FRAME);
+            assertThat(force(simulation, "a0")[2]).isCloseTo(drag, within(0.05));
+            assertThat(force(simulation, "a415")[2]).isCloseTo(drag, within(0.05));
+            assertThat(length(force(simulation, "a416"))).isZero();
+        }
+    }
+
     @Test
     void aBodyInFreeFallFeelsNothing() throws WorldFileException {
         try (Simulation simulation =

@@ -93,7 +93,8 @@ class LawParametersNativeTest {
         Files.writeString(file, "a: [1, 2]\nb: 3 kg/\n");
         assertThatThrownBy(() -> LawParameters.inFile("sphere_contact", file))
                 .isInstanceOf(PhysicsException.class)
-                .hasMessageContaining("sphere_contact.yaml:1:4: a: expected a number with a unit")
+                .hasMessageContaining(
+                        "sphere_contact.yaml:1:4: a: found 2 numbers, expected 3 numbers")
                 .hasMessageNotContaining("Exception");
         Files.writeString(file, "stiffness: 1 kg*K\n");
         FolderParameters wrong = LawParameters.inFile("sphere_contact", file);

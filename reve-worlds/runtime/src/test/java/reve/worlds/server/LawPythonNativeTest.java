@@ -16,6 +16,7 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Shape;
 import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
 import reve.pe.Status;
@@ -170,6 +171,31 @@ class LawPythonNativeTest {
                 simulate("[newton_motion, {name: spin, parameters: {share: 0}}]")) {
             simulation.loop().run(60);
             assertThat(velocity(simulation, "stone")).containsExactly(3, 1, 4);
+        }
+    }
+
+    /** The diameter of a ball grows by 0.3 m/s. */
+    @Test
+    void aLawMayChangeTheSizesOfBodies() throws Exception {
+        write(
+                "grow.py",
+                """
+                import vesper
+
+
+                @vesper.law(phase="constrain")
+                def grow(size: vesper.ReadWrite("body", "m"), dt):
+                    "Balls grow."
+                    size += 0.3 * dt
+                """);
+        for (String prototype : new String[] {"si-f64", "si-f32"}) {
+            try (Simulation simulation =
+                    simulate("[newton_motion, grow]\nprototype: " + prototype)) {
+                simulation.loop().run(60);
+                assertThat(simulation.events().faults()).isEmpty();
+                Shape shape = simulation.world().find("pebble").orElseThrow().physical().shape();
+                assertThat(((Shape.Sphere) shape).radius()).isCloseTo(1.15, within(1e-12));
+            }
         }
     }
 
@@ -331,6 +357,158 @@ class LawPythonNativeTest {
                     .isEqualTo(LawFiles.sha256(Files.readAllBytes(folder.resolve("laws/spin.py"))));
             assertThat(faulty.engine().stateHash()).isEqualTo(without.engine().stateHash());
         }
+    }
+
+    private static final String SAIL =
+            """
+            import vesper
+
+            KEPT = []
+
+
+            @vesper.law(phase="force")
+            def sail(
+                wind: vesper.Field("world", "m/s"),
+                warmth: vesper.Field("world", "K"),
+                position: vesper.Read("body", "m"),
+                velocity: vesper.Read("body", "m/s"),
+                force: vesper.Accumulate("body", "N"),
+            ):
+                assert wind(position).shape == (2, 3) and wind(position[0]).shape == (3,)
+                assert warmth(position).shape == (2,) and warmth(position[1]) == 7
+                force += 2 * (wind(position) - velocity)
+            """;
+
+    private static final String BREEZE =
+            """
+            law breeze
+              field wind at place = (0.5 1/s place.y, 0, 1 m/s^2 time)
+              field warmth at place = 1 K/m place.y + 4 K
+            """;
+
+    private Simulation sailing(String sail, String breeze) throws Exception {
+        write("sail.py", sail);
+        write("breeze.law", breeze);
+        write("twin.law", "law twin\n  each body: force += 2 kg/s (wind - velocity)\n");
+        return sailing("sail");
+    }
+
+    private Simulation sailing(String law) throws Exception {
+        return new Simulation(
+                WorldFile.load(
+                        Files.writeString(
+                                folder.resolve("world.yaml"),
+                                """
+                                reve: 1
+                                name: regatta
+                                properties:
+                                  - {name: wind, kind: world, type: field, components: 3, unit: m/s}
+                                  - {name: warmth, kind: world, type: field, unit: K}
+                                laws: [breeze, %s, newton_motion]
+                                items:
+                                  - {name: low, physical: {location: [0, 1, 0]}, physics: {mass: 1}}
+                                  - {name: high, physical: {location: [0, 3, 0]}, physics: {mass: 2}}
+                                """
+                                        .formatted(law))),
+                Pacing.FAST,
+                path(true));
+    }
+
+    @Test
+    void aFieldHasTheBitsThatALawAsTextReads() throws Exception {
+        try (Simulation python = sailing(SAIL, BREEZE);
+                Simulation text = sailing("twin")) {
+            python.loop().run(90);
+            text.loop().run(90);
+            assertThat(python.physics().laws().quarantined()).isEmpty();
+            assertThat(velocity(python, "high")).isEqualTo(velocity(text, "high"));
+            assertThat(velocity(python, "high")[0]).isGreaterThan(1);
+            assertThat(python.engine().stateHash()).isEqualTo(text.engine().stateHash());
+        }
+    }
+
+    @Test
+    void aFieldIsReadInTheUnitOfTheAnnotation() throws Exception {
+        String sail =
+                SAIL.replace("Field(\"world\", \"m/s\")", "Field(\"world\", \"km/h\")")
+                        .replace("2 * (wind(position)", "2 * (wind(position) / 3.6");
+        try (Simulation python = sailing(sail, BREEZE);
+                Simulation text = sailing("twin")) {
+            python.loop().run(30);
+            text.loop().run(30);
+            assertThat(velocity(python, "high")[0])
+                    .isCloseTo(velocity(text, "high")[0], within(1e-12))
+                    .isGreaterThan(0.1);
+        }
+    }
+
+    @Test
+    void aFieldThatIsNotFiniteIsTheFaultOfItsProvider() throws Exception {
+        String lost = BREEZE.replace("0.5 1/s place.y", "1 m^2/s / (place.y - 1 m)");
+        try (Simulation simulation = sailing(SAIL, lost)) {
+            simulation.loop().run(10);
+            assertThat(simulation.physics().laws().quarantined())
+                    .singleElement()
+                    .satisfies(
+                            reason -> {
+                                assertThat(reason.library()).isEqualTo("breeze");
+                                assertThat(reason.message())
+                                        .contains("breeze.law:2:", "divides by zero at (0, 1, 0) m")
+                                        .contains("where law sail reads it");
+                            });
+            assertThat(velocity(simulation, "high")).as("sail rests").isEqualTo(new double[3]);
+        }
+    }
+
+    @ParameterizedTest
+    @CsvSource(
+            delimiter = '¦',
+            quoteCharacter = '`',
+            textBlock =
+                    """
+                    wind(position[:, :2])  ¦ ValueError: the positions for 'wind' have the shape (2, 2), expected (rows, 3) or (3,)
+                    wind(1.0)              ¦ ValueError: the positions for 'wind' have the shape (), expected (rows, 3) or (3,)
+                    KEPT.append(wind)      ¦ RuntimeError: the field 'wind' is valid during the call of the law only
+                    """)
+    void aWrongCallOfAFieldFailsTheLaw(String line, String message) throws Exception {
+        String other =
+                """
+
+
+                @vesper.law(phase="constrain")
+                def other(position: vesper.Read("body", "m")):
+                    for kept in KEPT:
+                        kept(position)
+                """;
+        String sail = SAIL.replace("force += 2", line + "\n    force += 2") + other;
+        try (Simulation simulation = sailing(sail, BREEZE)) {
+            simulation.loop().run(2);
+            assertThat(simulation.physics().laws().quarantined())
+                    .singleElement()
+                    .satisfies(
+                            reason -> {
+                                assertThat(reason.library()).isEqualTo("sail");
+                                assertThat(reason.message()).contains(message);
+                            });
+        }
+    }
+
+    @ParameterizedTest
+    @CsvSource(
+            delimiter = '¦',
+            quoteCharacter = '`',
+            textBlock =
+                    """
+                    wind: vesper.Field("world", "m/s") ¦ wind: vesper.Read("world", "m/s") ¦ sail.py:8: 'wind' is a field, the annotation is vesper.Read; write vesper.Field('world', 'm/s')
+                    wind: vesper.Field("world", "m/s") ¦ wind: vesper.Read("body", "m/s")  ¦ sail.py:8: 'wind' is a field of kind world, the annotation says 'body'; write vesper.Field('world', 'm/s')
+                    wind: vesper.Field("world", "m/s") ¦ wind: vesper.Field("world", "N")  ¦ sail.py:8: the unit of 'wind' is m/s, the annotation says N
+                    position: vesper.Read(             ¦ position: vesper.Field(           ¦ sail.py:10: 'position' is a column, the annotation is vesper.Field; write vesper.Read('body', 'm')
+                    """)
+    void aWrongAnnotationOfAFieldIsRefused(String right, String wrong, String message) {
+        assertThat(SAIL).contains(right);
+        assertThatThrownBy(() -> sailing(SAIL.replace(right, wrong), BREEZE).close())
+                .isInstanceOf(PhysicsException.class)
+                .hasMessageContaining(message);
     }
 
     /** A wrong file is refused when it is loaded. The message has the line. */

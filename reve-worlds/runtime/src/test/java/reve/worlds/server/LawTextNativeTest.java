@@ -214,4 +214,154 @@ class LawTextNativeTest {
         }
         assertThat(WorldFile.load(saved).name()).isEqualTo("frozen");
     }
+
+    private static Simulation parsed(String text) throws Exception {
+        return new Simulation(
+                WorldFile.parse("world.yaml", text.getBytes(StandardCharsets.UTF_8)), Pacing.FAST);
+    }
+
+    private static double value(Simulation simulation, String item, String property) {
+        return simulation.world().find(item).orElseThrow().physics().scalar(property);
+    }
+
+    /**
+     * The law {@code heat} uses properties that the world file declares, also of springs. A second
+     * law reads what the first one wrote.
+     */
+    @Test
+    void heatFlowsThroughSpringsByPropertiesOfTheWorldFile() throws Exception {
+        String world =
+                """
+                reve: 1
+                name: bar
+                frame: {rate: 60, steps: 2}
+                properties:
+                  - {name: temperature, kind: body, unit: K, min: 0}
+                  - {name: heating, kind: body, unit: W}
+                  - {name: conductivity, kind: spring, unit: W/K}
+                laws:
+                  - text: |
+                      law heat
+                        each body: heating = 0
+                        each spring from a to b:
+                          let q = conductivity * (a.temperature - b.temperature)
+                          a.heating -= q;  b.heating += q
+                  - text: |
+                      law warming
+                        parameter capacity = 100 J/K
+                        each body: temperature += heating dt / capacity
+                items:
+                  - {name: hot, physics: {mass: 1 kg, temperature: 400 K}}
+                  - {name: cold, physics: {mass: 1 kg, temperature: 300 K}}
+                  - {name: bar, kind: spring, physics: {end1: hot, end2: cold, conductivity: 5 W/K}}
+                """;
+        try (Simulation simulation = parsed(world)) {
+            simulation.loop().run(20 * 60);
+            double hot = value(simulation, "hot", "temperature");
+            double cold = value(simulation, "cold", "temperature");
+            // The difference decays by the factor 1 - 2 k dt / C in each step.
+            double factor = Math.pow(1 - 2 * 5.0 / 100 / 120, 20 * 120);
+            assertThat(hot - cold).isCloseTo(100 * factor, within(1e-9));
+            assertThat(hot - cold)
+                    .isCloseTo(100 * Math.exp(-2 * 5.0 / 100 * 20), within(0.01 * 100 * factor));
+            assertThat(hot + cold).isCloseTo(700, within(1e-9));
+        }
+    }
+
+    @Test
+    void aLawActsOnTheRowsOfAKindOfTheWorldFile() throws Exception {
+        String world =
+                """
+                reve: 1
+                name: kitchen
+                frame: {rate: 60, steps: 1}
+                properties:
+                  - {name: water, kind: boiler, unit: kg}
+                  - {name: power, kind: boiler, unit: W}
+                  - {name: temperature, kind: boiler, unit: K, min: 0}
+                laws:
+                  - text: |
+                      law boiling
+                        parameter c = 4186 J/kg/K
+                        each boiler:
+                          temperature = min(373 K, temperature + power dt / (c water))
+                items:
+                  - {name: small, kind: boiler, physics: {water: 1 kg, power: 2 kW, temperature: 293 K}}
+                  - {name: large, kind: boiler, physics: {water: 4 kg, power: 2 kW, temperature: 293 K}}
+                """;
+        try (Simulation simulation = parsed(world)) {
+            simulation.loop().run(180 * 60);
+            assertThat(value(simulation, "small", "temperature")).isEqualTo(373);
+            assertThat(value(simulation, "large", "temperature"))
+                    .isCloseTo(293 + 2000.0 * 180 / (4186 * 4), within(1e-8));
+        }
+    }
+
+    /** A world in which a stone swings, and a place for a law that observes it. */
+    private static final String SWING =
+            """
+            reve: 1
+            name: swing
+            frame: {rate: 60, steps: 10}
+            properties:
+              - {name: fastest, kind: body, unit: m/s}
+            laws:
+              - text: |
+                  law well
+                    each body: energy = 1/2 * 8 N/m position^2
+              - newton_motion
+            #
+            items:
+              - name: stone
+                physical: {location: [3, 0, 4]}
+                physics: {mass: 2 kg}
+            """;
+
+    @Test
+    void aLawOfPhaseObserveRecordsIntoThePropertyOfTheWorldFileOnly() throws Exception {
+        String watch =
+                """
+                  - text: |
+                      law watch
+                        phase observe
+                        each body has fastest in m/s, path in m
+                        each body:
+                          fastest = max(fastest, |velocity|)
+                          path += |velocity| dt
+                """;
+        try (Simulation plain = parsed(SWING);
+                Simulation watched = parsed(SWING.replace("#\n", watch))) {
+            for (Simulation each : new Simulation[] {plain, watched}) {
+                each.loop().run(90);
+                assertThat(each.events().faults()).isEmpty();
+            }
+            // The amplitude is 5 m and the frequency 2 / s. The world passes the middle in 0.79 s.
+            assertThat(value(watched, "stone", "fastest")).isCloseTo(10, within(0.01));
+            assertThat(value(plain, "stone", "fastest")).isZero();
+            var stones = new Simulation[] {plain, watched};
+            double[][] places = new double[2][];
+            double[][] velocities = new double[2][];
+            for (int i = 0; i < 2; i++) {
+                var stone = stones[i].world().find("stone").orElseThrow();
+                places[i] = stone.physical().location();
+                velocities[i] = stone.physics().vector("velocity");
+            }
+            assertThat(places[1]).containsExactly(places[0]);
+            assertThat(velocities[1]).containsExactly(velocities[0]);
+        }
+    }
+
+    @Test
+    void aLawOfPhaseObserveThatMovesBodiesIsRefused() throws Exception {
+        String moving =
+                """
+                  - text: |
+                      law watch
+                        phase observe
+                        each body: velocity = 0
+                """;
+        assertThatThrownBy(() -> parsed(SWING.replace("#\n", moving)).close())
+                .isInstanceOf(PhysicsException.class)
+                .hasMessageContaining("watch.law:3:14: 'velocity' cannot be set in phase observe");
+    }
 }

@@ -4,6 +4,7 @@ package reve.worlds.server;
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
+import static org.assertj.core.api.InstanceOfAssertFactories.STRING;
 
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Tag;
@@ -46,6 +47,7 @@ import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
+import java.util.concurrent.locks.LockSupport;
 import java.util.function.UnaryOperator;
 import java.util.regex.Matcher;
 
@@ -601,6 +603,79 @@ class ReplayNativeTest {
                 assertThat(again.loop().frame()).isEqualTo(2200);
                 assertThat(again.physics().stateHash()).isEqualTo(hash);
             }
+        }
+    }
+
+    /** Later images, such as the second one, do not get the longer time of the first image. */
+    @Test
+    void aFileThatCannotBeOpenedForALaterImageCostsOneSecond() throws Exception {
+        List<String> problems = new ArrayList<>();
+        CountDownLatch mended = new CountDownLatch(1);
+        JournalSink sink =
+                new ListSink(new ArrayList<>()) {
+                    private int places;
+
+                    @Override
+                    public Place place() {
+                        if (++places == 2) {
+                            awaitUninterruptibly(mended);
+                        }
+                        return super.place();
+                    }
+                };
+        try (Simulation simulation = new Simulation(description, Pacing.FAST);
+                Journal _ =
+                        simulation.journal(
+                                WORLD.getParent(),
+                                Map.of(),
+                                new Journal.Plan(10, false),
+                                sink,
+                                problems::add)) {
+            long start = System.nanoTime();
+            simulation.loop().run(100);
+            long nanos = System.nanoTime() - start;
+            mended.countDown();
+            assertThat(problems)
+                    .singleElement(STRING)
+                    .startsWith("the disk is too slow: frame 10 ");
+            assertThat(nanos).isBetween(1_000_000_000L, 4_000_000_000L);
+        }
+    }
+
+    @Test
+    void aDiskThatSlowsTheWorldIsReported() throws Exception {
+        List<String> problems = new ArrayList<>();
+        JournalSink sink =
+                new ListSink(new ArrayList<>()) {
+                    @Override
+                    public void write(JournalRecord record) throws IOException {
+                        LockSupport.parkNanos(20_000_000);
+                        super.write(record);
+                    }
+                };
+        try (Simulation simulation = new Simulation(description, Pacing.FAST);
+                Journal _ =
+                        simulation.journal(
+                                WORLD.getParent(),
+                                Map.of(),
+                                new Journal.Plan(100_000, false),
+                                sink,
+                                problems::add)) {
+            while (problems.isEmpty() && simulation.loop().frame() < 1000) {
+                simulation.loop().run(10);
+            }
+            assertThat(problems)
+                    .singleElement(STRING)
+                    .matches("the disk is slow: the world waited for it \\d\\.\\d of the last .*");
+            assertThat(simulation.loop().frame()).isLessThan(400);
+        }
+    }
+
+    private static void awaitUninterruptibly(CountDownLatch latch) {
+        try {
+            latch.await();
+        } catch (InterruptedException e) {
+            throw new IllegalStateException(e);
         }
     }
 

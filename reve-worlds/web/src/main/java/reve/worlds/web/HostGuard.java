@@ -2,6 +2,7 @@
 package reve.worlds.web;
 
 import org.eclipse.jetty.http.HttpHeader;
+import org.eclipse.jetty.http.HttpMethod;
 import org.eclipse.jetty.http.HttpStatus;
 import org.eclipse.jetty.server.Handler;
 import org.eclipse.jetty.server.Request;
@@ -14,7 +15,9 @@ import java.util.Set;
 
 /**
  * Refuses requests that a page of another origin may have caused. The Host header of a request must
- * name this server, which prevents DNS rebinding. A WebSocket must come from a page of this origin.
+ * name this server. This prevents DNS rebinding, an attack in which the name of another site
+ * resolves to this server. A WebSocket, and a request that gives an order (POST), must come from a
+ * page of this origin.
  */
 final class HostGuard extends Handler.Wrapper {
 
@@ -44,13 +47,17 @@ final class HostGuard extends Handler.Wrapper {
         boolean upgrades =
                 "websocket".equalsIgnoreCase(request.getHeaders().get(HttpHeader.UPGRADE));
         List<String> origins = request.getHeaders().getValuesList(HttpHeader.ORIGIN);
-        if (upgrades && (origins.size() != 1 || !isOwn(origins.getFirst(), request, host))) {
+        boolean orders = HttpMethod.POST.is(request.getMethod());
+        if ((upgrades || orders)
+                && (origins.size() != 1 || !isOwn(origins.getFirst(), request, host))) {
             Response.writeError(
                     request,
                     response,
                     callback,
                     HttpStatus.FORBIDDEN_403,
-                    "a WebSocket is opened by the page of this server only");
+                    upgrades
+                            ? "a WebSocket is opened by the page of this server only"
+                            : "orders are given by the page of this server only");
             return true;
         }
         return super.handle(request, response, callback);

@@ -31,7 +31,8 @@ final class MeteredEndPoint extends SocketChannelEndPoint {
     /** Returns the budget of the connection of a request. */
     static ReadBudget budgetOf(Request request) {
         EndPoint end = request.getConnectionMetaData().getConnection().getEndPoint();
-        while (end instanceof EndPoint.Wrapper wrapper) { // the wrapper is the TLS layer
+        while (end instanceof EndPoint.Wrapper wrapper) {
+            // The wrapper is the TLS layer of the connection.
             end = wrapper.unwrap();
         }
         return ((MeteredEndPoint) end).budget;

@@ -5,6 +5,10 @@ import io.prometheus.metrics.core.metrics.CounterWithCallback;
 import io.prometheus.metrics.core.metrics.GaugeWithCallback;
 import io.prometheus.metrics.expositionformats.PrometheusTextFormatWriter;
 import io.prometheus.metrics.model.registry.PrometheusRegistry;
+import io.prometheus.metrics.model.snapshots.ClassicHistogramBuckets;
+import io.prometheus.metrics.model.snapshots.HistogramSnapshot;
+import io.prometheus.metrics.model.snapshots.Labels;
+import io.prometheus.metrics.model.snapshots.MetricSnapshot;
 import io.prometheus.metrics.model.snapshots.Unit;
 
 import reve.core.agent.AgentServer;
@@ -17,6 +21,9 @@ import reve.core.frame.FrameProfile;
 import java.io.ByteArrayOutputStream;
 import java.io.IOException;
 import java.io.UncheckedIOException;
+import java.lang.management.ManagementFactory;
+import java.lang.management.MemoryUsage;
+import java.util.ArrayList;
 import java.util.List;
 import java.util.Locale;
 import java.util.Optional;
@@ -25,7 +32,7 @@ import java.util.function.ToLongFunction;
 
 /**
  * The counters of a server, or of some of its worlds, in the text format of Prometheus. The
- * counters are read only on request, so they cost nothing in frames. For any thread.
+ * counters are read only when a client requests them, so frames take no longer. For any thread.
  */
 final class Metrics {
 
@@ -50,6 +57,7 @@ final class Metrics {
                 "Frames by which the world gave up catching up with the clock.",
                 FrameProfile::droppedFrames);
         phases();
+        registry.register(this::frameTimes);
         perWorld("reve_paused", "1 while the world is paused.", loop -> loop.isPaused() ? 1 : 0);
         perWorld("reve_speed", "World time per time of the clock.", FrameLoop::speed);
         perWorld("reve_running", "1 while frames are made.", loop -> isRunning(loop) ? 1 : 0);
@@ -79,6 +87,27 @@ final class Metrics {
                 "reve_unrecorded",
                 "Messages without an audit record.",
                 AgentStats::unrecorded);
+        heap();
+    }
+
+    /** Registers the sizes of the Java heap. */
+    private void heap() {
+        heap("reve_heap_max_bytes", "Size to which the Java heap may grow.", MemoryUsage::getMax);
+        heap("reve_heap_used_bytes", "Size of the objects in the Java heap.", MemoryUsage::getUsed);
+    }
+
+    private void heap(String name, String help, ToLongFunction<MemoryUsage> value) {
+        GaugeWithCallback.builder()
+                .name(name)
+                .help(help)
+                .unit(Unit.BYTES)
+                .callback(
+                        callback ->
+                                callback.call(
+                                        value.applyAsLong(
+                                                ManagementFactory.getMemoryMXBean()
+                                                        .getHeapMemoryUsage())))
+                .register(registry);
     }
 
     /** Returns whether a world's frame loop is running. A loop runs while a thread owns it. */
@@ -106,6 +135,28 @@ final class Metrics {
                             }
                         })
                 .register(registry);
+    }
+
+    /** Returns the histogram of the durations of frames. */
+    private MetricSnapshot frameTimes() {
+        HistogramSnapshot.Builder histogram =
+                HistogramSnapshot.builder()
+                        .name("reve_frame_seconds")
+                        .help("Durations of frames without waiting.")
+                        .unit(Unit.SECONDS);
+        for (WorldPort world : worlds) {
+            FrameProfile profile = world.loop().profile();
+            List<Double> bounds = new ArrayList<>(FrameProfile.TIME_BOUNDS_SECONDS);
+            bounds.add(Double.POSITIVE_INFINITY);
+            histogram.dataPoint(
+                    HistogramSnapshot.HistogramDataPointSnapshot.builder()
+                            .labels(Labels.of("world", world.world()))
+                            .classicHistogramBuckets(
+                                    ClassicHistogramBuckets.of(bounds, profile.framesByTime()))
+                            .sum(profile.busyNanoseconds() / 1e9)
+                            .build());
+        }
+        return histogram.build();
     }
 
     private void perFrame(String name, String help, ToLongFunction<FrameProfile> value) {

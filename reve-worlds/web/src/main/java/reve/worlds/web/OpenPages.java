@@ -13,14 +13,14 @@ import java.util.concurrent.locks.LockSupport;
 
 /**
  * The connections to all web pages, and the memory of the frames that wait for them. A frame that
- * several pages share is counted once. If the memory exceeds its limit, the pages that have been
- * slow the longest are disconnected. For any thread.
+ * several pages share is counted once. The pages that have been slow the longest are disconnected
+ * if the memory exceeds its limit. For any thread.
  */
 final class OpenPages implements AutoCloseable {
 
     private static final long MOST_BYTES = 256L * 1024 * 1024;
 
-    /** Divisor of the heap's size that gives the memory limit for a small heap. */
+    /** Divisor that computes the memory limit from the size of a small heap. */
     private static final int SHARE = 8;
 
     private static final long CHECK_NANOS = 500_000_000;
@@ -69,8 +69,8 @@ final class OpenPages implements AutoCloseable {
     }
 
     /**
-     * Counts a frame that waits for a page. If the memory limit is exceeded, disconnects the
-     * slowest pages.
+     * Counts a frame that waits for a page. Disconnects the slowest pages if the memory limit is
+     * exceeded.
      */
     void hold(PageOutput page, ByteBuffer frame) {
         synchronized (this) {

@@ -24,16 +24,18 @@ import java.util.Set;
 
 /**
  * The HTTP paths for monitoring. The path {@code /health} answers 200 if all worlds make frames or
- * wait, and 503 otherwise; it names no world. The path {@code /metrics} returns the counters. If
- * the server requires tokens, the counters require a bearer token with the role observer or
- * control. A token for some worlds reads the counters of these worlds only.
+ * wait, and 503 otherwise; it names no world. The path {@code /metrics} returns the counters. The
+ * counters require a bearer token with the role observer or control if the server requires tokens.
+ * A token for some worlds reads the counters of these worlds only.
  */
 final class Operations extends Handler.Wrapper {
 
     private static final String BEARER = "Bearer ";
     private static final Set<Role> READERS = Set.of(Role.OBSERVER, Role.CONTROL);
 
+    /** The present worlds; the list may change at any time. */
     private final List<WorldPort> worlds;
+
     private final AgentServer agents;
     private final Optional<TokenFile> tokens;
 
@@ -88,23 +90,31 @@ final class Operations extends Handler.Wrapper {
     }
 
     /**
-     * Returns the rights of the request's token. Empty if the token does not permit reading the
+     * Returns the rights of the request's token; empty if the token does not permit reading the
      * counters.
      */
     private Optional<Rights> reader(@Nullable String authorization) {
+        return rights(tokens, authorization)
+                .filter(rights -> rights.roles().stream().anyMatch(READERS::contains));
+    }
+
+    /**
+     * Returns the rights of a bearer token; all rights if the server uses no tokens, and empty if
+     * there is no valid token.
+     *
+     * @param authorization the header {@code Authorization} of a request
+     */
+    static Optional<Rights> rights(Optional<TokenFile> tokens, @Nullable String authorization) {
         if (tokens.isEmpty()) {
             return Optional.of(Rights.ALL);
         }
         if (authorization == null || !authorization.startsWith(BEARER)) {
             return Optional.empty();
         }
-        return tokens.get()
-                .find(authorization.substring(BEARER.length()))
-                .map(AgentToken::rights)
-                .filter(rights -> rights.roles().stream().anyMatch(READERS::contains));
+        return tokens.get().find(authorization.substring(BEARER.length())).map(AgentToken::rights);
     }
 
-    private static void write(Response response, String type, byte[] bytes, Callback callback) {
+    static void write(Response response, String type, byte[] bytes, Callback callback) {
         response.getHeaders().put(HttpHeader.CONTENT_TYPE, type);
         response.getHeaders().put(HttpHeader.CACHE_CONTROL, "no-store");
         response.write(true, ByteBuffer.wrap(bytes), callback);

@@ -10,14 +10,18 @@ final class OwnScripts {
     static final List<String> NAMES =
             List.of(
                     "agents.js",
+                    "audit.js",
+                    "camera.js",
                     "connection.js",
                     "dom.js",
                     "item.js",
                     "laws.js",
                     "lawtext.js",
                     "main.js",
+                    "nodes.js",
                     "plots.js",
                     "scene.js",
+                    "sound.js",
                     "steer.js",
                     "transport.js",
                     "view.js");

@@ -48,6 +48,7 @@ final class PageFiles extends Handler.Abstract.NonBlocking {
 
     PageFiles() {
         add("/", OWN + "index.html", HTML);
+        add("/nodes", OWN + "nodes.html", HTML);
         add("/style.css", OWN + "style.css", STYLE);
         add("/icon.svg", OWN + "icon.svg", ICON);
         for (String script : OwnScripts.NAMES) {

@@ -21,8 +21,8 @@ final class PageOutput {
     static final int PIECE_BYTES = 16 * 1024;
 
     /**
-     * Maximum time until the page accepts a piece [ns]. After the session has ended, also the
-     * maximum time until the page accepts the remaining messages.
+     * Maximum time until the page accepts a piece [ns]. It is also the maximum time until the page
+     * accepts the remaining messages after the session has ended.
      */
     static final long PATIENCE_NANOS = 5_000_000_000L;
 
@@ -78,7 +78,7 @@ final class PageOutput {
     }
 
     /**
-     * Sends a frame of the scene on a thread of its own.
+     * Sends a frame of the scene on a separate thread.
      *
      * @param assets meshes and textures to send before the frame; the scene owns these messages
      * @param frame the frame, which is not modified; its memory counts as waiting until it is sent

@@ -39,10 +39,13 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
     private volatile @Nullable PageOutput output;
     private volatile @Nullable SocketChannel line;
 
-    /** Null until the client is welcomed. Written only while this object's lock is held. */
+    /**
+     * The view of the scene; null until the client is welcomed. Written only while this object's
+     * lock is held.
+     */
     private volatile @Nullable Watcher watcher;
 
-    /** Guarded by this object's lock. */
+    /** True after the session has ended. Guarded by this object's lock. */
     private boolean ended;
 
     PageSocket(
@@ -74,9 +77,8 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
                                 end();
                             });
         } catch (IOException e) {
-            page.end(StatusCode.SERVER_ERROR, "the server has no free sockets"); // the server's log
-            // contains the
-            // reason
+            // The server's log contains the reason.
+            page.end(StatusCode.SERVER_ERROR, "the server has no free sockets");
         }
     }
 
@@ -106,7 +108,10 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
         callback.succeed();
     }
 
-    /** Answers a ping. Browsers send no pings. A client that sends many pings must wait. */
+    /**
+     * Answers a ping. Browsers send no pings, so only other clients do. A client that sends many
+     * pings must wait.
+     */
     @Override
     public void onWebSocketPing(ByteBuffer payload) {
         budget.spend(ReadBudget.REQUEST_BYTES);
@@ -153,8 +158,8 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
 
     /**
      * Sends the lines of the agent server to the page until the page's connection ends. A long line
-     * is sent in pieces. If a page does not read, the connection to the agent server fills up, and
-     * the agent server's limits for slow clients apply.
+     * is sent in pieces. The connection to the agent server fills up if a page does not read. The
+     * agent server's limits for slow clients then apply.
      */
     static void relay(ReadableByteChannel channel, PageOutput page) {
         byte[] bytes = new byte[PageOutput.PIECE_BYTES];

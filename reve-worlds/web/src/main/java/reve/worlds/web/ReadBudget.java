@@ -8,8 +8,8 @@ import java.util.function.LongSupplier;
 /**
  * The number of bytes that the server may read from one connection now. A client that sends more
  * must wait, so a few busy connections leave time for the others. All connections together have
- * {@link #ALL_PER_SECOND}, in equal parts. Requests that cost more time than their bytes are
- * charged more. For any thread.
+ * {@link #ALL_PER_SECOND}, in equal parts. A request that costs more time than its bytes is charged
+ * additional bytes. For any thread.
  */
 final class ReadBudget {
 

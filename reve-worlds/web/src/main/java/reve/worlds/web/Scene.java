@@ -9,6 +9,7 @@ import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Mesh;
 import reve.core.world.ScalarType;
+import reve.core.world.Shape;
 import reve.core.world.TableSnapshot;
 import reve.core.world.Texture;
 import reve.core.world.WorldPrototype;
@@ -41,6 +42,9 @@ final class Scene {
 
     private static final int[] NO_REFERENCES = {};
 
+    private static final List<String> CONTACT_FORCES =
+            List.of(WorldPrototype.CONTACT_FORCE, WorldPrototype.REACTION_FORCE);
+
     /** Minimum time between two comparisons of all items' symbols [ns]. */
     private static final long SYMBOLS_NANOS = 200_000_000;
 
@@ -53,7 +57,7 @@ final class Scene {
     private int[][] references = new int[FIRST_SLOTS][];
 
     /**
-     * By slot: the version of the last structural change. A structural change means that the item
+     * For each slot, the version of the last structural change. Such a change means that the item
      * entered, left, or changed its symbols or references.
      */
     private int[] structureChanged = new int[FIRST_SLOTS];
@@ -72,6 +76,16 @@ final class Scene {
     private long symbolsNanos;
     private boolean stale = true;
 
+    private final Contacts contacts = new Contacts();
+
+    /** The columns whose sum is the contact force on each body; empty if the world has none. */
+    private List<String> contactForces = List.of();
+
+    private double[] forces = {};
+
+    /** The frame whose contact forces were read last. */
+    private long contactsFrame = -1;
+
     /** The optional columns that the last read included, one bit for each. */
     private int optional;
 
@@ -84,7 +98,7 @@ final class Scene {
     private int lastAsset;
 
     /**
-     * The values of one column, by slot. In a column of colours, each float holds the bits of an
+     * The values of one column, by slot. Each float in a column of colours contains the bits of an
      * integer.
      */
     private static final class Column {
@@ -98,7 +112,9 @@ final class Scene {
         /** The {@link Scene#mapping} that the last read used. */
         private int mapping;
 
-        /** The bytes of the snapshot's column at the last read. */
+        /**
+         * The bytes of the snapshot's column at the last read, with which the next read compares.
+         */
         private byte[] seen = {};
 
         Column(int components) {
@@ -194,6 +210,11 @@ final class Scene {
         return assetIds.getOrDefault(asset, 0);
     }
 
+    /** Returns whether the world measures the contact forces on bodies. */
+    boolean measuresContacts() {
+        return !contactForces.isEmpty();
+    }
+
     /** Makes the next read compare all data, including data that seems unchanged. */
     void forget() {
         stale = true;
@@ -227,7 +248,11 @@ final class Scene {
                 readStructure(snapshot, bodies);
             }
             for (SceneColumns column : SceneColumns.values()) {
-                if (column.isWanted(wanted)) {
+                if (column == SceneColumns.CONTACTS) {
+                    if (column.isWanted(wanted)) {
+                        readContacts(snapshot, bodies);
+                    }
+                } else if (column.isWanted(wanted)) {
                     readColumn(column, bodies);
                 }
             }
@@ -271,6 +296,11 @@ final class Scene {
 
     private void readStructure(WorldSnapshot snapshot, TableSnapshot bodies) {
         mapping++;
+        contactForces =
+                bodies.columns().stream()
+                        .map(ColumnSnapshot::name)
+                        .filter(CONTACT_FORCES::contains)
+                        .toList();
         symbols = snapshot.symbols();
         boolean[] seen = new boolean[slots + symbols.size()];
         boolean mayLoseAssets = false;
@@ -319,9 +349,20 @@ final class Scene {
      */
     private static boolean looksOther(ItemSymbols before, ItemSymbols after) {
         return !before.name().equals(after.name())
-                || before.shape() != after.shape()
+                || looksOther(before.shape(), after.shape())
                 || !before.material().equals(after.material())
+                || !before.sensors().equals(after.sensors())
                 || !before.get("class").equals(after.get("class"));
+    }
+
+    /**
+     * Returns whether a change of the shape changes more than its size, which is a column of its
+     * own.
+     */
+    private static boolean looksOther(Shape before, Shape after) {
+        return before instanceof Mesh || after instanceof Mesh
+                ? before != after
+                : before.code() != after.code();
     }
 
     private void noteStructure(int slot) {
@@ -342,11 +383,13 @@ final class Scene {
                 column.changed = Arrays.copyOf(column.changed, room);
             }
         }
-        for (Column column : columns) { // a reused slot still contains the values of its earlier
-            // item
+        for (Column column : columns) {
+            // A reused slot still contains the values of its earlier item.
             column.changed[slot] = version;
             column.newest = version;
         }
+        contacts.forget(slot);
+        Arrays.fill(columns[SceneColumns.CONTACTS.ordinal()].values, 2 * slot, 2 * slot + 2, 0);
         return slot;
     }
 
@@ -375,6 +418,43 @@ final class Scene {
                 noteStructure(slot);
             }
         }
+    }
+
+    /** Adds the contacts that begin in a frame to the counts of their bodies. */
+    private void readContacts(WorldSnapshot snapshot, TableSnapshot bodies) {
+        if (contactForces.isEmpty() || snapshot.frame() == contactsFrame) {
+            return;
+        }
+        int rows = Math.min(ids.length, slotOfRow.length);
+        if (forces.length < 3 * rows) {
+            forces = new double[3 * slotOfRow.length];
+        }
+        Arrays.fill(forces, 0, 3 * rows, 0);
+        for (String name : contactForces) {
+            ColumnSnapshot column = bodies.column(name);
+            int present = Math.min(rows, column.rowCount());
+            for (int row = 0; row < present; row++) {
+                for (int axis = 0; axis < 3; axis++) {
+                    forces[3 * row + axis] += column.getDouble(row, axis);
+                }
+            }
+        }
+        if (snapshot.lost()) {
+            return;
+        }
+        contactsFrame = snapshot.frame();
+        Column counts = columns[SceneColumns.CONTACTS.ordinal()];
+        contacts.read(
+                snapshot.timeSeconds(),
+                rows,
+                slotOfRow,
+                forces,
+                (slot, newtons) -> {
+                    counts.values[2 * slot]++;
+                    counts.values[2 * slot + 1] = (float) newtons;
+                    counts.changed[slot] = version;
+                    counts.newest = version;
+                });
     }
 
     private void readColumn(SceneColumns which, TableSnapshot bodies) {
@@ -480,7 +560,7 @@ final class Scene {
         return textures;
     }
 
-    /** Drops meshes and textures that no item uses. Their ids are not used again. */
+    /** Discards meshes and textures that no item uses. Their ids are not used again. */
     private void dropUnusedAssets() {
         Map<Object, Integer> used = new IdentityHashMap<>();
         for (int slot = 0; slot < slots; slot++) {

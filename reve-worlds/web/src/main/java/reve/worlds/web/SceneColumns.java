@@ -6,21 +6,29 @@ package reve.worlds.web;
  * reads them.
  */
 enum SceneColumns {
-    /** Position of the body's origin [m]. */
+    /** Column of the position of the body's origin [m]. */
     POSITION("position", 3, 0),
-    /** Unit quaternion xyzw. */
+    /** Column of the orientation, a unit quaternion xyzw. */
     ORIENTATION("orientation", 4, 0),
-    /** Extents along the body's own axes [m]. */
+    /** Column of the extents along the body's own axes [m]. */
     SIZE("size", 3, 0),
-    /** Bytes r g b a. */
+    /** Column of the colour as bytes r g b a. */
     COLOUR("colour", 1, 0),
-    /** Velocity [m/s]. Sent only on request. */
+    /** Column of the velocity [m/s]. It is sent only on request. */
     VELOCITY("velocity", 3, 1),
-    /** Sum of the forces of laws [N]. Sent only on request. */
-    FORCE("externalForce", 3, 2);
+    /** Column of the sum of the forces of laws [N]. It is sent only on request. */
+    FORCE("externalForce", 3, 2),
+    /**
+     * Column of the number of contacts of the body that have begun since the first request, and of
+     * the force of the newest of them [N], see {@link Contacts}. It is sent only on request.
+     */
+    CONTACTS("", 2, SceneColumns.CONTACTS_BIT);
+
+    /** The bit of the column of contacts. */
+    static final int CONTACTS_BIT = 4;
 
     /** The bits of all columns that are sent only on request. */
-    static final int ALL_OPTIONAL = 3;
+    static final int ALL_OPTIONAL = 7;
 
     private final String property;
     private final int components;
@@ -32,6 +40,7 @@ enum SceneColumns {
         this.bit = bit;
     }
 
+    /** Returns the property of bodies; empty if the scene computes the column. */
     String property() {
         return property;
     }

@@ -27,6 +27,9 @@ final class SceneFeed implements AutoCloseable {
     /** Interval at which the thread polls for a new frame [ns]. */
     private static final long LOOK_NANOS = 2_000_000;
 
+    /** Minimum time between two frames whose contacts are read although no watcher waits [ns]. */
+    private static final long LISTEN_NANOS = 4_000_000;
+
     /**
      * Maximum number of attempts to read a snapshot. An attempt fails if the snapshot is
      * overwritten during the read.
@@ -38,6 +41,9 @@ final class SceneFeed implements AutoCloseable {
     private final SceneWriter writer;
     private final List<Watcher> watchers = new CopyOnWriteArrayList<>();
     private final Thread encoder;
+
+    /** Time at which contacts were last read although no watcher waited [ns]. */
+    private long listenedNanos;
 
     private volatile boolean closed;
 
@@ -94,20 +100,30 @@ final class SceneFeed implements AutoCloseable {
     private long serve() {
         boolean waits = false;
         long due = Long.MAX_VALUE;
+        boolean listens = false;
         int wanted = 0;
         long now = System.nanoTime();
         for (Watcher watcher : watchers) {
+            listens |= watcher.isListening();
             if (watcher.isWaiting()) {
                 waits = true;
                 wanted |= watcher.wanted();
                 due = Math.min(due, watcher.sentNanos() + MIN_INTERVAL_NANOS - now);
             }
         }
-        if (!waits) {
-            return -1;
+        if (listens) {
+            wanted |= SceneColumns.CONTACTS_BIT;
         }
-        if (due > 0) {
-            return due;
+        if (!waits || due > 0) {
+            if (!listens) {
+                return waits ? due : -1;
+            }
+            // The contacts of each frame are read, also of frames that no watcher receives.
+            if (port.loop().frame() != scene.frame() && now - listenedNanos >= LISTEN_NANOS) {
+                listenedNanos = now;
+                read(SceneColumns.CONTACTS_BIT);
+            }
+            return waits ? Math.min(due, LOOK_NANOS) : LOOK_NANOS;
         }
         boolean isNew = port.loop().frame() != scene.frame() || !scene.hasRead(wanted);
         if (isNew && !read(wanted)) {
@@ -146,6 +162,22 @@ final class SceneFeed implements AutoCloseable {
             }
         }
         return false;
+    }
+
+    /** Ends the thread like {@link #close}, and waits for its end. */
+    void end() {
+        close();
+        boolean interrupted = false;
+        while (encoder.isAlive()) {
+            try {
+                encoder.join();
+            } catch (InterruptedException e) {
+                interrupted = true; // the world is freed only when the thread does not read it
+            }
+        }
+        if (interrupted) {
+            Thread.currentThread().interrupt();
+        }
     }
 
     /** Ends the thread. Idempotent. */

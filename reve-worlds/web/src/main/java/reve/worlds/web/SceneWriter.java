@@ -7,6 +7,7 @@ import reve.core.file.CameraDescription;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Material;
 import reve.core.world.Mesh;
+import reve.core.world.Sensor;
 
 import tools.jackson.core.JsonGenerator;
 import tools.jackson.databind.json.JsonMapper;
@@ -14,6 +15,7 @@ import tools.jackson.databind.json.JsonMapper;
 import java.io.ByteArrayOutputStream;
 import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
+import java.util.List;
 import java.util.Optional;
 
 /**
@@ -154,6 +156,9 @@ final class SceneWriter {
             if (since == 0 && camera.isPresent()) {
                 write(json, camera.get());
             }
+            if (since == 0 && scene.measuresContacts()) {
+                json.writeBooleanProperty("measuresContacts", true);
+            }
             json.writeArrayPropertyStart("items");
             for (int slot = 0; slot < scene.slots(); slot++) {
                 ItemSymbols item = scene.item(slot);
@@ -204,6 +209,7 @@ final class SceneWriter {
             }
             item.material().ifPresent(material -> write(json, scene, material));
         }
+        writeSensors(json, item);
         int[] references = scene.references(slot);
         if (references.length > 0) {
             json.writeArrayPropertyStart("refers");
@@ -213,6 +219,33 @@ final class SceneWriter {
             json.writeEndArray();
         }
         json.writeEndObject();
+    }
+
+    /** Writes the reach of the sensors that sense items, take pictures or hear. */
+    private static void writeSensors(JsonGenerator json, ItemSymbols item) {
+        List<Sensor> shown =
+                item.sensors().stream()
+                        .filter(sensor -> sensor.instrument().isEmpty() && !sensor.touch())
+                        .toList();
+        if (shown.isEmpty()) {
+            return;
+        }
+        json.writeArrayPropertyStart("sensors");
+        for (Sensor sensor : shown) {
+            json.writeStartObject();
+            json.writeStringProperty("name", sensor.name());
+            if (Double.isFinite(sensor.range())) {
+                json.writeNumberProperty("range", sensor.range());
+            }
+            json.writeNumberProperty("angle", sensor.fieldOfView());
+            sensor.camera()
+                    .ifPresent(
+                            camera ->
+                                    json.writeNumberProperty(
+                                            "aspect", (double) camera.width() / camera.height()));
+            json.writeEndObject();
+        }
+        json.writeEndArray();
     }
 
     private static void write(JsonGenerator json, Scene scene, Material material) {

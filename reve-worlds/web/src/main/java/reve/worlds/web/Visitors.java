@@ -19,7 +19,7 @@ final class Visitors {
     private final int mostOfAddress;
     private final BooleanSupplier takeDescriptor;
 
-    /** Guarded by this object's lock. */
+    /** The open connections. Guarded by this object's lock. */
     private final Set<SocketChannel> open = new HashSet<>();
 
     /**

@@ -11,8 +11,9 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.LongPredicate;
 
 /**
- * A client that watches the scene of a world. Each request is answered by one frame, the newest one
- * at that time. Therefore a slow client receives fewer frames, and at most one frame waits for it.
+ * A client that watches the scene of a world. Each request is answered by one frame, which is the
+ * newest frame when it is sent. Therefore a slow client receives fewer frames, and at most one
+ * frame waits for it.
  */
 final class Watcher {
 
@@ -28,10 +29,13 @@ final class Watcher {
     /** Requested columns as in {@link SceneColumns}. Negative if no frame is requested. */
     private final AtomicInteger request = new AtomicInteger(-1);
 
+    /** True if the client requests the contacts of bodies with each frame. */
+    private volatile boolean listening;
+
     private volatile boolean sending;
     private volatile boolean closed;
 
-    // Fields for the encoder's thread only.
+    // The fields below are for the encoder's thread only.
 
     /** Version of the scene that the client has received; 0 before the first frame. */
     private int version;
@@ -59,8 +63,10 @@ final class Watcher {
         }
         int wanted = Byte.toUnsignedInt(message.get(message.position()));
         if (wanted == STOP) {
+            listening = false;
             request.set(-1);
         } else {
+            listening = (wanted & SceneColumns.CONTACTS_BIT) != 0;
             request.set(wanted & SceneColumns.ALL_OPTIONAL);
             feed.add(this);
         }
@@ -72,7 +78,7 @@ final class Watcher {
         feed.remove(this);
     }
 
-    // Methods for the encoder's thread.
+    // ---- methods for the encoder's thread ----
 
     /** Returns whether the client waits for a frame that is newer than its last one. */
     boolean isReady(int current) {
@@ -90,6 +96,11 @@ final class Watcher {
     /** Returns the optional columns that the client has requested. */
     int wanted() {
         return Math.max(0, request.get());
+    }
+
+    /** Returns whether the client must learn of the contacts of every frame of the world. */
+    boolean isListening() {
+        return listening && !closed;
     }
 
     /** Returns the time of the last frame [ns]. */

@@ -15,23 +15,30 @@ import org.eclipse.jetty.websocket.server.WebSocketUpgradeHandler;
 import reve.core.agent.AgentServer;
 import reve.core.agent.auth.AgentSecurity;
 import reve.core.agent.auth.ServerTls;
+import reve.core.agent.port.ClusterPort;
+import reve.core.agent.port.WorldPort;
+import reve.core.file.CameraDescription;
+import reve.worlds.server.HostPage;
 
 import java.io.IOException;
 import java.net.BindException;
 import java.net.InetSocketAddress;
 import java.time.Duration;
 import java.util.ArrayList;
-import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.concurrent.ConcurrentHashMap;
+import java.util.concurrent.CopyOnWriteArrayList;
+import java.util.function.Supplier;
 
 /**
  * Server of the web page and of its WebSocket at {@code /world}. Text messages of the WebSocket are
  * lines of the agent protocol. They pass through the sessions of the agent server. Binary messages
- * contain the scene, for clients that perceive everything.
+ * contain the scene, for clients that perceive everything. The server of a node of a cluster also
+ * serves the page of the nodes, {@code /nodes}.
  */
-public final class WebServer implements AutoCloseable {
+public final class WebServer implements HostPage, AutoCloseable {
 
     private static final String SOCKET = "/world";
 
@@ -52,13 +59,14 @@ public final class WebServer implements AutoCloseable {
     private final ServerConnector connector;
     private final boolean encrypted;
     private final InetSocketAddress address;
-    private final Map<String, SceneFeed> feeds;
+    private final Map<String, SceneFeed> feeds = new ConcurrentHashMap<>();
+    private final List<WorldPort> ports = new CopyOnWriteArrayList<>();
     private final OpenPages pages = new OpenPages();
 
     /**
      * Starts the server.
      *
-     * @param address port 0 selects a free port
+     * @param address address to listen on; port 0 selects a free port
      * @param security the same settings as for the agent server; TLS is required on addresses that
      *     other machines can reach
      * @param agents server whose sessions the page's clients use
@@ -71,21 +79,43 @@ public final class WebServer implements AutoCloseable {
             AgentServer agents,
             List<PageWorld> worlds)
             throws IOException {
-        var server = new WebServer(address, security, agents, worlds);
+        var server = new WebServer(address, security, agents, Optional::empty);
+        worlds.forEach(world -> server.add(world.port(), world.camera()));
+        server.start();
+        return server;
+    }
+
+    /**
+     * Starts the server of a node of a cluster, without a world, like {@link
+     * #start(InetSocketAddress, AgentSecurity, AgentServer, List)}.
+     *
+     * @param cluster returns the cluster; empty until the node has joined it
+     */
+    public static WebServer start(
+            InetSocketAddress address,
+            AgentSecurity security,
+            AgentServer agents,
+            Supplier<Optional<ClusterPort>> cluster)
+            throws IOException {
+        var server = new WebServer(address, security, agents, cluster);
+        server.start();
+        return server;
+    }
+
+    private void start() throws IOException {
         try {
-            server.server.start();
+            server.start();
         } catch (Exception failed) {
-            server.close();
+            close();
             throw notBound(address, failed);
         }
-        return server;
     }
 
     private WebServer(
             InetSocketAddress address,
             AgentSecurity security,
             AgentServer agents,
-            List<PageWorld> worlds)
+            Supplier<Optional<ClusterPort>> cluster)
             throws IOException {
         Optional<ServerTls> tls = security.tls();
         if (!address.getAddress().isLoopbackAddress() && tls.isEmpty()) {
@@ -96,8 +126,6 @@ public final class WebServer implements AutoCloseable {
         }
         this.address = address;
         this.encrypted = tls.isPresent();
-        this.feeds = new HashMap<>();
-        worlds.forEach(world -> feeds.put(world.port().world(), new SceneFeed(world)));
         var threads = new QueuedThreadPool(MAX_THREADS);
         threads.setName("page");
         threads.setDaemon(true);
@@ -126,9 +154,9 @@ public final class WebServer implements AutoCloseable {
                             container.addMapping(
                                     SOCKET,
                                     (request, response, callback) -> {
-                                        // Extensions are refused, because the only common one is
-                                        // compression. On a loopback connection, compression would
-                                        // take longer than it saves.
+                                        // Extensions of the WebSocket are refused, because the only
+                                        // common one is compression. Compression would take more
+                                        // time than it saves on a loopback connection.
                                         response.setExtensions(List.of());
                                         return new PageSocket(
                                                 agents,
@@ -141,10 +169,10 @@ public final class WebServer implements AutoCloseable {
                                     });
                         });
         sockets.setHandler(new PageFiles());
-        var operations =
-                new Operations(
-                        worlds.stream().map(PageWorld::port).toList(), agents, security.tokens());
-        operations.setHandler(sockets);
+        var orders = new ClusterPaths(cluster, security.tokens());
+        orders.setHandler(sockets);
+        var operations = new Operations(ports, agents, security.tokens());
+        operations.setHandler(orders);
         guard.setHandler(operations);
         var turns = new Turns();
         turns.setHandler(guard);
@@ -183,7 +211,22 @@ public final class WebServer implements AutoCloseable {
         return unbound;
     }
 
-    /** Returns the address of the page for a browser. */
+    @Override
+    public void add(WorldPort port, Optional<CameraDescription> camera) {
+        feeds.put(port.world(), new SceneFeed(new PageWorld(port, camera)));
+        ports.add(port);
+    }
+
+    @Override
+    public void remove(String world) {
+        ports.removeIf(port -> port.world().equals(world));
+        SceneFeed feed = feeds.remove(world);
+        if (feed != null) {
+            feed.end();
+        }
+    }
+
+    @Override
     public String address() {
         String host = address.getHostString();
         return (encrypted ? "https://" : "http://")

@@ -12,6 +12,7 @@ import reve.core.world.ItemDefinition;
 import reve.core.world.Material;
 import reve.core.world.Mesh;
 import reve.core.world.OffHeapArena;
+import reve.core.world.Shape;
 import reve.core.world.SnapshotRing;
 import reve.core.world.Texture;
 import reve.core.world.World;
@@ -72,6 +73,21 @@ class SceneTest {
             read();
         }
         assertThat(scene.assets()).singleElement().satisfies(id -> assertThat(id).isEqualTo(23));
+    }
+
+    /** The size is a column of its own, so a page need not read the item again. */
+    @Test
+    void anotherSizeChangesNoStructure() {
+        Item a = world.add(ItemDefinition.named("a").shape(Shape.sphere(1)).build());
+        read();
+        int before = scene.version();
+        a.physical().setShape(Shape.sphere(2));
+        read();
+        assertThat(scene.version()).isGreaterThan(before);
+        assertThat(scene.hasNewStructure(before)).isFalse();
+        a.physical().setShape(Shape.box(4, 4, 4));
+        read();
+        assertThat(scene.hasNewStructure(before)).isTrue();
     }
 
     @Test

@@ -23,6 +23,7 @@ import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
 
 import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.IOException;
 import java.net.InetAddress;
@@ -44,6 +45,8 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Scanner;
+import java.util.Set;
+import java.util.TreeSet;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CompletionStage;
 import java.util.concurrent.TimeUnit;
@@ -118,6 +121,18 @@ class WebServerNativeTest {
                         server.agents(),
                         List.of(new PageWorld(server.ports().getFirst(), description.camera())));
         world = Thread.ofPlatform().name("world of the test").start(server::run);
+        waitUntilTheWorldRuns();
+    }
+
+    /**
+     * A world that has not started yet makes no frames, so {@code /health} answers 503 till then.
+     */
+    private void waitUntilTheWorldRuns() throws InterruptedException {
+        long deadline = System.nanoTime() + TimeUnit.SECONDS.toNanos(30);
+        while (server.ports().getFirst().loop().thread() == null) {
+            assertThat(System.nanoTime()).as("the world runs").isLessThan(deadline);
+            TimeUnit.MILLISECONDS.sleep(1);
+        }
     }
 
     @AfterEach
@@ -179,10 +194,57 @@ class WebServerNativeTest {
         assertThat(Double.parseDouble(frames.group(1))).isGreaterThanOrEqualTo(frame + 10);
         assertThat(counters.body())
                 .contains("reve_phase_seconds_total{phase=\"physics\",world=\"pond\"}")
-                .contains("reve_agents 0.0");
+                .contains("reve_agents 0.0")
+                .containsPattern("reve_heap_max_bytes [1-9]")
+                .containsPattern("reve_heap_used_bytes [1-9]");
+        requireHistogram(counters.body());
+        requireDashboard(counters.body());
         server.stop();
         world.join();
         assertThat(get("health").statusCode()).isEqualTo(503);
+    }
+
+    /** Each frame is in one bucket, and the buckets are cumulative, as Prometheus expects. */
+    private static void requireHistogram(String counters) {
+        List<Double> buckets =
+                Pattern.compile(
+                                "reve_frame_seconds_bucket\\{world=\"pond\",le=\"[^\"]+\"} ([0-9.]+)")
+                        .matcher(counters)
+                        .results()
+                        .map(found -> Double.valueOf(found.group(1)))
+                        .toList();
+        assertThat(buckets).as(counters).hasSize(17).isSorted();
+        Matcher count =
+                Pattern.compile("reve_frame_seconds_count\\{world=\"pond\"} ([0-9.]+)")
+                        .matcher(counters);
+        assertThat(count.find()).isTrue();
+        assertThat(Double.valueOf(count.group(1))).isEqualTo(buckets.getLast()).isPositive();
+        Matcher sum =
+                Pattern.compile("reve_frame_seconds_sum\\{world=\"pond\"} ([0-9.E-]+)")
+                        .matcher(counters);
+        assertThat(sum.find()).isTrue();
+        assertThat(Double.parseDouble(sum.group(1))).isPositive();
+    }
+
+    /** Requires that the server has all counters of the dashboard in the documents. */
+    private static void requireDashboard(String counters) throws IOException {
+        Path file = Path.of(System.getProperty("reve.root"), "docs/grafana-dashboard.json");
+        JsonNode dashboard = new JsonMapper().readTree(Files.readString(file));
+        Set<String> names = new TreeSet<>();
+        for (JsonNode panel : dashboard.get("panels")) {
+            for (JsonNode target : panel.get("targets")) {
+                Pattern.compile("reve_[a-z_]+")
+                        .matcher(target.get("expr").asString())
+                        .results()
+                        .forEach(found -> names.add(found.group()));
+            }
+        }
+        assertThat(names).hasSizeGreaterThan(10);
+        assertThat(names)
+                .allSatisfy(
+                        name ->
+                                assertThat(counters)
+                                        .containsPattern("(?m)^" + name + "(\\{[^}]*})? [0-9]"));
     }
 
     @Test
@@ -464,7 +526,7 @@ class WebServerNativeTest {
         startWithToken(token, ",\"worlds\":[\"pond\"]");
         assertThat(counters(token))
                 .contains("reve_frames_total{world=\"pond\"}")
-                .doesNotContain("reve_agents", "reve_joined");
+                .doesNotContain("reve_agents", "reve_joined", "reve_heap");
         startWithToken(token, ",\"worlds\":[\"sea\"]");
         assertThat(counters(token)).doesNotContain("pond", "reve_agents");
         startWithToken(token, "");

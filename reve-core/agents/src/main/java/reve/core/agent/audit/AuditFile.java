@@ -36,7 +36,7 @@ import java.util.regex.Pattern;
 /**
  * The file of an {@link AuditLog}: one JSON object per message, with the time of the message.
  * Secrets are omitted, and pixels of pictures are replaced by a hash (SHA-256). A file that reaches
- * the maximum size is rotated. While the file cannot be written, this class only counts messages
+ * the maximum size is rotated. This class only counts messages while the file cannot be written,
  * and tries to write once per second. The first record after such a gap contains the number of
  * missing records. For one thread, which blocks while the disk does not answer.
  */
@@ -47,6 +47,8 @@ final class AuditFile implements Closeable {
             Pattern.compile("(?<=\"session\":\\{\"token\":\")[0-9a-f]+");
     private static final Pattern HEAD =
             Pattern.compile("\\{\"at\":\"[^\"]{1,40}\",\"(world|unrecorded)\":");
+    private static final Pattern REPORT_OF_RECORDS =
+            Pattern.compile("\\{\"t\":\"report\",\"id\":\\d+,\"frame\":\\d+,\"of\":\"audit\",");
     private static final int HEAD_BYTES = 80;
     private static final int READ_BYTES = 1 << 16;
     private static final long RETRY_NANOS = 1_000_000_000;
@@ -55,13 +57,14 @@ final class AuditFile implements Closeable {
     private final Path file;
     private final InstantSource clock;
     private final LongSupplier nanos;
+    private final RecentRecords recent = new RecentRecords();
     private OwnedFile out;
     private long size;
 
     /** Size at which the file is rotated [bytes]. */
     private long fullSize;
 
-    /** True if the file ends with an incomplete record. */
+    /** True if the file ends with an incomplete record, for example after a crash. */
     private boolean torn;
 
     /** Number of messages without a record since the last successful write. */
@@ -131,12 +134,12 @@ final class AuditFile implements Closeable {
     }
 
     /**
-     * Returns the position of the last line. This line may be incomplete. Throws an exception if
-     * the file is no audit record.
+     * Returns the position at which the last line begins. The last line may be incomplete. Throws
+     * an exception if the file is no audit record.
      */
     private static long requireRecord(FileChannel in, String name) throws IOException {
-        // The first line is checked first, because the search for the start of the last line may
-        // read the whole file.
+        // The first line is checked first. A file without a valid first line is refused at once,
+        // whereas the search for the last line may read the whole file.
         long next = isRecord(in, 0) ? lineBefore(in, in.size()) : -1;
         if (next < 0 || next > 0 && !isRecord(in, lineBefore(in, next - 1))) {
             throw new IOException(
@@ -147,7 +150,10 @@ final class AuditFile implements Closeable {
         return next;
     }
 
-    /** Returns the position at which the line with the byte before {@code place} begins. */
+    /**
+     * Returns the position at which a line begins. It is the line that contains the byte before
+     * {@code place}.
+     */
     private static long lineBefore(FileChannel in, long place) throws IOException {
         ByteBuffer buffer = ByteBuffer.allocate(READ_BYTES);
         for (long end = place; end > 0; end -= buffer.capacity()) {
@@ -200,17 +206,26 @@ final class AuditFile implements Closeable {
                                                 line.remaining() - Encoding.LENGTH_BYTES),
                                         AuditFile::hash)
                                 .toString();
-        return write(
-                        "{\"at\":\""
-                                + at
-                                + "\",\"world\":\""
-                                + world
-                                + "\",\"client\":\""
-                                + client
-                                + "\",\"message\":"
-                                + withoutSecret(json)
-                                + "}")
-                || leaveOut();
+        String message = withoutRecords(withoutSecret(json));
+        if (!write(
+                "{\"at\":\""
+                        + at
+                        + "\",\"world\":\""
+                        + world
+                        + "\",\"client\":\""
+                        + client
+                        + "\",\"message\":"
+                        + message
+                        + "}")) {
+            return leaveOut();
+        }
+        recent.add(at, world, client, message);
+        return true;
+    }
+
+    /** Returns the newest records. For any thread. */
+    RecentRecords recent() {
+        return recent;
     }
 
     private boolean leaveOut() {
@@ -232,8 +247,8 @@ final class AuditFile implements Closeable {
 
     /**
      * Returns why the record cannot be written or rotated, or what another program did to the file;
-     * empty if there is no problem. If the file was moved, removed or cut, a new record begins at
-     * its path.
+     * empty if there is no problem. A new record begins at the path of a file that was moved,
+     * removed or truncated.
      */
     Optional<String> problem() {
         String trouble = failure == null ? out.trouble(size) : "";
@@ -297,8 +312,8 @@ final class AuditFile implements Closeable {
     }
 
     /**
-     * Returns whether the file can be written. After a failure, tries once per second to open the
-     * path again. The path may lead to another file by then.
+     * Returns whether the file can be written. Tries once per second to open the path again after a
+     * failure. The path may lead to another file by then.
      */
     private boolean isWritable() {
         if (failure == null) {
@@ -308,7 +323,7 @@ final class AuditFile implements Closeable {
             return false;
         }
         triedNanos = nanos.getAsLong();
-        closeQuietly(out); // closing releases the lock
+        closeQuietly(out); // closing the file releases its lock
         try {
             out = open();
         } catch (IOException e) {
@@ -382,8 +397,8 @@ final class AuditFile implements Closeable {
     }
 
     /**
-     * Renames each older file to the next number, and removes the oldest. If that fails, for
-     * example because an older file has other content or is in use, the current file stays in use
+     * Renames each older file to the next number, and removes the oldest. The renaming fails, for
+     * example, if an older file is in use or is no audit record. The current file then stays in use
      * and grows beyond its maximum size.
      */
     private void rotate() {
@@ -400,7 +415,8 @@ final class AuditFile implements Closeable {
         try {
             out = open();
             rotationFailure = null;
-        } catch (IOException e) { // the full file stays in use, under any name
+        } catch (IOException e) {
+            // The full file stays in use, even if it was already renamed.
             out = full;
             rotationFailed(e);
             return;
@@ -439,6 +455,22 @@ final class AuditFile implements Closeable {
             }
         }
         return image.toString();
+    }
+
+    /**
+     * Replaces the records in a report of records by their hash. Otherwise each report would
+     * contain the report before it, and the reports would grow without end.
+     */
+    private static String withoutRecords(String json) {
+        if (!REPORT_OF_RECORDS.matcher(json).lookingAt()) {
+            return json;
+        }
+        var report = (ObjectNode) Json.MAPPER.readTree(json);
+        var content = (ObjectNode) report.get("content");
+        content.put(
+                "records",
+                hash(content.get("records").toString().getBytes(StandardCharsets.UTF_8)));
+        return report.toString();
     }
 
     private static String hash(byte[] bytes) {

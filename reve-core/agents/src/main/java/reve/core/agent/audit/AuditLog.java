@@ -12,6 +12,7 @@ import java.nio.ByteBuffer;
 import java.time.Duration;
 import java.time.Instant;
 import java.time.InstantSource;
+import java.util.List;
 import java.util.Optional;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.ExecutionException;
@@ -21,13 +22,14 @@ import java.util.concurrent.TimeoutException;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * A record of every message to clients with its time. A thread of its own writes the file, so that
- * a disk that does not answer delays no client. Messages wait for this thread in a queue of at most
- * {@link #MOST_WAITING_BYTES}. A message has no record if the queue is full, or if the disk has not
- * answered for {@link #PATIENCE_MILLIS}; the record then contains the number of such messages.
+ * A record of every message to clients with its time. A separate thread writes the file. A disk
+ * that does not answer therefore delays no client, except as stated below. Messages wait for this
+ * thread in a queue of at most {@link #MOST_WAITING_BYTES}. A message has no record if the queue is
+ * full, or if the disk has not answered for {@link #PATIENCE_MILLIS}. The record later states the
+ * number of such messages.
  *
- * <p>If the plan requires the record, the caller of {@link #told} waits for the disk, at most for
- * {@link #PATIENCE_MILLIS}, and must not send the message without a record.
+ * <p>The plan may require the record. The caller of {@link #told} then waits for the disk, at most
+ * for {@link #PATIENCE_MILLIS}, and must not send a message without a record.
  *
  * <p>For any thread, unless a method says otherwise. Only {@link #told} and {@link #close} wait.
  */
@@ -49,7 +51,10 @@ public final class AuditLog implements Closeable {
     /** The task after which the thread ends. */
     private static final Task END = new Task(() -> {}, 0);
 
-    /** Runs if the queue is empty. The thread may examine the file after each task. */
+    /**
+     * An empty task, which the thread runs if the queue is empty. The thread may then examine the
+     * file, as it may after each task.
+     */
     private static final Task NONE = new Task(() -> {}, 0);
 
     private final AuditPlan plan;
@@ -62,7 +67,7 @@ public final class AuditLog implements Closeable {
     /** Number of messages that the file has not recorded, as known to the writing thread. */
     private volatile long unrecorded;
 
-    /** When the writing thread began its current task [ns]; 0 if it has none. */
+    /** Time at which the writing thread began its current task [ns]; 0 if it has no task. */
     private volatile long busySince;
 
     private volatile Optional<String> problem = Optional.empty();
@@ -84,7 +89,7 @@ public final class AuditLog implements Closeable {
 
     private Instant skippedSince = Instant.EPOCH; // guarded by skipping
 
-    /** Whether a message was skipped since the last report of problems. */
+    /** True if a message was sent without a record since the last report of problems. */
     private boolean hasSkipped; // guarded by skipping
 
     /** A task of the writing thread, and the number of bytes that wait for it. */
@@ -147,7 +152,7 @@ public final class AuditLog implements Closeable {
                 return true;
             }
         } catch (ExecutionException | TimeoutException e) {
-            // A message that is not recorded in time counts as not recorded.
+            // A message whose recording fails, or takes too long, counts as not recorded.
         } catch (InterruptedException ending) {
             Thread.currentThread().interrupt();
         }
@@ -170,9 +175,7 @@ public final class AuditLog implements Closeable {
         return true;
     }
 
-    /**
-     * Returns whether the disk has not answered for a longer time than {@link #PATIENCE_MILLIS}.
-     */
+    /** Returns whether the disk has not answered for more than {@link #PATIENCE_MILLIS}. */
     private boolean isLate() {
         long since = busySince;
         return since != 0
@@ -189,9 +192,9 @@ public final class AuditLog implements Closeable {
 
     /**
      * Returns why the record cannot be written or rotated, or what another program did to the file;
-     * empty if there is no problem. If the file was moved, removed or cut, a new record begins at
-     * its path. Each problem is returned at least once. The result comes from an examination of the
-     * file after the previous call.
+     * empty if there is no problem. A new record begins at the path of a file that was moved,
+     * removed or truncated. Each problem is returned at least once. The result comes from an
+     * examination of the file after the previous call.
      */
     public Optional<String> problem() {
         if (isLate() || takeSkipped()) {
@@ -219,6 +222,20 @@ public final class AuditLog implements Closeable {
     /** Returns the message for the operator that a problem has ended. */
     public String solved() {
         return solved;
+    }
+
+    /**
+     * Returns the newest records of a world, the newest first. The log keeps some hundred records
+     * of each world in memory, from the start of the server on.
+     *
+     * @param client the client whose records are returned; empty for all clients
+     * @param frequent whether the records of perceptions, reports, pings and pongs are returned,
+     *     too
+     * @param most maximum number of records
+     */
+    public List<AuditRecord> newest(
+            String world, Optional<String> client, boolean frequent, int most) {
+        return file.recent().newest(world, client, frequent, most);
     }
 
     /** Returns the number of messages sent so far without a record. */
@@ -288,7 +305,7 @@ public final class AuditLog implements Closeable {
             messages = skipped;
             since = skippedSince;
             skipped = 0;
-            unrecorded += messages; // from now on, file.unrecorded() counts them
+            unrecorded += messages; // file.unrecorded() counts these from now on
         }
         file.skipped(messages, since);
         solved = file.solved();

@@ -18,6 +18,8 @@ public record AuditPlan(Path file, long maxBytes, int keep, boolean required) {
     public static final int DEFAULT_KEEP = 8;
 
     /**
+     * Checks the size and the number of files.
+     *
      * @throws IllegalArgumentException if the size is less than 1 byte or no file is kept
      */
     public AuditPlan {

@@ -13,8 +13,8 @@ import java.util.Optional;
 public record AgentSecurity(Optional<TokenFile> tokens, Optional<ServerTls> tls) {
 
     /**
-     * Neither tokens nor TLS. This is permitted only for a loopback address, which only clients on
-     * the same machine can reach.
+     * Settings without tokens and without TLS. They are permitted only for a loopback address,
+     * which only clients on the same machine can reach.
      */
     public static final AgentSecurity NONE = new AgentSecurity(Optional.empty(), Optional.empty());
 

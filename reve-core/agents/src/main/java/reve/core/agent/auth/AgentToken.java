@@ -30,6 +30,8 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
     private static final int ID_LENGTH = 8;
 
     /**
+     * Checks the fields.
+     *
      * @throws IllegalArgumentException naming the invalid field
      */
     public AgentToken {
@@ -56,6 +58,8 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
     }
 
     /**
+     * A new token, with its secret.
+     *
      * @param secret the secret for the client, which the server does not store
      */
     public record Issued(String secret, AgentToken token) {
@@ -72,7 +76,8 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
         return HexFormat.of().formatHex(bytes);
     }
 
-    static String hash(String secret) {
+    /** Returns the SHA-256 of a secret's text, in hexadecimal. */
+    public static String hash(String secret) {
         try {
             return HexFormat.of()
                     .formatHex(

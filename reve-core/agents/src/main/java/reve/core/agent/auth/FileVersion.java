@@ -26,6 +26,8 @@ record FileVersion(
             EnumSet.of(PosixFilePermission.OWNER_READ, PosixFilePermission.OWNER_WRITE);
 
     /**
+     * Reads the attributes of a file.
+     *
      * @throws IOException if the file does not exist
      */
     static FileVersion of(Path path) throws IOException {

@@ -13,9 +13,9 @@ import java.util.concurrent.TimeUnit;
 import java.util.concurrent.TimeoutException;
 
 /**
- * Reads a file on threads of its own. Such a thread may block, for example because a network disk
- * does not answer. The caller then waits once, for {@link #PATIENCE_MILLIS}. Each further call
- * fails at once until the file can be read again. For one thread at a time.
+ * Reads a file on separate threads. Such a thread may block, for example because a network disk
+ * does not answer. The first call then waits for {@link #PATIENCE_MILLIS} and fails. Each further
+ * call fails at once until the file can be read again. For one thread at a time.
  */
 final class PatientReader {
 
@@ -28,12 +28,12 @@ final class PatientReader {
     /** Maximum number of abandoned threads that have not ended. */
     private static final int MOST_GIVEN_UP = 8;
 
-    /** Reads files. */
+    /** The operation that reads the file and may block. */
     interface Reading<T> {
         T read() throws IOException;
     }
 
-    /** Reports that a file gives no data. */
+    /** Reports that reading a file has not ended in time. */
     static final class SlowException extends FileSystemException {
         private static final long serialVersionUID = 1;
 
@@ -50,7 +50,7 @@ final class PatientReader {
     private final Path path;
     private final long giveUpNanos;
 
-    /** The reading that has not ended in time; null if there is none. */
+    /** The read operation that has not ended in time; null if there is none. */
     private @Nullable FutureTask<?> late;
 
     private long lateSinceNanos;
@@ -71,10 +71,10 @@ final class PatientReader {
     }
 
     /**
-     * Runs the reading on another thread and returns its result.
+     * Runs the read operation on another thread and returns its result.
      *
-     * @throws SlowException if the reading does not end in time, or an earlier one has not ended
-     * @throws IOException if the reading fails
+     * @throws SlowException if the operation does not end in time, or an earlier one has not ended
+     * @throws IOException if the operation fails
      */
     <T> T read(Reading<T> reading) throws IOException {
         if (late != null && !late.isDone() && !isGivenUp()) {
@@ -102,7 +102,10 @@ final class PatientReader {
         }
     }
 
-    /** Interrupts a thread that has read for a long time. Returns whether another one may read. */
+    /**
+     * Interrupts and abandons a thread that has been blocked for a long time. Returns whether
+     * another thread may read the file now.
+     */
     private boolean isGivenUp() {
         if (System.nanoTime() - lateSinceNanos < giveUpNanos) {
             return false;

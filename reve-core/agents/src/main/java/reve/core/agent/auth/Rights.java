@@ -69,6 +69,14 @@ public record Rights(
      * the library was opened. See {@link #opensLaw}.
      */
     public Optional<String> refusal(ClientMessage.Request request) {
+        if (worlds.isPresent() && request instanceof ClientMessage.Order) {
+            return Optional.of("it opens only some worlds, and the order is about all worlds");
+        }
+        if (worlds.isPresent()
+                && request instanceof ClientMessage.Ask ask
+                && ask.what().equals("cluster")) {
+            return Optional.of("it opens only some worlds, and the answer is about all worlds");
+        }
         if (laws.isEmpty()) {
             return Optional.empty();
         }
@@ -95,9 +103,11 @@ public record Rights(
         if (opensLaw(set.library())) {
             return Optional.empty();
         }
+        String prefix = set.library() + ".";
         for (String parameter : set.parameters().keySet()) {
-            if (!opensLaw(set.library() + "." + parameter)) {
-                return refusalOfLaw(set.library() + "." + parameter);
+            String full = parameter.startsWith(prefix) ? parameter : prefix + parameter;
+            if (!opensLaw(full)) {
+                return refusalOfLaw(full);
             }
         }
         return set.parameters().isEmpty() ? refusalOfLaw(set.library()) : Optional.empty();

@@ -70,6 +70,8 @@ public final class ServerTls {
     private Optional<String> slow = Optional.empty();
 
     /**
+     * The TLS context of one version of the files, with its expiry.
+     *
      * @param expires end of the certificate's validity
      */
     private record Pair(SSLContext context, Instant expires) {}
@@ -107,9 +109,9 @@ public final class ServerTls {
     }
 
     /**
-     * Reads both files again if one has changed since they were read. Reads nothing while a file
-     * has changed since the previous call, because the operator replaces the two files one after
-     * the other.
+     * Reads both files again if one has changed since they were read. Reads nothing if a file has
+     * changed since the previous call. The operator replaces the two files one after the other, so
+     * the second file may still be old.
      */
     public void refresh() {
         try {
@@ -217,6 +219,8 @@ public final class ServerTls {
     }
 
     /**
+     * Returns the TLS context of a certificate and its key.
+     *
      * @param trust decides which certificates of the other side are accepted; null for the
      *     authorities of Java
      */

@@ -35,7 +35,7 @@ import java.util.stream.Collectors;
 
 /**
  * The tokens of a server, in a file with access for its owner only. Changes of the file take effect
- * at once. If the file becomes invalid, the tokens that were read before stay in effect. For any
+ * at once. The tokens that were read before stay in effect if the file becomes invalid. For any
  * thread.
  */
 public final class TokenFile {
@@ -70,6 +70,8 @@ public final class TokenFile {
     }
 
     /**
+     * Opens a file of tokens.
+     *
      * @throws IOException if the file does not exist, is accessible to others, or has no valid
      *     tokens; the message names the remedy
      */
@@ -123,7 +125,7 @@ public final class TokenFile {
     }
 
     /**
-     * Returns the token with that secret, unless the token has expired. The time of the lookup
+     * Returns the token with this secret, unless the token has expired. The time of the lookup
      * reveals nothing about the stored tokens: the lookup uses the hash of the secret, which an
      * attacker cannot choose.
      */
@@ -255,8 +257,8 @@ public final class TokenFile {
             try {
                 Files.setAttribute(to, attribute, Files.getAttribute(from, attribute));
             } catch (FileSystemException e) {
-                // The process may lack the permission. The comparison below shows whether the
-                // owners differ.
+                // The exception is ignored, because the process may lack the permission. The
+                // comparison below shows whether the owners differ.
             }
         }
         return Files.getAttribute(from, "unix:uid").equals(Files.getAttribute(to, "unix:uid"));
@@ -270,7 +272,7 @@ public final class TokenFile {
             throws IOException {
         Path file = target(path.toAbsolutePath());
         if (Files.exists(file)) {
-            version(file); // throws if the path is a folder
+            version(file); // this call throws an exception for a folder
         } else if (!Files.isDirectory(file.getParent())) {
             throw new NoSuchFileException(
                     "there is no folder "
@@ -304,6 +306,7 @@ public final class TokenFile {
                 }
                 Files.move(next, file, StandardCopyOption.ATOMIC_MOVE);
             } catch (IOException e) {
+                Files.deleteIfExists(next);
                 throw Reason.naming(file, e);
             }
         }

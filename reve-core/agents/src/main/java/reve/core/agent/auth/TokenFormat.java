@@ -76,6 +76,8 @@ final class TokenFormat {
     }
 
     /**
+     * Reads the tokens of a file.
+     *
      * @throws IllegalArgumentException naming the invalid token and the error
      */
     static List<AgentToken> read(byte[] bytes) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.control;
 
+import reve.core.agent.audit.AuditLog;
 import reve.core.agent.embodiment.AgentCommand;
 import reve.core.agent.embodiment.AgentInput;
 import reve.core.agent.embodiment.Embodiment;
@@ -8,6 +9,7 @@ import reve.core.agent.embodiment.Heard;
 import reve.core.agent.embodiment.Outcome;
 import reve.core.agent.embodiment.Rewound;
 import reve.core.agent.net.RateLimitedLog;
+import reve.core.agent.port.ClusterPort;
 import reve.core.agent.port.WorldControl;
 import reve.core.agent.port.WorldPort;
 import reve.core.agent.protocol.ClientMessage;
@@ -26,7 +28,6 @@ import java.util.Optional;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.atomic.AtomicLong;
 import java.util.function.Consumer;
-import java.util.function.Supplier;
 
 /**
  * Dispatcher of clients' commands for one world. It passes each command to the world's command
@@ -41,6 +42,7 @@ public final class ControlDesk {
     private final WorldEdits edits;
     private final ForkAndSave forkAndSave;
     private final Reports reports;
+    private final Clients clients;
     private final RateLimitedLog log;
     private final AtomicLong sequence = new AtomicLong();
     private final AtomicBoolean promptDue = new AtomicBoolean();
@@ -54,22 +56,29 @@ public final class ControlDesk {
     /**
      * Creates a desk for the commands to one world.
      *
-     * @param clients returns a description of the world's clients for reports; called on the event
-     *     loop's thread
+     * @param clients the world's clients
+     * @param audit the record of all messages to clients, for reports
      */
     public ControlDesk(
             WorldPort port,
             Publisher publisher,
             RateLimitedLog log,
-            Supplier<List<Map<String, Object>>> clients) {
+            Clients clients,
+            Optional<AuditLog> audit) {
         this.port = port;
         this.publisher = publisher;
         this.embodiment = new Embodiment(port.agents(), port.framesPerSecond());
         this.images = new Images(port, embodiment);
         this.edits = new WorldEdits(port, embodiment);
         this.forkAndSave = new ForkAndSave(port, embodiment, log);
-        this.reports = new Reports(port, publisher, images, log, clients);
+        this.reports = new Reports(port, publisher, images, log, clients, audit);
+        this.clients = clients;
         this.log = log;
+    }
+
+    /** Returns the agents of the world and their bodies. For the world's thread only. */
+    public Embodiment embodiment() {
+        return embodiment;
     }
 
     /**
@@ -82,7 +91,8 @@ public final class ControlDesk {
     }
 
     /**
-     * Returns what agents have heard in the frame that is being made. For the world's thread only.
+     * Returns the utterances that agents have heard in the frame that is being made, one entry per
+     * hearer. For the world's thread only.
      */
     public List<Heard> takeHeard() {
         return embodiment.takeHeard();
@@ -96,6 +106,11 @@ public final class ControlDesk {
         reports.proceed();
     }
 
+    /** Drops the waiting queries of a client that has no connection any more. */
+    public void forget(Requester requester) {
+        reports.forget(requester);
+    }
+
     /** Submits a command; its result is sent to the requester. */
     public void submit(Requester requester, ClientMessage.Request request) {
         switch (request) {
@@ -104,12 +119,7 @@ public final class ControlDesk {
                     act.ready().ifPresent(requester::endRound);
                 }
             }
-            case ClientMessage.Edit edit ->
-                    offer(
-                            requester,
-                            edit,
-                            new AgentInput.Edit(
-                                    requester.name(), edit.item(), edit.property(), edit.value()));
+            case ClientMessage.Edit edit -> edit(requester, edit);
             case ClientMessage.WorldChange change ->
                     change(requester, change, true, () -> edits.prepare(change));
             case ClientMessage.Pause pause -> accept(requester, pause, port.loop().pause());
@@ -133,6 +143,15 @@ public final class ControlDesk {
             case ClientMessage.Save save -> forkAndSave.save(requester, save);
             case ClientMessage.Fork fork -> fork(requester, fork);
             case ClientMessage.Ask ask -> ask(requester, ask);
+            case ClientMessage.MoveWorld move ->
+                    order(requester, move, cluster -> cluster.move(move.world(), move.node()));
+            case ClientMessage.DrainNode drain ->
+                    order(
+                            requester,
+                            drain,
+                            cluster -> cluster.drain(drain.node(), drain.drained()));
+            case ClientMessage.AddWorld add ->
+                    order(requester, add, cluster -> cluster.add(add.text(), add.asleep()));
             case ClientMessage.Release release ->
                     change(
                             requester,
@@ -202,6 +221,9 @@ public final class ControlDesk {
             case ClientMessage.Inspect inspect -> reports.item(requester, inspect);
             case ClientMessage.Laws laws -> reports.laws(requester, laws);
             case ClientMessage.Ledger ledger -> reports.ledger(requester, ledger);
+            case ClientMessage.Search search -> reports.search(requester, search);
+            case ClientMessage.Perceived perceived -> reports.perceived(requester, perceived);
+            case ClientMessage.Audit audit -> reports.audit(requester, audit);
         }
     }
 
@@ -210,8 +232,8 @@ public final class ControlDesk {
     }
 
     /**
-     * Queues an input that reports a late or returned agent in lock-step. Drops the input if the
-     * queue for the next frame is full. Called on the thread of the frame loop.
+     * Queues an input that reports a late or returned agent in lock-step. The input is dropped if
+     * the queue for the next frame is full. Called on the thread of the frame loop.
      */
     public void lockStep(AgentInput news) {
         port.commands()
@@ -229,6 +251,21 @@ public final class ControlDesk {
                                                                 failed.cause()));
                                     }
                                 }));
+    }
+
+    private void edit(Requester requester, ClientMessage.Edit edit) {
+        try {
+            if (edit.property().startsWith("semantic.")) { // the only values without a fixed size
+                HeapRoom.OF_PROCESS.require();
+            }
+        } catch (ActionRefused full) {
+            requester.refuse(edit, full.code(), String.valueOf(full.getMessage()));
+            return;
+        }
+        offer(
+                requester,
+                edit,
+                new AgentInput.Edit(requester.name(), edit.item(), edit.property(), edit.value()));
     }
 
     private boolean offer(Requester requester, ClientMessage.Request request, AgentInput input) {
@@ -254,7 +291,13 @@ public final class ControlDesk {
      * executed the command. The result of a prompt command that ran between frames is sent at once.
      */
     private void deliver(Requester requester, ClientMessage.Request request, Outcome outcome) {
+        if (requester.notesResults()) {
+            resultOf(request, outcome).ifPresent(requester::note);
+        }
         if (executesPrompt) {
+            if (outcome instanceof Outcome.Done done) {
+                reports.changed(done.frame());
+            }
             publisher.later(() -> answer(requester, request, outcome));
         } else {
             publisher.withFrame(() -> answer(requester, request, outcome));
@@ -285,9 +328,11 @@ public final class ControlDesk {
         }
     }
 
-    /** A command that is executed between two frames. */
+    /** The operation of a command that is executed between two frames. */
     private interface Errand {
         /**
+         * Executes the command.
+         *
          * @return number of the frame in which the command takes effect
          */
         long run() throws ActionRefused;
@@ -334,6 +379,32 @@ public final class ControlDesk {
                         });
     }
 
+    /** An order to the cluster of the server. */
+    private interface Order {
+        Map<String, Object> give(ClusterPort cluster) throws ActionRefused;
+    }
+
+    /** Gives an order to the cluster of the server. The world does not wait for it. */
+    private void order(Requester requester, ClientMessage.Order request, Order order) {
+        try {
+            ClusterPort cluster =
+                    port.control()
+                            .cluster()
+                            .orElseThrow(
+                                    () ->
+                                            new ActionRefused(
+                                                    "unsupported",
+                                                    "this server belongs to no cluster"));
+            Object value = order.give(cluster);
+            requester.finish(
+                    request, new ServerMessage.Answer(request.id(), port.loop().frame(), value), 0);
+        } catch (ActionRefused e) {
+            answer(requester, request, refused(e, 0));
+        } catch (RuntimeException e) {
+            answer(requester, request, new Outcome.Failed(0, e));
+        }
+    }
+
     private static void give(Requester requester, ClientMessage.Ask ask, byte[] line) {
         if (!requester.answer(ask, line)) {
             requester.refuse(
@@ -367,6 +438,7 @@ public final class ControlDesk {
                     () -> {
                         Rewound rewound =
                                 images.rewind(requester.name(), rewind.image(), beginning);
+                        clients.noteBodies();
                         publisher.later(() -> publisher.tellRewound(rewound));
                         return rewound.frame();
                     });
@@ -382,6 +454,8 @@ public final class ControlDesk {
     }
 
     /**
+     * Submits a prepared change of the world.
+     *
      * @param isPrompt true if the change may be made before the next frame, false if it must be
      *     part of the next frame
      */
@@ -451,32 +525,37 @@ public final class ControlDesk {
     }
 
     private void answer(Requester requester, ClientMessage.Request request, Outcome outcome) {
-        switch (outcome) {
-            case Outcome.Done done ->
-                    requester.finish(
-                            request,
-                            new ServerMessage.Accepted(request.id(), done.frame()),
-                            done.frame());
-            case Outcome.Refused refused ->
-                    requester.finish(
-                            request,
-                            new ServerMessage.Refused(
-                                    request.id(), refused.code(), refused.reason()),
-                            refused.frame());
-            case Outcome.Failed failed -> {
-                String what = describe(request);
-                log.error(what + " failed", failed.cause());
-                requester.finish(
-                        request,
-                        new ServerMessage.Refused(
-                                request.id(),
-                                "action-failed",
-                                what + " failed; the server's log says why"),
-                        failed.frame());
-            }
-            case Outcome.Joined joined -> {}
-            case Outcome.Absent absent -> {}
+        if (outcome instanceof Outcome.Failed failed) {
+            log.error(describe(request) + " failed", failed.cause());
         }
+        long frame =
+                switch (outcome) {
+                    case Outcome.Done done -> done.frame();
+                    case Outcome.Refused refused -> refused.frame();
+                    case Outcome.Failed failed -> failed.frame();
+                    case Outcome.Joined _, Outcome.Absent _ -> 0;
+                };
+        resultOf(request, outcome).ifPresent(result -> requester.finish(request, result, frame));
+    }
+
+    /** Returns the result that a client receives for a command; empty if it receives none. */
+    private static Optional<ServerMessage> resultOf(
+            ClientMessage.Request request, Outcome outcome) {
+        return switch (outcome) {
+            case Outcome.Done done ->
+                    Optional.of(new ServerMessage.Accepted(request.id(), done.frame()));
+            case Outcome.Refused refused ->
+                    Optional.of(
+                            new ServerMessage.Refused(
+                                    request.id(), refused.code(), refused.reason()));
+            case Outcome.Failed _ ->
+                    Optional.of(
+                            new ServerMessage.Refused(
+                                    request.id(),
+                                    "action-failed",
+                                    describe(request) + " failed; the server's log says why"));
+            case Outcome.Joined _, Outcome.Absent _ -> Optional.empty();
+        };
     }
 
     private static String describe(ClientMessage.Request request) {

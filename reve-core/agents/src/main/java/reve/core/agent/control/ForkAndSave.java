@@ -41,6 +41,8 @@ final class ForkAndSave {
     private final Semaphore copies = new Semaphore(1);
 
     /**
+     * The state of the world at one moment.
+     *
      * @param made bodies that were created for agents
      */
     private record Now(WorldControl.Image image, long frame, List<ItemId> made) {}
@@ -67,6 +69,8 @@ final class ForkAndSave {
     }
 
     /**
+     * Advances a copy of the world, and reports its state.
+     *
      * @param first the change that is made in the copy before its first frame
      */
     void fork(Requester requester, ClientMessage.Fork fork, WorldControl.Change first) {
@@ -116,6 +120,8 @@ final class ForkAndSave {
             }
         } catch (ActionRefused e) {
             requester.refuse(request, e.code(), e.getMessage());
+        } catch (PerceptionEncoder.TooLarge e) {
+            requester.refuse(request, "too-large", e.getMessage());
         } catch (RuntimeException e) {
             log.error(request.type() + " failed", e);
             requester.refuse(

@@ -78,6 +78,8 @@ final class HeapRoom {
     }
 
     /**
+     * Refuses a change if the heap is nearly full.
+     *
      * @throws ActionRefused if reachable objects use more than three quarters of the heap
      */
     synchronized void require() throws ActionRefused {
@@ -87,7 +89,7 @@ final class HeapRoom {
             return;
         }
         // The used part of the heap includes unreachable objects. Only a garbage collection shows
-        // how many bytes are reachable.
+        // how many bytes are reachable, so this code requests one from time to time.
         if (now - reachable > max / HUNDRED * GROWTH
                 || nanoTime.getAsLong() - collected > AGAIN_NANOS) {
             collect.run();

@@ -34,6 +34,8 @@ final class Images {
     private final Map<String, Kept> kept = new TreeMap<>();
 
     /**
+     * A saved state of the world.
+     *
      * @param bodies ids of the bodies in this state, by name of the agent
      */
     private record Kept(WorldControl.Image image, Map<String, ItemId> bodies) {}

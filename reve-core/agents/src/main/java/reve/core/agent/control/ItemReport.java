@@ -7,6 +7,7 @@ import reve.core.world.Colour;
 import reve.core.world.ColumnSnapshot;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
+import reve.core.world.Level;
 import reve.core.world.Mesh;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
@@ -50,6 +51,9 @@ final class ItemReport {
                         ? physical(snapshot, table, row, item)
                         : List.of());
         content.put("semantic", item.symbols());
+        if (!item.levels().isEmpty()) {
+            content.put("levels", item.levels().stream().map(Level::name).toList());
+        }
         content.put("access", access(item));
         content.put(
                 "physics",
@@ -100,7 +104,11 @@ final class ItemReport {
             case Shape.Plane plane -> "plane";
             case Shape.Capsule capsule -> "capsule";
             case Shape.Cylinder cylinder -> "cylinder";
-            case Mesh mesh -> mesh.file().map(file -> "mesh " + file).orElse("mesh");
+            case Shape.Ellipsoid ellipsoid -> "ellipsoid";
+            case Mesh mesh -> {
+                String kind = mesh.relief().isPresent() ? "terrain" : "mesh";
+                yield mesh.file().map(file -> kind + " " + file).orElse(kind);
+            }
         };
     }
 

@@ -8,8 +8,8 @@ import reve.core.agent.protocol.ServerMessage;
 import java.util.Optional;
 
 /**
- * The sender of commands. The code that executes commands and returns results uses it through this
- * interface. For any thread.
+ * The client that sent a command. The code that executes commands returns their results through
+ * this interface. For any thread.
  */
 public interface Requester {
 
@@ -32,6 +32,19 @@ public interface Requester {
 
     /** Sends the result of a command, and the frame in which it took effect. */
     void finish(ClientMessage.Request request, ServerMessage result, long frame);
+
+    /** Returns whether the results of the client's commands are noted as soon as they are known. */
+    default boolean notesResults() {
+        return false;
+    }
+
+    /**
+     * Notes the result of a command on the world's thread, in the frame that executed it. {@link
+     * #finish} sends the result later.
+     */
+    default void note(ServerMessage result) {
+        // Most requesters do not survive the loss of this server.
+    }
 
     /** Refuses a command that cannot be executed now. The client may send the command again. */
     void refuse(ClientMessage.Request request, String code, String reason);

@@ -24,11 +24,11 @@ import java.util.function.LongSupplier;
 import java.util.function.UnaryOperator;
 
 /**
- * Answers to queries that many clients may send at the same time. For each kind of report, the
- * world's thread reads the content once for all waiting queries, and the event loop encodes it
- * once. Answers are sent in slices of the event loop's time, in which clients take turns. Queries
- * that find no time in a slice wait for the next one. On average, reports take at most a tenth of
- * the time.
+ * Answers to queries that many clients may send at the same time. The world's thread reads the
+ * content of each kind of report once for all waiting queries, and the event loop encodes this
+ * content once. Answers are sent in slices of the event loop's time, in which clients take turns.
+ * Queries that find no time in a slice wait for the next one. Reports take at most a tenth of the
+ * time on average.
  */
 final class SharedReports {
 
@@ -40,19 +40,10 @@ final class SharedReports {
     }
 
     /**
-     * Time after which no further answer is begun in a slice [ns]. Each slice has at least one
-     * answer.
+     * Duration of a slice, after which no further answer is begun [ns]. At least one answer is sent
+     * in each slice.
      */
     private static final long SLICE_NANOS = 1_000_000;
-
-    /** Divisor of the elapsed time: the quotient is the maximum time for reports. */
-    private static final int SHARE = 10;
-
-    /**
-     * Time by which reports may exceed their part of the elapsed time before they must wait [ns].
-     * The value is multiplied by {@link #SHARE}.
-     */
-    private static final long ADVANCE_NANOS = 500_000_000;
 
     private static final Kind[] KINDS = Kind.values();
 
@@ -80,11 +71,8 @@ final class SharedReports {
      */
     private boolean isReading;
 
-    /**
-     * Time at which the reports made so far will have used exactly their part of the elapsed time
-     * [ns]. Guarded by this object's lock.
-     */
-    private long paidNanos;
+    /** The time of the reports made so far. Guarded by this object's lock. */
+    private final TimeShare share;
 
     private final LongSupplier clock;
 
@@ -96,7 +84,8 @@ final class SharedReports {
             new AtomicReferenceArray<>(KINDS.length);
 
     /**
-     * @param completions functions that complete a content on the event loop, by kind
+     * @param completions functions that complete the content of a report, by kind of report; called
+     *     on the event loop
      * @param clock returns the time since a fixed moment [ns], not negative
      */
     SharedReports(
@@ -106,6 +95,7 @@ final class SharedReports {
             Map<Kind, UnaryOperator<Map<String, Object>>> completions,
             LongSupplier clock) {
         this.clock = clock;
+        this.share = new TimeShare(clock);
         this.port = port;
         this.publisher = publisher;
         this.log = log;
@@ -131,13 +121,29 @@ final class SharedReports {
         proceed();
     }
 
+    /** Drops the waiting queries of a client that has no connection any more. */
+    void forget(Requester requester) {
+        Deque<Waiting> dropped;
+        synchronized (this) {
+            dropped = waiting.remove(requester);
+            if (dropped != null) {
+                dropped.forEach(each -> wanted.decrementAndGet(each.kind.ordinal()));
+            }
+        }
+        if (dropped != null) {
+            for (Waiting each : dropped) {
+                requester.refuse(each.query, "world-busy", "the connection ended; ask again");
+            }
+        }
+    }
+
     /**
      * Requests a reading if queries wait and reports have not exceeded their part of the time.
      * Called periodically.
      */
     void proceed() {
         synchronized (this) {
-            if (isReading || waiting.isEmpty() || paidNanos - clock.getAsLong() > ADVANCE_NANOS) {
+            if (isReading || waiting.isEmpty() || !share.isOpen()) {
                 return;
             }
             isReading = true;
@@ -170,7 +176,7 @@ final class SharedReports {
         }
     }
 
-    /** Answers queries for a slice of time. For the event loop's thread only. */
+    /** Answers queries for the duration of one slice. For the event loop's thread only. */
     private void answer(long frame, Map<Kind, Read> read, long readNanos) {
         long begin = clock.getAsLong();
         var contents = new EnumMap<Kind, Fragment>(Kind.class);
@@ -182,8 +188,7 @@ final class SharedReports {
             }
         } finally {
             synchronized (this) {
-                long cost = SHARE * (readNanos + clock.getAsLong() - begin);
-                paidNanos = Math.max(paidNanos, clock.getAsLong()) + cost;
+                share.pay(readNanos + clock.getAsLong() - begin);
                 isReading = false;
             }
         }
@@ -201,7 +206,8 @@ final class SharedReports {
         Map.Entry<Requester, Deque<Waiting>> first = waiting.entrySet().iterator().next();
         Deque<Waiting> queries = first.getValue();
         if (!read.containsKey(queries.getFirst().kind)) {
-            return null; // the query came after the reading and waits for the next one
+            // The query arrived after the content was read, so it waits for the next time.
+            return null;
         }
         Waiting next = queries.removeFirst();
         wanted.decrementAndGet(next.kind.ordinal());

@@ -8,13 +8,16 @@ import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.Text;
 import reve.core.file.EditReader;
 import reve.core.file.Problem;
+import reve.core.file.RayLimit;
 import reve.core.file.WorldEdit;
 import reve.core.file.WorldFileException;
 import reve.core.world.ActionRefused;
 import reve.core.world.Item;
+import reve.core.world.Sensor;
 import reve.core.world.World;
 
 import java.util.ArrayList;
+import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -39,8 +42,8 @@ final class WorldEdits {
     }
 
     /**
-     * Reads one edit. The reader needs the earlier edits of the message, because they may add kinds
-     * of items.
+     * A function that reads one edit. It needs the earlier edits of the message, because they may
+     * add kinds of items.
      */
     private interface Reading {
         WorldEdit read(World world, List<WorldEdit> before) throws ActionRefused;
@@ -68,7 +71,7 @@ final class WorldEdits {
                     readings.add((world, before) -> items);
                 }
                 case ClientMessage.Change change ->
-                        readings.add((world, before) -> change(world, before, change));
+                        readings.add((world, before) -> change(world, before, change, room));
                 case ClientMessage.Remove remove -> {
                     WorldEdit removal = new WorldEdit.Remove(remove.item(), remove.cascade());
                     readings.add((world, before) -> removal);
@@ -109,8 +112,10 @@ final class WorldEdits {
             rules.orElseThrow().make(world, frame);
             return;
         }
+        requireRays(world, edits);
         WorldEdit.make(
                 world,
+                frame,
                 edits,
                 embodiment.bodies().values(),
                 () -> {
@@ -118,6 +123,46 @@ final class WorldEdits {
                         rules.get().make(world, frame);
                     }
                 });
+    }
+
+    /** Refuses edits after which the bodies that the world offers to agents have too many rays. */
+    private void requireRays(World world, List<WorldEdit> edits) throws ActionRefused {
+        if (edits.stream().noneMatch(edit -> edit instanceof WorldEdit.Add || isRenaming(edit))) {
+            return;
+        }
+        Map<String, List<Sensor>> sensors = new HashMap<>();
+        Map<String, List<Sensor>> offered = new HashMap<>();
+        for (WorldEdit edit : edits) {
+            switch (edit) {
+                case WorldEdit.Add add ->
+                        add.items().forEach(item -> sensors.put(item.name(), item.sensors()));
+                case WorldEdit.Remove remove -> sensors.put(remove.item(), List.of());
+                case WorldEdit.Change change -> {
+                    if (isRenaming(change)) {
+                        sensors.put(change.values().name(), sensors(world, sensors, change.item()));
+                        sensors.put(change.item(), List.of());
+                    }
+                }
+            }
+        }
+        for (String name : port.agents().bodies()) {
+            offered.put(name, sensors(world, sensors, name));
+        }
+        Optional<String> excess = RayLimit.excess(port.agents(), offered);
+        if (excess.isPresent()) {
+            throw new ActionRefused(WorldEdit.REFUSED, excess.get());
+        }
+    }
+
+    private static boolean isRenaming(WorldEdit edit) {
+        return edit instanceof WorldEdit.Change change && change.set().contains("name");
+    }
+
+    private static List<Sensor> sensors(
+            World world, Map<String, List<Sensor>> changed, String name) {
+        return changed.containsKey(name)
+                ? changed.get(name)
+                : world.find(name).map(Item::sensors).orElse(List.of());
     }
 
     private WorldEdit add(ClientMessage.Add add, EditReader.Room room) throws ActionRefused {
@@ -128,7 +173,8 @@ final class WorldEdits {
         }
     }
 
-    private WorldEdit change(World world, List<WorldEdit> before, ClientMessage.Change change)
+    private WorldEdit change(
+            World world, List<WorldEdit> before, ClientMessage.Change change, EditReader.Room room)
             throws ActionRefused {
         Optional<String> kind =
                 world.find(change.item())
@@ -139,7 +185,7 @@ final class WorldEdits {
                     "no-such-item", "the world has no item " + Text.quote(change.item()));
         }
         try {
-            return reader.change(change.item(), kind.get(), change.to());
+            return reader.change(change.item(), kind.get(), change.to(), room);
         } catch (WorldFileException invalid) {
             throw refusal(invalid);
         }

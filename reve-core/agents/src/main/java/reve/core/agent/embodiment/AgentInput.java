@@ -17,6 +17,8 @@ public sealed interface AgentInput {
     String agent();
 
     /**
+     * Gives a body in the world to an agent.
+     *
      * @param body name of the item that the agent requests as its body
      * @param rights rights of the client
      */
@@ -35,11 +37,11 @@ public sealed interface AgentInput {
     record Edit(String agent, String item, String property, Object value) implements AgentInput {}
 
     /**
-     * An agent in lock-step missed its deadline.
+     * Reports that an agent in lock-step missed its deadline.
      *
      * @param count number of missed deadlines so far
      * @param fallback the action that its body performs instead
-     * @param told whether an event notifies the other agents
+     * @param told true if an event notifies the other agents
      * @param away true if the agent missed so many deadlines in a row that the world no longer
      *     waits for it
      */
@@ -47,10 +49,15 @@ public sealed interface AgentInput {
             String agent, long count, Optional<ActionRequest> fallback, boolean told, boolean away)
             implements AgentInput {}
 
-    /** An agent in lock-step that was away is ready again. The world waits for this agent again. */
+    /**
+     * Reports that an agent in lock-step is ready after the world had stopped waiting for it. The
+     * world waits for this agent again.
+     */
     record Back(String agent) implements AgentInput {}
 
     /**
+     * Takes the body from an agent that leaves the world.
+     *
      * @param reason code of the reason, which other agents receive
      */
     record Leave(String agent, String reason) implements AgentInput {}

@@ -20,7 +20,7 @@ import java.util.OptionalInt;
  * @param place index of the place in {@link reve.core.file.AgentPolicy} at which the body was
  *     created; empty if the body was not created at such a place
  * @param sensors sensors of the body; if empty, the agent perceives everything
- * @param ofActions those sensors that perceive the actions of items
+ * @param ofActions the sensors among them that perceive the actions of items
  * @param needsSight true if one of the sensors needs a line of sight
  * @param ears largest range of its hearing sensors [m], negative if it has none
  * @param rights rights of the agent
@@ -76,7 +76,8 @@ record Body(
     /**
      * Returns whether one of these sensors of the body senses an item.
      *
-     * @param sensed contains the bodies in both rows, and all bodies if {@link #needsSight}
+     * @param sensed data that contains the bodies in both rows; it contains all bodies if {@link
+     *     #needsSight} is true
      * @param eye row of this body; negative if it has none
      * @param row row of the item; negative if it has none
      */

@@ -19,6 +19,7 @@ import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
 import reve.core.world.ItemQuota;
+import reve.core.world.LevelChange;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
 import reve.core.world.Sensor;
@@ -61,6 +62,7 @@ public final class Embodiment {
                     "attached",
                     "not-attached",
                     "cannot-attach",
+                    "cannot-detach",
                     "cannot-create",
                     "cannot-remove",
                     "no-such-item",
@@ -68,14 +70,18 @@ public final class Embodiment {
                     "out-of-range",
                     "not-a-rotation",
                     "not-a-colour",
-                    "not-a-symbol");
+                    "not-a-symbol",
+                    "not-a-level");
 
     /** Code of the refusal after an error inside an action. The log contains the error. */
     private static final String ACTION_FAILED = "action-failed";
 
     private final AgentPolicy policy;
 
-    /** The bodies by name of the agent. Hearers are served in this order. */
+    /**
+     * The bodies by name of the agent. Utterances reach the hearers in the order of these names, so
+     * that a replay has the same order.
+     */
     private final SortedMap<String, Body> bodies = new TreeMap<>();
 
     private final Set<String> lent = new HashSet<>();
@@ -103,7 +109,7 @@ public final class Embodiment {
                 case AgentInput.Join join -> join(world, frame, join);
                 case AgentInput.Act act -> act(world, frame, act);
                 case AgentInput.Edit edit -> {
-                    ItemEdit.apply(world, edit);
+                    ItemEdit.apply(world, frame, edit);
                     yield new Outcome.Done(frame);
                 }
                 case AgentInput.Late late -> late(world, frame, late);
@@ -132,6 +138,40 @@ public final class Embodiment {
         return ids;
     }
 
+    /**
+     * A body as another server continues it.
+     *
+     * @param place index of the place at which it was created, if it was created at one
+     */
+    public record Granted(ItemId id, OptionalInt place) {}
+
+    /** Returns the body of an agent; empty if the agent is not in the world. */
+    public Optional<Granted> granted(String agent) {
+        return Optional.ofNullable(bodies.get(agent))
+                .map(body -> new Granted(body.id(), body.place()));
+    }
+
+    /**
+     * Gives an agent the body that it had on another server. Changes nothing in the world.
+     *
+     * @param frame the last frame of the world
+     * @return empty if the world has no such item, or another agent has it
+     */
+    public Optional<Outcome.Joined> restore(
+            World world, long frame, String agent, Granted granted, Rights rights) {
+        Optional<Item> item = world.find(granted.id());
+        boolean isMade = isMade(world, granted.id());
+        if (item.isEmpty()
+                || bodies.containsKey(agent)
+                || !isMade && !lent.add(item.get().name())) {
+            return Optional.empty();
+        }
+        Item own = item.get();
+        Body body = new Body(own.id(), own.name(), isMade, granted.place(), own.sensors(), rights);
+        bodies.put(agent, body);
+        return Optional.of(new Outcome.Joined(frame, body.name(), body.id(), body.sensors()));
+    }
+
     /** Returns the bodies that were created for agents. */
     public List<ItemId> made() {
         return bodies.values().stream().filter(Body::made).map(Body::id).sorted().toList();
@@ -140,7 +180,8 @@ public final class Embodiment {
     /**
      * Assigns bodies after a rewind of the world. An agent that was granted an existing item as its
      * body keeps this item. Any other agent gets the body that was created for it in the restored
-     * state, or a new body if it had none then. Removes the bodies of agents that have left since.
+     * state, or a new body if none was created for it. Removes the bodies of agents that have left
+     * since that state.
      *
      * @param former the bodies by agent, as {@link #bodies} returned them at the restored frame
      * @return Joined for each agent in the world, or Refused for each agent that can no longer have
@@ -268,7 +309,7 @@ public final class Embodiment {
     }
 
     /**
-     * Performs what an agent requests.
+     * Performs the requested action, or lets the agent speak.
      *
      * @return true for an action of an item, false if the agent spoke
      */
@@ -313,7 +354,10 @@ public final class Embodiment {
                                                 .equals(item.name()));
     }
 
-    /** Returns what agents have heard since the last call, see {@link Speech#takeHeard}. */
+    /**
+     * Returns the utterances that agents have heard since the last call; see {@link
+     * Speech#takeHeard}.
+     */
     public List<Heard> takeHeard() {
         return speech.takeHeard();
     }
@@ -353,8 +397,8 @@ public final class Embodiment {
     }
 
     /**
-     * Performs an action. If the action is refused, the details are hidden from agents with limited
-     * sensors.
+     * Performs an action. The details are hidden from agents with limited sensors if the action is
+     * refused.
      */
     private static void perform(Action action, Body body, ActionCall call) throws ActionRefused {
         try {
@@ -476,8 +520,8 @@ public final class Embodiment {
 
     /**
      * Chooses a body for an agent: the requested item, otherwise a free item, otherwise a new item.
-     * If an item has the agent's name, the agent gets this item or no body. Other agents could not
-     * distinguish an agent and a different item of the same name.
+     * An agent that has the same name as an item gets this item or no body. Otherwise, other agents
+     * could not distinguish the agent from the item.
      */
     private Body take(World world, AgentInput.Join join) throws CloseReason {
         Rights rights = join.rights();
@@ -591,7 +635,7 @@ public final class Embodiment {
     private Body make(
             World world, String agent, ItemDefinition template, OptionalInt place, Rights rights)
             throws CloseReason {
-        if (world.find(agent).isPresent()) {
+        if (world.find(agent).isPresent() || LevelChange.isOfPart(world, agent)) {
             throw CloseReason.nameTaken(agent);
         }
         try {
@@ -612,8 +656,8 @@ public final class Embodiment {
     }
 
     /**
-     * Returns an event's fields. The arguments are a name, its value, the next name, and so on; the
-     * fields keep this order.
+     * Returns an event's fields. The arguments alternate between a name and its value. The fields
+     * keep the order of the arguments.
      */
     private static Map<String, Object> fields(String... namesAndValues) {
         var fields = new LinkedHashMap<String, Object>();

@@ -4,7 +4,7 @@ package reve.core.agent.embodiment;
 import reve.core.agent.protocol.ServerMessage;
 
 /**
- * What one agent hears of an utterance of another agent. Immutable.
+ * The part of an agent's utterance that one other agent hears. Immutable.
  *
  * @param hearer name of the agent that hears it
  * @param event the event {@code heard} that is sent to this agent only

@@ -5,9 +5,11 @@ import reve.core.agent.protocol.Text;
 import reve.core.world.ActionRefused;
 import reve.core.world.Colour;
 import reve.core.world.Item;
+import reve.core.world.LevelChange;
 import reve.core.world.Possible;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
+import reve.core.world.SymbolBytes;
 import reve.core.world.World;
 
 import java.util.Arrays;
@@ -16,7 +18,8 @@ import java.util.Optional;
 import java.util.regex.Pattern;
 
 /**
- * Sets one property of an item by its name, for edits of operators. For the world's thread only.
+ * An operator's edit of one property of an item, by the name of the property. For the world's
+ * thread only.
  */
 final class ItemEdit {
 
@@ -25,9 +28,12 @@ final class ItemEdit {
     private ItemEdit() {}
 
     /**
+     * Sets the property.
+     *
+     * @param frame number of the frame, for events
      * @throws ActionRefused if the item or property does not exist, or the value is invalid
      */
-    static void apply(World world, AgentInput.Edit edit) throws ActionRefused {
+    static void apply(World world, long frame, AgentInput.Edit edit) throws ActionRefused {
         Item item =
                 world.find(edit.item())
                         .orElseThrow(
@@ -46,7 +52,7 @@ final class ItemEdit {
                 case "physics" ->
                         setPhysics(
                                 world, item, path[1], numbers(item, edit.property(), edit.value()));
-                case "semantic" -> setSymbol(item, path[1], edit.value());
+                case "semantic" -> setSymbol(world, frame, item, path[1], edit.value());
                 default -> throw noSuchProperty(edit.property());
             }
         } catch (IllegalArgumentException | IllegalStateException e) {
@@ -64,7 +70,7 @@ final class ItemEdit {
         if (why.isPresent()) {
             throw outOfRange(item, "physics." + property, values, why.get());
         }
-        item.physics().set(property, values); // throws for every other name
+        item.physics().set(property, values); // this call throws an exception for other names
         world.arrests().suspect(item.id());
     }
 
@@ -83,7 +89,12 @@ final class ItemEdit {
     }
 
     /** Sets a symbol. The name must be valid in a world file, so that a saved world can be read. */
-    private static void setSymbol(Item item, String symbol, Object value) {
+    private static void setSymbol(World world, long frame, Item item, String symbol, Object value)
+            throws ActionRefused {
+        if (item.isLevel(symbol)) {
+            LevelChange.prepare(world, item, value).make(frame);
+            return;
+        }
         if (!SYMBOL.matcher(symbol).matches()) {
             throw new IllegalArgumentException(
                     "item "
@@ -93,6 +104,7 @@ final class ItemEdit {
                             + " is no name of a symbol; expected a letter, then letters, digits, -"
                             + " or _, at most 64 in all");
         }
+        SymbolBytes.require(world, SymbolBytes.growth(item, symbol, value), "edit-refused");
         item.semantic().set(symbol, value);
     }
 

@@ -10,30 +10,33 @@ import java.util.Optional;
 /** The result of applying an {@link AgentInput}. */
 public sealed interface Outcome {
 
-    /** The input took effect in that frame. */
+    /** Reports that the input took effect in the given frame. */
     record Done(long frame) implements Outcome {}
 
     /**
-     * The agent joined the world and has the body from that frame on.
+     * Reports that the agent joined the world, and has the body from the given frame on.
      *
      * @param sensors sensors of the body; if empty, the agent perceives everything
      */
     record Joined(long frame, String body, ItemId id, List<Sensor> sensors) implements Outcome {}
 
     /**
-     * The input was refused, and nothing changed.
+     * Reports that the input was refused and that nothing changed.
      *
-     * @param hint what the client can do about it
+     * @param hint advice for the client
      */
     record Refused(long frame, String code, String reason, Optional<String> hint)
             implements Outcome {}
 
     /**
-     * The action failed because of an error in its code. The error is logged for the author of the
-     * action.
+     * Reports that the action failed because of an error in its code. The error is logged for the
+     * author of the action.
      */
     record Failed(long frame, Exception cause) implements Outcome {}
 
-    /** The agent is not in the world, because its join was refused. No further answer is sent. */
+    /**
+     * Reports that the agent is not in the world, because its join was refused. The refusal was
+     * already sent, so the client receives no further answer.
+     */
     record Absent() implements Outcome {}
 }

@@ -7,10 +7,11 @@ import java.util.TreeMap;
 /**
  * Limit on the evaluation steps of agents' acts (expressions of actions and rules), so that no
  * agent delays the frames of others. All agents that acted recently share the steps of a frame
- * equally. If an act takes more than the agent's share, its shares of the next frames pay for the
- * rest. Until then, its acts wait. Agents that act for the first time also share a separate pool,
- * so that a client gains nothing by using new names. The limit counts steps and frames, never time,
- * so the same acts wait for the same frames on every machine. For the world's thread only.
+ * equally. An act may take more steps than the agent's share. The agent's shares of the next frames
+ * then pay for the rest, and its further acts wait until the rest is paid. Agents that act for the
+ * first time also share a separate pool, so that a client gains nothing by using new names. The
+ * limit counts steps and frames instead of time, so the same acts wait for the same frames on every
+ * machine. For the world's thread only.
  */
 final class StepBudget {
     /**

@@ -16,11 +16,11 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * A text that an agent says in a frame, and the computation of what arrives at a hearer. Each word
- * arrives or is lost independently of the others. The result depends only on the arguments: the
- * pseudorandom numbers have a seed of world, frame, speaker, hearer and text, and come from
- * SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number generators,
- * 2014). Immutable.
+ * A text that an agent says in a frame, and the computation of the words that arrive at a hearer.
+ * Each word arrives or is lost independently of the others. The result depends only on the
+ * arguments: the pseudorandom numbers have a seed of world, frame, speaker, hearer and text, and
+ * come from SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number
+ * generators, 2014). Immutable.
  */
 final class Utterance {
 
@@ -39,7 +39,7 @@ final class Utterance {
     private final String text;
     private final int words;
 
-    /** Description of the act, for the check of its arguments. */
+    /** Description of the act {@code speak}, which the check of the arguments needs. */
     private record Saying() implements Action {
         @Override
         public String name() {
@@ -58,7 +58,9 @@ final class Utterance {
     }
 
     /**
-     * @param text what arrives; {@link #LOST} replaces each lost word
+     * The part of the text that reaches one hearer.
+     *
+     * @param text the text that arrives, in which {@link #LOST} replaces each lost word
      * @param lost number of lost words
      */
     record Arrived(String text, int lost) {}
@@ -104,7 +106,8 @@ final class Utterance {
     }
 
     /**
-     * Returns what arrives at a hearer; empty if the hearer is out of range, or all words are lost.
+     * Returns the text that arrives at a hearer; empty if the hearer is out of range, or all words
+     * are lost.
      *
      * @param ears range of the hearer [m]
      * @param distance distance of the hearer [m]

@@ -6,10 +6,10 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * The time by which agents in lock-step may still delay others. Agents with the same token share
- * one allowance; without tokens, all agents share one. The time for which others wait is
- * subtracted, and the fraction {@value #REFILL} of elapsed time is added. For the frame loop's
- * thread, except where stated.
+ * The remaining time by which agents in lock-step may delay other agents. Agents with the same
+ * token share one allowance; without tokens, all agents share one. The time for which other agents
+ * wait is subtracted. A fraction of the elapsed time, {@value #REFILL}, is added. For the frame
+ * loop's thread, except where stated.
  */
 public final class Allowance {
 
@@ -28,7 +28,7 @@ public final class Allowance {
     private double leftNanos;
     private long countedNanos;
 
-    /** True if this frame's list of delaying agents already contains this allowance. */
+    /** True if the list of allowances that delay the current frame already contains this one. */
     private boolean noted;
 
     private volatile ByteBuffer home = ByteBuffer.allocate(0);
@@ -36,7 +36,7 @@ public final class Allowance {
     private volatile boolean spent;
 
     /**
-     * @param full the full allowance; if empty, there is no limit
+     * @param full the initial and largest value of the allowance; empty for no limit
      */
     Allowance(Optional<Duration> full, long nowNanos) {
         this.fullNanos = full.map(time -> (double) time.toNanos()).orElse(NO_LIMIT);
@@ -45,7 +45,7 @@ public final class Allowance {
         this.answeredNanos = nowNanos;
     }
 
-    // Methods for any thread.
+    // ---- methods for any thread ----
 
     /** Records that one of the agents is ready, or has left. */
     void answer(long nowNanos) {
@@ -67,7 +67,7 @@ public final class Allowance {
         return this == other || home.equals(other.home);
     }
 
-    // Methods for the frame loop's thread.
+    // ---- methods for the frame loop's thread ----
 
     /**
      * Records that an agent is not ready.
@@ -96,13 +96,16 @@ public final class Allowance {
         return answered - toNanos < 0 ? answered : toNanos;
     }
 
-    /** Returns the maximum time that others wait in one frame [ns], at least {@code leastNanos}. */
+    /**
+     * Returns the maximum time that other agents wait in one frame for the agents of this allowance
+     * [ns]. The result is at least {@code leastNanos}.
+     */
     long left(long leastNanos) {
         return spent ? leastNanos : Math.max(leastNanos, (long) leftNanos);
     }
 
     /**
-     * Charges the time that others have waited [ns].
+     * Charges the time that other agents have waited [ns].
      *
      * @return true if the allowance has become exhausted, or has been restored
      */

@@ -14,11 +14,12 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.Consumer;
 
 /**
- * Limits on the time by which agents in lock-step delay others. The others are agents in real time,
- * and ready agents in lock-step from another network address. If a frame is later than the world's
- * rate requires, this delay is charged to the {@link Allowance} of the agents that cause it. An
- * agent whose allowance is exhausted delays a frame by at most the duration of a frame, so that the
- * world keeps at least half its rate. For the frame loop's thread, except where stated.
+ * Limits on the time by which agents in lock-step delay other agents. Other agents are agents in
+ * real time, and ready agents in lock-step from another network address. A frame may begin later
+ * than the world's rate requires. This delay is charged to the {@link Allowance} of the agents that
+ * cause it. An agent whose allowance is exhausted delays a frame by at most the duration of a
+ * frame, so that the world keeps at least half its rate. For the frame loop's thread, except where
+ * stated.
  */
 public final class Allowances {
 
@@ -58,7 +59,7 @@ public final class Allowances {
         this.judged = judged;
     }
 
-    // Methods for any thread.
+    // ---- methods for any thread ----
 
     /**
      * Returns the allowance for the agents of a token or, without tokens, of all agents. The
@@ -74,7 +75,7 @@ public final class Allowances {
         return allowance;
     }
 
-    /** Changes the number of agents in real time by {@code agents}, which may be negative. */
+    /** Adds {@code agents} to the number of agents in real time. The argument may be negative. */
     public void addRealTime(int agents) {
         realTime.addAndGet(agents);
     }
@@ -86,7 +87,7 @@ public final class Allowances {
                 : turn.deadlineNanos();
     }
 
-    // Methods for the frame loop's thread.
+    // ---- methods for the frame loop's thread ----
 
     /** Records the time at which the frame could begin if no agent delayed it. */
     void due(long nowNanos) {
@@ -108,8 +109,8 @@ public final class Allowances {
     }
 
     /**
-     * Returns whether an agent that was away may take part again; false if its allowance is
-     * exhausted and it would delay others.
+     * Returns whether the world may wait again for an agent that was away. The result is false if
+     * the agent's allowance is exhausted and the agent would delay other agents.
      */
     boolean mayReturn(Turn turn, Turn[] turns) {
         return !turn.allowance().isSpent()
@@ -148,8 +149,8 @@ public final class Allowances {
     }
 
     /**
-     * Returns the time that others still wait for an agent [ns]. The result is negative if the time
-     * is over.
+     * Returns the remaining time that other agents wait for an agent [ns]. The result is negative
+     * if the time is over.
      */
     long nanosecondsLeft(Turn turn, long nowNanos) {
         return othersWait
@@ -157,7 +158,7 @@ public final class Allowances {
                 : Long.MAX_VALUE;
     }
 
-    /** Charges the time that others have waited; called when the frame begins. */
+    /** Charges the time that other agents have waited. Called when the frame begins. */
     void begin(Turn[] turns, long nowNanos) {
         hasBegun = true;
         begunNanos = nowNanos;
@@ -181,8 +182,8 @@ public final class Allowances {
     }
 
     /**
-     * Returns the agent that was ready first. If {@code another} is given, only agents with a
-     * different network address than that agent are considered.
+     * Returns the agent that was ready first. Considers only agents whose network address differs
+     * from that of {@code another}, unless this is null.
      */
     private @Nullable Turn firstReady(Turn[] turns, @Nullable Turn another, long nowNanos) {
         Turn first = null;
@@ -206,7 +207,7 @@ public final class Allowances {
         }
     }
 
-    /** Discards the waiting time of this frame without charging it. */
+    /** Discards the waiting time of this frame. No allowance is charged for it. */
     void forget() {
         for (Allowance allowance : noted) {
             allowance.forgetNote();

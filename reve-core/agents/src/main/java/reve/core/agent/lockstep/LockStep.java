@@ -11,10 +11,10 @@ import java.util.function.BooleanSupplier;
 import java.util.function.Consumer;
 
 /**
- * The gate of a frame loop. It holds each frame until all agents in lock-step whose round ends are
- * ready, or their deadlines have passed. All deadlines begin at the time when the world could make
- * the frame. An agent counts as late only when the world continues without it. {@link Allowances}
- * limit agents that delay others.
+ * The gate of a frame loop: it delays frames for agents in lock-step. A frame that ends an agent's
+ * round begins when this agent is ready or its deadline has passed. All deadlines begin at the time
+ * when the world could make the frame. An agent counts as late only when the world continues
+ * without it. {@link Allowances} limit agents that delay others.
  */
 public final class LockStep implements FrameGate {
 
@@ -22,9 +22,9 @@ public final class LockStep implements FrameGate {
     private static final long NO_FRAME = -1;
 
     /**
-     * Maximum time between two checks of the gate [ns]. If twice this time has passed since the
-     * last check, the process was suspended or busy. Such a pause does not count for deadlines and
-     * allowances.
+     * Maximum time between two checks of the gate [ns]. A pause of twice this time between two
+     * checks means that the process was suspended or busy. Such a pause does not count for
+     * deadlines and allowances.
      */
     private static final long CHECK_NANOS = 250_000_000;
 
@@ -58,7 +58,7 @@ public final class LockStep implements FrameGate {
     private volatile long held = NO_FRAME;
 
     /**
-     * The number of the frame that is due. The next field is the time since when it is due. Only
+     * The number of the frame that is due. The next field is the time at which it became due. Only
      * the thread of the frame loop uses both.
      */
     private long due = NO_FRAME;
@@ -84,6 +84,8 @@ public final class LockStep implements FrameGate {
                 };
 
         /**
+         * Waits until {@code enough} returns true or the time has passed.
+         *
          * @param enough returns true when the wait must end
          */
         void await(long nanoseconds, BooleanSupplier enough, FrameClock clock);
@@ -105,11 +107,11 @@ public final class LockStep implements FrameGate {
         this.waiting = waiting;
     }
 
-    // Methods for any thread.
+    // ---- methods for any thread ----
 
     /**
-     * Records that an agent waits to join. Agents that have never been ready do not hold the next
-     * frame until this agent has joined.
+     * Records that an agent waits to join. Agents that have never been ready do not delay the next
+     * frame before this agent has joined.
      */
     public void comes() {
         coming.incrementAndGet();
@@ -117,7 +119,7 @@ public final class LockStep implements FrameGate {
     }
 
     /**
-     * Holds the first frame until this number of agents waits to join. All these agents then join
+     * Delays the first frame until this number of agents waits to join. All these agents then join
      * in the same frame. Call this method before the loop runs.
      */
     public void expect(int agents) {
@@ -190,7 +192,7 @@ public final class LockStep implements FrameGate {
         waiting.wake();
     }
 
-    // Methods for the frame loop's thread.
+    // ---- methods for the frame loop's thread ----
 
     @Override
     public long nanosecondsToWait(long frame, long nowNanoseconds) {
@@ -208,8 +210,9 @@ public final class LockStep implements FrameGate {
             return CHECK_NANOS;
         }
         expected = 0;
-        held = frame; // set before the check: an agent that becomes ready from now on wakes the
-        // loop
+        // This field is set before the check, so that an agent that becomes ready later wakes the
+        // loop.
+        held = frame;
         boolean somebodyComes = coming.get() > 0;
         Turn[] all = turns;
         for (Turn turn : all) {
@@ -218,9 +221,8 @@ public final class LockStep implements FrameGate {
             }
             if (somebodyComes) {
                 if (turn.holds(frame)) {
-                    turn.allowance()
-                            .answer(nowNanoseconds); // the agent held the frame until now, which is
-                    // charged to it
+                    // The agent has delayed the frame until now. Its allowance pays for this time.
+                    turn.allowance().answer(nowNanoseconds);
                 }
                 turn.putOff(frame);
             }
@@ -242,8 +244,8 @@ public final class LockStep implements FrameGate {
 
     /**
      * Stops waiting for agents whose time is over. This method must run before the check for agents
-     * that still hold the frame. Then an agent that becomes ready between the two wakes the frame
-     * loop.
+     * that still hold the frame. Otherwise, an agent that becomes ready in between would not wake
+     * the frame loop.
      */
     private void giveUpLate(Turn[] all, long frame, long nowNanos) {
         allowances.look(all);

@@ -15,7 +15,7 @@ import java.util.concurrent.atomic.AtomicReference;
 public final class Turn {
 
     private enum Presence {
-        /** The world waits for the agent. */
+        /** State in which the world waits for the agent. */
         HERE,
         /**
          * The agent missed too many deadlines in a row. The world does not wait for it until it
@@ -29,7 +29,7 @@ public final class Turn {
         BROKEN,
         /** The agent is back: its rounds restart with the next frame. */
         RETURNING,
-        /** The agent has left the world. */
+        /** State after the agent has left the world. */
         GONE
     }
 
@@ -60,7 +60,7 @@ public final class Turn {
      */
     private volatile long givenUp = -1;
 
-    // Only the loop's thread uses the fields below.
+    // Only the thread of the frame loop uses the fields below.
     private long missed;
     private boolean missedUnawaited;
     private int lateInRow;
@@ -150,7 +150,7 @@ public final class Turn {
         presence.set(Presence.GONE);
     }
 
-    // Methods for any thread.
+    // ---- methods for any thread ----
 
     boolean hasLeft() {
         return presence.get() == Presence.GONE;
@@ -192,7 +192,7 @@ public final class Turn {
         return frame < first ? 0 : (frame - first) / wanted.every() + 1;
     }
 
-    // Methods for the frame loop's thread.
+    // ---- methods for the frame loop's thread ----
 
     /** Begins the first round, in the frame in which the agent joined. */
     public void begin(long frame) {
@@ -221,8 +221,8 @@ public final class Turn {
     }
 
     /**
-     * Returns whether the agent became ready, or has a new connection, after the world continued
-     * without it.
+     * Returns whether the agent takes part again. The agent does so if it became ready, or has a
+     * new connection, after the world continued without it.
      */
     boolean isReturning() {
         return presence.get() == Presence.RETURNING;
@@ -280,7 +280,7 @@ public final class Turn {
 
     /**
      * Returns the input that reports a missed round. Other agents are notified of each round for
-     * which the world waited without success. While the world does not wait for the agent, other
+     * which the world waited until the deadline. After the world stops waiting for the agent, other
      * agents are notified of the first missed round only.
      */
     AgentInput.Late late() {
@@ -291,10 +291,8 @@ public final class Turn {
                         && presence.compareAndSet(Presence.HERE, Presence.AWAY);
         away |= goes;
         missedUnawaited = presence.get() != Presence.HERE;
-        if (goes
-                && readyMessages.get()
-                        != messagesWhenJudged) { // a ready message came just now: the agent returns
-            // at once
+        if (goes && readyMessages.get() != messagesWhenJudged) {
+            // The agent has become ready since its rounds were counted, so it returns at once.
             presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
         }
         return new AgentInput.Late(agent, missed, wanted.fallback(), told, goes);

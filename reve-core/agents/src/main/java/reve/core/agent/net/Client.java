@@ -22,8 +22,8 @@ public interface Client {
     void perceive(ClientMessage.Perceive perceive) throws BadMessage;
 
     /**
-     * Requests a picture from a camera of the client's body. The picture is sent as soon as it is
-     * drawn.
+     * Requests a picture from a camera. The picture is sent as soon as it is drawn. For any thread
+     * if the message names the body that carries the camera.
      */
     void look(ClientMessage.Look look) throws BadMessage;
 
@@ -36,8 +36,8 @@ public interface Client {
     void request(ClientMessage.Request request) throws BadMessage;
 
     /**
-     * Handles the end of a connection. If it was this client's current connection, the session
-     * waits for a new connection or ends. For any thread.
+     * Handles the end of a connection. The session waits for a new connection or ends if this
+     * connection was its current one. For any thread.
      */
     void disconnected(Outbox outbox, CloseReason why);
 

@@ -17,15 +17,19 @@ import reve.core.agent.protocol.Text;
 import java.io.IOException;
 import java.net.InetAddress;
 import java.net.InetSocketAddress;
+import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
+import java.util.Optional;
+import java.util.OptionalDouble;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.function.Supplier;
 
 /**
- * One connection of a client. After the client's hello it belongs to a session. A connection ends
- * once, with a reason. The server then writes the waiting messages, and discards further input
- * until the client closes its side too. If the server closed the socket at once, unread input would
- * reset the connection, and the client would not receive its {@code bye}.
+ * One connection of a client. A connection belongs to a session after the client's hello. A
+ * connection ends once, with a reason. The server then writes the waiting messages, and discards
+ * further input until the client closes its side too. The server does not close the socket at once,
+ * because unread input would then reset the connection. The client would not receive its {@code
+ * bye}.
  */
 public final class Connection implements EventLoop.Handler, Writers.Target {
 
@@ -37,6 +41,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     private final @Nullable Relay relay;
     private final InetSocketAddress address;
     private final Outbox outbox;
+    private final RoundTrip roundTrip;
 
     // For the event loop's thread only.
     private final ConnectionReader reader;
@@ -67,6 +72,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         this.counters = connections.counters();
         this.wire = wire;
         this.address = wire.peer();
+        this.roundTrip = new RoundTrip(timeouts.idle().toNanos());
         this.outbox = new Outbox(limits.outboxMessages(), limits.outboxBytes(), this::wantToWrite);
         SelectionKey key = wire.register(connections.loop(), this, this::read);
         this.reader = new ConnectionReader(connections, this, wire, key);
@@ -116,14 +122,43 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
+    /** Sends a ping to a silent client. */
+    void ping() {
+        roundTrip.begin(System.nanoTime());
+        send(new ServerMessage.Ping());
+    }
+
+    /** Handles the client's answer to a ping. */
+    void ponged() {
+        roundTrip.end(System.nanoTime());
+    }
+
+    /**
+     * Sends a ping to measure the round-trip time. Does nothing while the client still has to
+     * answer a ping, or if it answered one a short time ago. For any thread.
+     */
+    public void measureRoundTrip() {
+        if (!hasEnded() && roundTrip.begin(System.nanoTime())) {
+            send(new ServerMessage.Ping());
+        }
+    }
+
+    /**
+     * Returns the time from the last answered ping to its answer [s]; empty before the first
+     * answer. For any thread.
+     */
+    public OptionalDouble roundTripSeconds() {
+        return roundTrip.seconds();
+    }
+
     /**
      * Sends the message {@code bye} with a reason and ends the connection. Further calls have no
      * effect.
      */
     public synchronized void end(CloseReason why) {
         if (leave(why)) {
-            // The session ends before `bye` is flushed, so a client may reconnect as soon as it
-            // reads it.
+            // The session ends before `bye` is flushed. A client may therefore reconnect as soon as
+            // it has read `bye`.
             outbox.finish(why.bye().in(encoding));
         }
     }
@@ -142,6 +177,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
+     * Records that the connection ends.
+     *
      * @return false if the connection had ended before
      */
     private synchronized boolean leave(CloseReason why) {
@@ -310,13 +347,30 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
                                                             + (relay == null
                                                                     ? " or \"encoding\":\"msgpack\""
                                                                     : "")));
+            Optional<ServerMessage> answer = connections.door().answer(this, hello);
+            if (answer.isPresent()) {
+                answer(hello.name(), answer.get());
+                throw CloseReason.regular("answered", "the server has answered your question");
+            }
             session = connections.door().greet(this, hello);
             connections.known(this);
         }
     }
 
-    // The methods below run on the event loop's thread, or on another thread while the event loop
-    // waits for it.
+    /** Sends an answer to a client that has no session, and records it as belonging to no world. */
+    private void answer(String name, ServerMessage answer) throws CloseReason {
+        if (connections.audit().isPresent()
+                && !connections
+                        .audit()
+                        .get()
+                        .told("", name, encoding, ByteBuffer.wrap(answer.in(encoding)))) {
+            throw CloseReason.notRecorded();
+        }
+        send(answer);
+    }
+
+    // ---- methods for the event loop's thread, or for another thread while the event loop waits
+    // for it ----
 
     @Override
     public void writeQueued(WriteBuffers buffers) {

@@ -72,13 +72,11 @@ final class ConnectionReader {
         this.wire = wire;
         this.key = key;
         this.share = connections.shares().open(System.nanoTime());
-        this.messages =
-                new MessageFramer(
-                        limits, timeouts, () -> connection.send(new ServerMessage.Ping()));
+        this.messages = new MessageFramer(limits, timeouts, connection::ping);
     }
 
     /**
-     * Checks the time that the client has taken so far to send its current message.
+     * Checks the time since the client began to send its current message.
      *
      * @throws CloseReason if the client takes too long
      */
@@ -97,7 +95,7 @@ final class ConnectionReader {
                         return;
                     }
                     if (held) {
-                        pause(); // TLS must first write data of its own
+                        pause(); // TLS must first write its own data
                         return;
                     }
                     do {
@@ -115,7 +113,7 @@ final class ConnectionReader {
         void read() throws IOException, CloseReason;
     }
 
-    /** Runs code that reads messages. If the code fails, ends the connection with a reason. */
+    /** Runs code that reads messages. Ends the connection with a reason if the code fails. */
     private void guard(Reading reading) {
         try {
             reading.read();
@@ -174,8 +172,8 @@ final class ConnectionReader {
     }
 
     /**
-     * Suspends reading because the client has used up its quota. Further data fills the socket's
-     * buffer, then blocks the client.
+     * Suspends reading because the client has used up its quota. Further data then fills the
+     * socket's buffer, until the client can send no more.
      */
     private void throttle() throws CloseReason {
         long now = System.nanoTime();
@@ -281,27 +279,33 @@ final class ConnectionReader {
                             "this connection is " + agent + " already",
                             "open another connection for another agent");
             case ClientMessage.Perceive perceive -> agent.perceive(perceive);
+            case ClientMessage.Look look when look.item().isPresent() ->
+                    hold(() -> agent.look(look));
             case ClientMessage.Look look -> agent.look(look);
             case ClientMessage.Act act -> agent.request(act);
-            case ClientMessage.Control control -> hold(agent, control);
-            case ClientMessage.Query query -> hold(agent, query);
+            case ClientMessage.Control control -> hold(() -> agent.request(control));
+            case ClientMessage.Query query -> hold(() -> agent.request(query));
             case ClientMessage.Ready ready -> agent.ready(ready);
             case ClientMessage.Ping ping -> connection.send(new ServerMessage.Pong(ping.id()));
-            case ClientMessage.Pong pong -> {}
+            case ClientMessage.Pong pong -> connection.ponged();
             case ClientMessage.Bye bye ->
                     throw CloseReason.regular("goodbye", "the agent said bye");
         }
     }
 
+    private interface Command {
+        void run() throws BadMessage;
+    }
+
     /** Runs a long command on another thread. Meanwhile nothing is read from the client. */
-    private void hold(Client client, ClientMessage.Request request) {
+    private void hold(Command command) {
         pause();
         connections
                 .commands()
                 .execute(
                         () -> {
                             try {
-                                client.request(request);
+                                command.run();
                                 connections.loop().later(() -> release(null));
                             } catch (BadMessage e) {
                                 connections.loop().later(() -> release(e));

@@ -4,6 +4,7 @@ package reve.core.agent.net;
 import org.jspecify.annotations.Nullable;
 
 import reve.core.agent.perception.Difference;
+import reve.core.agent.perception.PerceptionEncoder;
 import reve.core.agent.protocol.Bytes;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Encoding;
@@ -30,8 +31,8 @@ final class ConnectionWriter {
     private static final long NANOS_PER_LARGE_BYTE = 4;
 
     /**
-     * Number of bytes that the socket must accept within the time limit of a write [bytes]. If
-     * fewer bytes are left, it must accept these.
+     * Number of bytes that the socket must accept within the time limit of a write. If fewer bytes
+     * are left, the socket must accept all of them.
      */
     private static final int PROGRESS_BYTES = 64 * 1024;
 
@@ -49,10 +50,13 @@ final class ConnectionWriter {
 
     private int sent;
 
-    /** Time at which the socket had last accepted {@link #PROGRESS_BYTES} more [ns]. */
+    /**
+     * Start of the current time limit [ns]. The limit restarts whenever the socket has accepted
+     * {@link #PROGRESS_BYTES} more.
+     */
     private long unsentSinceNanos;
 
-    /** Value of {@link #sent} at the time {@link #unsentSinceNanos}. */
+    /** Value of {@link #sent} at the start of the current time limit. */
     private int progress;
 
     /** True if the data being written contains a perception. */
@@ -83,8 +87,8 @@ final class ConnectionWriter {
     }
 
     /**
-     * Writes waiting messages. If the connection has ended, shuts down the output after the last
-     * message.
+     * Writes waiting messages. Shuts down the output after the last message if the connection has
+     * ended.
      *
      * @param client the session; null before the hello
      * @throws CloseReason if nothing may be sent, because the audit record cannot be written
@@ -101,8 +105,8 @@ final class ConnectionWriter {
     }
 
     /**
-     * Writes a last message instead of the waiting ones, and shuts down the output. No message must
-     * be partly written.
+     * Writes a last message instead of the waiting ones, and shuts down the output. Called only
+     * when no message is partly written.
      */
     void writeLast(byte[] message) throws IOException {
         wire.write(ByteBuffer.wrap(message));
@@ -141,6 +145,8 @@ final class ConnectionWriter {
     }
 
     /**
+     * Encodes and writes waiting messages.
+     *
      * @return true if no data is left to write
      */
     private boolean writeWaiting(WriteBuffers buffers, Encoding encoding, @Nullable Client client)
@@ -180,15 +186,19 @@ final class ConnectionWriter {
             case Outbox.Perception perception -> {
                 perceives = true;
                 int from = out.size();
-                Objects.requireNonNull(client)
-                        .encoder()
-                        .write(
-                                out,
-                                difference,
-                                encoding,
-                                perception.id(),
-                                perception.view(),
-                                perception.before());
+                try {
+                    Objects.requireNonNull(client)
+                            .encoder()
+                            .write(
+                                    out,
+                                    difference,
+                                    encoding,
+                                    perception.id(),
+                                    perception.view(),
+                                    perception.before());
+                } catch (PerceptionEncoder.TooLarge tooLarge) {
+                    throw CloseReason.cut("too-large", tooLarge.getMessage());
+                }
                 perceivedBytes += out.size() - from;
             }
         }
@@ -233,7 +243,9 @@ final class ConnectionWriter {
     }
 
     /**
-     * @return true if all data that was being written is sent
+     * Continues to write the data of an earlier write.
+     *
+     * @return true if all this data is sent
      */
     private boolean writeUnsent(ByteBuffer piece) throws IOException {
         if (isStuck()) {

@@ -50,8 +50,8 @@ public final class Connections {
     private static final int ACCEPTED_PER_TURN = 16;
 
     /**
-     * Maximum number of waiting clients that are processed in one turn. Each of them joins or turns
-     * out to be disconnected.
+     * Maximum number of waiting clients that are processed in one turn. A processed client joins,
+     * or is removed because it has disconnected.
      */
     private static final int JOINS_PER_TURN = 256;
 
@@ -72,8 +72,8 @@ public final class Connections {
     private final RateLimitedLog log;
 
     /**
-     * Log for connections that have sent no hello. Separate from the log for agents, so that a
-     * flood of connections does not suppress lines about agents.
+     * Log for connections that have sent no hello. The log is separate from the log for agents, so
+     * that a flood of connections does not suppress lines about agents.
      */
     private final RateLimitedLog strangersLog =
             new RateLimitedLog(1, "clients that have not said hello");
@@ -85,8 +85,8 @@ public final class Connections {
     private final ServerSocketChannel listening;
 
     /**
-     * Runs the computations of TLS handshakes. A few threads suffice, and a flood of handshakes
-     * leaves the other processors to the worlds.
+     * Runs the computations of TLS handshakes. The number of threads is small, so that a flood of
+     * handshakes leaves the other processors to the worlds.
      */
     private final ExecutorService handshakes =
             threads("tls", HANDSHAKE_THREADS, HANDSHAKE_THREADS, new LinkedBlockingQueue<>());
@@ -98,7 +98,10 @@ public final class Connections {
     /** Maximum number of open connections. */
     private final int most;
 
-    /** True while accepting fails; the failure was logged. */
+    /**
+     * True after accepting a connection has failed, until it succeeds again. A failure is logged
+     * only when this value changes to true.
+     */
     private boolean isAcceptFailing;
 
     private final SelectionKey accepting;
@@ -233,8 +236,7 @@ public final class Connections {
         while (next < due.size() && shares.hasLeft(now)) {
             due.get(next++).readAgain();
         }
-        throttled.addAll(
-                0, due.subList(next, due.size())); // the next window of time begins with these
+        throttled.addAll(0, due.subList(next, due.size())); // the next window begins with these
     }
 
     AgentLimits limits() {
@@ -294,7 +296,10 @@ public final class Connections {
         return true;
     }
 
-    /** Queues a client that may join later. Clients join in the order of these calls. */
+    /**
+     * Queues a client that cannot join yet, because the limit on joins is reached. Clients join in
+     * the order of these calls.
+     */
     void joinLater(Connection connection) {
         joining.add(connection);
     }
@@ -363,7 +368,9 @@ public final class Connections {
                 isAcceptFailing = false;
                 admit(accepted);
             }
-        } catch (IOException e) { // no file descriptor is free: accepts again when some are closed
+        } catch (IOException e) {
+            // No file descriptor is free. The server accepts again when some descriptors are
+            // closed.
             if (!isAcceptFailing) {
                 strangersLog.warn(
                         "no connection can be accepted: "
@@ -387,7 +394,7 @@ public final class Connections {
      * Adds the connection of a client that another server of this process has accepted and
      * decrypted.
      *
-     * @param channel one end of a connection within this process
+     * @param channel the server's end of a connection within this process
      * @param client address of the client
      * @param relay is notified when the session begins and when the connection ends
      */
@@ -449,7 +456,8 @@ public final class Connections {
             strangersLog.warn(
                     () -> "a client at " + client + " was turned away: " + why.getMessage());
             channel.configureBlocking(false);
-            if (plain) { // refuses in plain text, because TLS would need a handshake first
+            if (plain) {
+                // The refusal is plain text, because TLS would first need a handshake.
                 channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));
             }
             channel.shutdownOutput();

@@ -71,11 +71,15 @@ public final class Descriptors {
         return room.get();
     }
 
-    /** Counts the open descriptors again, because other parts of the process also open files. */
+    /**
+     * Updates the number of possible connections from the number of open descriptors, because other
+     * parts of the process also open files.
+     */
     void count() {
         try {
             room.set(limit.getAsLong() - open.getAsLong() - RESERVE);
-        } catch (InternalError none) { // counting itself takes a descriptor, and none is left
+        } catch (InternalError none) {
+            // Counting takes a descriptor, and no descriptor is left.
             room.set(0);
         }
     }

@@ -23,17 +23,19 @@ public final class EventLoop {
     private static final long NAP_NANOS = 5_000_000;
 
     /**
-     * Maximum busy-wait of a world's thread before it blocks in {@code select} [ns]. The thread
-     * waits in this way only if the last event arrived within that time. The reason is that waking
-     * a thread on an idle processor takes longer than most requests. The value is 0 on a machine
-     * with one processor, where a busy-wait would take time from the agents.
+     * Maximum busy-wait of a world's thread before it blocks in {@code select} [ns]. A busy-wait
+     * avoids the wake-up of a thread on an idle processor, which takes longer than most requests.
+     * The thread waits in this way only if the last event arrived within this time. The value is 0
+     * on a machine with one processor, where a busy-wait would take time from the agents.
      */
     private static final long AWAKE_NANOS =
             Runtime.getRuntime().availableProcessors() > 1 ? 100_000 : 0;
 
     /** Handles the operations of one channel. */
     interface Handler {
-        /** Called when the channel is ready for an operation in the key's interest set. */
+        /**
+         * Called when the channel is ready for an operation that the key selects, such as a read.
+         */
         void ready(SelectionKey key);
     }
 
@@ -91,7 +93,7 @@ public final class EventLoop {
         this.thread = Thread.ofPlatform().name("agents").daemon().unstarted(this::run);
     }
 
-    // Methods for any thread.
+    // ---- methods for any thread ----
 
     /** Starts the loop's own thread. */
     public void start() {
@@ -136,7 +138,7 @@ public final class EventLoop {
         }
     }
 
-    // Methods for the loop's thread.
+    // ---- methods for the loop's thread ----
 
     /** Registers a channel; the handler is called when the channel is ready. */
     SelectionKey register(SelectableChannel channel, int operations, Handler handler)
@@ -146,10 +148,10 @@ public final class EventLoop {
     }
 
     /**
-     * Runs the loop on the calling thread instead of the loop's own, until {@code enough} holds or
-     * the time has passed. In this way, no switch between threads delays the world after the
-     * request of the last agent. The loop's own thread takes over if this method is not called
-     * again for a while.
+     * Runs the loop on the calling thread instead of the loop's own thread. Returns when {@code
+     * enough} returns true or the time has passed. A world's thread that calls this method reads
+     * the last agent's request itself, so no switch between threads delays the world. The loop's
+     * own thread takes over if this method is not called again for a while.
      */
     public void work(long nanoseconds, BooleanSupplier enough) {
         taken = true;
@@ -169,8 +171,8 @@ public final class EventLoop {
 
     private void run() {
         while (!stopped) {
-            // A world's thread that waits for the lock has priority. Otherwise this thread could
-            // take the lock again before that thread gets a processor.
+            // A world's thread that waits for the lock has priority. Otherwise, this thread could
+            // take the lock again before the world's thread gets a processor.
             if (taken || duty.hasQueuedThreads() || !duty.tryLock()) {
                 taken = false;
                 LockSupport.parkNanos(NAP_NANOS);
@@ -193,12 +195,13 @@ public final class EventLoop {
     }
 
     /**
-     * Runs one turn of the loop: processes the available work, then waits for more. Because of this
-     * order, no available work is left when another thread takes over the loop.
+     * Runs one turn of the loop: processes the available work, then waits for more. This order
+     * ensures that no available work is left when another thread takes over the loop.
      */
     private void turn(long mostNanos, long awakeNanos) {
         try {
-            // Tasks that these tasks add are for the next turn, so they cannot keep the loop here.
+            // Only the tasks present now are run. Tasks that they add run in the next turn, so this
+            // loop always ends.
             for (int count = tasks.size(); count > 0 && tasks.poll() instanceof Runnable task; ) {
                 task.run();
                 count--;
@@ -217,7 +220,7 @@ public final class EventLoop {
     }
 
     private void select(long nanoseconds, long awakeUntilNanos) throws IOException {
-        selecting = true; // from here, a thread that adds work must wake the selector
+        selecting = true; // a thread that adds work must now wake the selector
         if (!findsSoon(awakeUntilNanos)) {
             if (hasWork()) {
                 selector.selectNow(EventLoop::handle);

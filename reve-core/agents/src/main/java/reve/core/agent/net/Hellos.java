@@ -3,8 +3,8 @@ package reve.core.agent.net;
 
 /**
  * Limit on how often clients of all worlds join, because each join and leave costs all other
- * clients an event. A burst of clients may join at once, then {@value #PER_SECOND} per second. For
- * the event loop's thread only.
+ * clients an event. A burst of clients may join at once. After the burst, {@value #PER_SECOND}
+ * clients per second may join. For the event loop's thread only.
  */
 final class Hellos {
 
@@ -30,7 +30,7 @@ final class Hellos {
         return left >= 1;
     }
 
-    /** Counts a client that joins, see {@link #haveLeft}. */
+    /** Counts a client that joins. The caller has checked {@link #haveLeft}. */
     void count() {
         left--;
     }

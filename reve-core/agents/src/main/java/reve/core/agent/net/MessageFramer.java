@@ -61,7 +61,7 @@ final class MessageFramer {
     }
 
     /**
-     * Reads available data. Before that, the caller must call {@link #next} until it returns null.
+     * Reads available data. The caller must first call {@link #next} until it returns null.
      *
      * @return false if the client has closed the connection
      * @throws CloseReason if the client exceeded a limit
@@ -190,8 +190,8 @@ final class MessageFramer {
             searched = 0;
             end = 0;
             if (bytes.length > KEPT_BYTES || greeted && bytes.length < INITIAL_BYTES) {
-                // The large buffer served one long line, or the hello. It is replaced by a small
-                // one, because later messages are usually short.
+                // A large buffer was needed only for one long line, or for the hello. It is
+                // replaced by a small buffer, because later messages are usually short.
                 buffer = ByteBuffer.allocate(INITIAL_BYTES);
             }
         } else if (end == bytes.length && start > 0) {

@@ -13,8 +13,8 @@ import java.util.List;
 
 /**
  * The queue of outgoing messages of one client. Messages keep their order, and their number and
- * size are limited. Events are counted separately, because other clients cause them. If there are
- * too many events, all events of whole frames are dropped, and one message reports the loss. Only
+ * size are limited. Events are counted separately, because other clients cause them. The events of
+ * whole frames are dropped if too many events are waiting, and one message reports the loss. Only
  * the newest perception of a stream waits. It is encoded when it is written, as the difference from
  * the perception written before. Any thread may add messages; the event loop removes them.
  */
@@ -156,7 +156,8 @@ public final class Outbox {
 
     /**
      * Adds an event of a frame, or drops the event if events are being dropped at present. Only
-     * events of earlier frames count towards the limit, so a frame may have any number of events.
+     * events of earlier frames count towards the limit, so the events of one frame are always kept
+     * together.
      *
      * @return false if too many events are waiting; the caller must call {@link #miss}
      */
@@ -177,14 +178,17 @@ public final class Outbox {
     }
 
     /**
-     * Drops an event of a frame. Until the waiting events are written, further events are dropped,
-     * too.
+     * Drops an event of a frame. Further events are also dropped until the waiting events are
+     * written.
      */
     public synchronized void miss(long frame) {
         miss(1, frame, frame);
     }
 
-    /** Drops {@code count} events of these frames. Otherwise like {@link #miss(long)}. */
+    /**
+     * Drops {@code count} events of the frames {@code first} to {@code last}, like {@link
+     * #miss(long)}.
+     */
     public synchronized void miss(long count, long first, long last) {
         if (!finished) {
             firstMissed = missed == 0 ? first : firstMissed;
@@ -242,7 +246,10 @@ public final class Outbox {
         return answer != null;
     }
 
-    /** Accepts no more messages. The waiting ones are still written, then {@code lastLine}. */
+    /**
+     * Accepts no more messages. The waiting messages are still written, and {@code lastLine} after
+     * them.
+     */
     synchronized void finish(byte[] lastLine) {
         if (!finished) {
             finished = true;
@@ -250,7 +257,9 @@ public final class Outbox {
             tellMissed();
             if (answer != null) {
                 messages.addLast(
-                        answer); // after the events of all frames up to that of the perception
+                        // The answer comes after the events of all frames up to the frame of the
+                        // perception.
+                        answer);
                 answer = null;
             }
             add(lastLine, false);

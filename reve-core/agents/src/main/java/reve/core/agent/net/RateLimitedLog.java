@@ -5,6 +5,7 @@ import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
 import java.util.concurrent.TimeUnit;
+import java.util.function.Consumer;
 import java.util.function.Supplier;
 
 /**
@@ -13,11 +14,12 @@ import java.util.function.Supplier;
  */
 public final class RateLimitedLog {
 
-    private static final Logger LOG = LoggerFactory.getLogger("reve.agents");
     private static final long SECOND_NANOS = TimeUnit.SECONDS.toNanos(1);
 
+    private final Logger logger;
     private final int linesPerSecond;
     private final String subject;
+    private boolean isLost;
     private long secondBegan = System.nanoTime();
     private int lines;
     private int leftOut;
@@ -26,6 +28,11 @@ public final class RateLimitedLog {
      * @param subject the subject of the lines, for the report "7 more lines about SUBJECT"
      */
     public RateLimitedLog(int linesPerSecond, String subject) {
+        this(LoggerFactory.getLogger("reve.agents"), linesPerSecond, subject);
+    }
+
+    RateLimitedLog(Logger logger, int linesPerSecond, String subject) {
+        this.logger = logger;
         this.linesPerSecond = linesPerSecond;
         this.subject = subject;
     }
@@ -41,27 +48,48 @@ public final class RateLimitedLog {
     }
 
     /**
+     * Logs a line at level info.
+     *
      * @param message evaluated only if the line is written
      */
     public void info(Supplier<String> message) {
         if (mayLog()) {
-            LOG.info(message.get());
+            write(logger::info, message.get());
         }
     }
 
     /**
+     * Logs a line at level warning.
+     *
      * @param message evaluated only if the line is written
      */
     public void warn(Supplier<String> message) {
         if (mayLog()) {
-            LOG.warn(message.get());
+            write(logger::warn, message.get());
         }
     }
 
     /** Logs an error with its cause. */
     public void error(String message, Throwable cause) {
         if (mayLog()) {
-            LOG.error(message, cause);
+            write(line -> logger.error(line, cause), message);
+        }
+    }
+
+    /**
+     * Writes a line. A class of the logging library may be missing, for example if the files of the
+     * program were replaced while it runs. The caller must not end because of it.
+     */
+    private void write(Consumer<String> to, String line) {
+        try {
+            to.accept(line);
+        } catch (LinkageError missing) {
+            if (!isLost) {
+                isLost = true;
+                System.err.println(
+                        "reve: the log cannot be written, because the program's files have changed; end"
+                                + " this server and start it again");
+            }
         }
     }
 
@@ -69,7 +97,7 @@ public final class RateLimitedLog {
         long now = System.nanoTime();
         if (now - secondBegan >= SECOND_NANOS) {
             if (leftOut > 0) {
-                LOG.warn("{} more lines about {} were suppressed", leftOut, subject);
+                write(logger::warn, leftOut + " more lines about " + subject + " were suppressed");
             }
             secondBegan = now;
             lines = 0;

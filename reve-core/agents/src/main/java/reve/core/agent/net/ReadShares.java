@@ -51,8 +51,8 @@ final class ReadShares {
     }
 
     /**
-     * Takes the size of a message from the connection's allowance. If the allowance is too small,
-     * takes it from the pool.
+     * Takes the size of a message from the connection's allowance. Takes the size from the pool if
+     * the allowance is too small.
      *
      * @return false if the message must wait for a later window
      */

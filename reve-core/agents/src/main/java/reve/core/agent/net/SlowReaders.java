@@ -10,8 +10,8 @@ import java.util.Map;
 
 /**
  * The connections whose clients read too slowly, and the memory of the data that waits for them.
- * Data that several connections share is counted once. If the memory exceeds a limit, the
- * connections that have been slow the longest are disconnected. For any thread.
+ * Data that several connections share is counted once. The connections that have been slow the
+ * longest are disconnected if the memory exceeds a limit. For any thread.
  *
  * @param <C> type of a connection
  */
@@ -25,7 +25,7 @@ public final class SlowReaders<C> {
 
     private static final long MOST_BYTES = 256L * 1024 * 1024;
 
-    /** Divisor of the heap's size that gives the limit for a small heap. */
+    /** Divisor that computes the limit on the memory from the size of a small heap. */
     private static final int SHARE = 8;
 
     private final long mostBytes;
@@ -51,7 +51,7 @@ public final class SlowReaders<C> {
         this.mostBytes = mostBytes;
     }
 
-    /** Records that the socket of a connection has not accepted {@code rest} completely. */
+    /** Records that the socket of a connection has not accepted all bytes of {@code rest}. */
     synchronized void hold(C connection, Rope rest) {
         if (rest.size() > LARGE_BYTES) {
             release(connection);

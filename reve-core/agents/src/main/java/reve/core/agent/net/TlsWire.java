@@ -53,7 +53,7 @@ final class TlsWire implements Wire {
     /** Runs the computations of handshakes. */
     private final Executor handshakes;
 
-    // These two fields are null until {@link #register} sets them.
+    // This field and the next one are null until {@link #register} sets them.
     private @Nullable EventLoop loop;
     private @Nullable SelectionKey key;
     private @Nullable Runnable readable;
@@ -162,6 +162,8 @@ final class TlsWire implements Wire {
     }
 
     /**
+     * Decrypts the received bytes in a buffer.
+     *
      * @return false if the client has ended its output
      */
     private boolean unwrap(ByteBuffer in) throws IOException {
@@ -208,7 +210,8 @@ final class TlsWire implements Wire {
         EventLoop told = Objects.requireNonNull(loop);
         handshakes.execute(
                 () -> {
-                    // The client may have disconnected while this task waited for a thread.
+                    // The check of the channel is needed, because the client may have disconnected
+                    // while this task waited for a thread.
                     while (channel.isOpen() && engine.getDelegatedTask() instanceof Runnable task) {
                         task.run();
                     }
@@ -239,7 +242,7 @@ final class TlsWire implements Wire {
             throw new SSLException("the client has not shaken hands");
         }
         while ((bytes.hasRemaining() || isToWrap()) && wrap(bytes)) {
-            // Each call of wrap() encrypts and writes one record.
+            // The loop body is empty, because each call of wrap() encrypts and writes one record.
         }
         if (bytes.hasRemaining() && engine.isOutboundDone()) {
             throw new SSLException("the connection is closed");
@@ -293,7 +296,7 @@ final class TlsWire implements Wire {
         if (!bypassed) {
             engine.closeOutbound();
             wrap(NOTHING);
-            bypassed = true; // TLS is bypassed: further input is discarded
+            bypassed = true; // TLS is bypassed, and further input is discarded
         }
         plain.shutdownOutput();
     }

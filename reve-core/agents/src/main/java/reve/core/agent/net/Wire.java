@@ -61,8 +61,8 @@ interface Wire extends ByteChannel {
 
         /**
          * Send buffer for clients that receive large messages [bytes]. A TCP segment on the
-         * loopback interface has 64 KiB. If the buffer has room for only one segment, the operating
-         * system waits 40 ms for each acknowledgement.
+         * loopback interface has 64 KiB. The operating system waits 40 ms for each acknowledgement
+         * if the buffer has room for only one segment.
          */
         private static final int LARGE_SEND_BUFFER_BYTES = 256 * 1024;
 

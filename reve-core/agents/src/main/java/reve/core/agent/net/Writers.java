@@ -11,10 +11,10 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.locks.LockSupport;
 
 /**
- * Writes waiting messages to clients. With many clients, writing is most of the server's work, so a
- * helper thread and the event loop's thread both take clients from the queue. The helper sleeps
- * while the queue is short. The event loop waits for the helper before it continues. Therefore the
- * loop never uses a connection to which the helper still writes.
+ * Writes waiting messages to clients. Writing to many clients is most of the server's work.
+ * Therefore a helper thread and the event loop's thread both take clients from the queue. The
+ * helper sleeps while the queue is short. The event loop waits for the helper before it continues.
+ * Therefore the loop never uses a connection to which the helper still writes.
  */
 final class Writers {
 
@@ -47,7 +47,10 @@ final class Writers {
 
     private volatile boolean open;
 
-    /** True while the helper may write to targets. Set before the helper checks {@link #open}. */
+    /**
+     * True while the helper may write to targets. The helper sets this field before it checks
+     * {@link #open}.
+     */
     private volatile boolean helping;
 
     /**
@@ -76,7 +79,7 @@ final class Writers {
         LockSupport.unpark(helper);
     }
 
-    // Methods for any thread.
+    // ---- methods for any thread ----
 
     /** Schedules a target for the next {@link #writeAll}. */
     void add(Target target) {
@@ -87,7 +90,7 @@ final class Writers {
         return !waiting.isEmpty();
     }
 
-    // Methods for the event loop's thread.
+    // ---- methods for the event loop's thread ----
 
     /** Returns the buffers of the event loop's thread. */
     WriteBuffers buffers() {
@@ -124,7 +127,7 @@ final class Writers {
         sleeper = null;
     }
 
-    // Methods for both threads.
+    // ---- methods for the event loop's thread and the helper thread ----
 
     private void writeRow(WriteBuffers buffers) {
         for (int i = next.getAndIncrement(); i < row.size(); i = next.getAndIncrement()) {
@@ -132,7 +135,7 @@ final class Writers {
         }
     }
 
-    // Methods for the helper thread.
+    // ---- methods for the helper thread ----
 
     private void help() {
         var own = new WriteBuffers();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.perception;
 
+import reve.core.agent.protocol.Bytes;
 import reve.core.agent.protocol.MessageWriter;
 
 import java.util.ArrayList;
@@ -12,7 +13,7 @@ public final class Difference {
     private final List<String> left = new ArrayList<>();
     private final List<PerceivedItem> entered = new ArrayList<>();
 
-    /** Pairs of the former and the present version of an item. */
+    /** Pairs of elements: the former and the present version of each changed item. */
     private final List<PerceivedItem> changed = new ArrayList<>();
 
     /** Compares two lists of items, both ordered by id. */
@@ -52,12 +53,12 @@ public final class Difference {
         }
     }
 
-    /** Returns the number of lists that are not empty; only these are encoded. */
+    /** Returns the number of lists that are not empty. Only such lists are encoded. */
     int lists() {
         return (left.isEmpty() ? 0 : 1) + (entered.isEmpty() ? 0 : 1) + (changed.isEmpty() ? 0 : 1);
     }
 
-    void write(MessageWriter writer) {
+    void write(MessageWriter writer, Bytes out) {
         if (!left.isEmpty()) {
             writer.key("left");
             writer.value(left);
@@ -67,6 +68,7 @@ public final class Difference {
             writer.beginList(entered.size());
             for (int i = 0; i < entered.size(); i++) {
                 writer.fragment(entered.get(i).whole());
+                PerceptionEncoder.requireSize(out);
             }
             writer.endList();
         }
@@ -75,6 +77,7 @@ public final class Difference {
             writer.beginList(changed.size() / 2);
             for (int i = 0; i < changed.size(); i += 2) {
                 writer.fragment(changed.get(i + 1).changeFrom(changed.get(i)));
+                PerceptionEncoder.requireSize(out);
             }
             writer.endList();
         }

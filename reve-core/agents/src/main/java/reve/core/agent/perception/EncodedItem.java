@@ -35,6 +35,8 @@ final class EncodedItem {
     }
 
     /**
+     * Returns the symbols of the item that a client perceives, encoded.
+     *
      * @param which names of the symbols that a client perceives; empty for all
      */
     Fragment symbols(Optional<SortedSet<String>> which) {

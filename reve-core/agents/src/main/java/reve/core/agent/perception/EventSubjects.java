@@ -28,11 +28,15 @@ public record EventSubjects(Map<String, Mention> byField, List<Mention> items) {
     private static final Set<String> ITEM_FIELDS = Set.of("item", "body", "actor", "target");
 
     /**
+     * One item that an event names.
+     *
      * @param id id of the item; empty if the item no longer exists
      */
     public record Mention(String name, Optional<ItemId> id) {}
 
     /**
+     * Returns the items that an event refers to.
+     *
      * @param bodyOf returns the name of the body of an agent
      */
     public static EventSubjects in(

@@ -31,11 +31,11 @@ final class FrameRelations {
     private final RelatedBoxes boxes = new RelatedBoxes();
     private View everything = new View(-1, 0, List.of());
 
-    // Arrays indexed by position of the item in the order of ids.
+    // This array and the next ones are indexed by the position of an item in the order of ids.
     private long[] ids = {};
     private int[] boxOf = {};
 
-    // Arrays indexed by box.
+    // This array and the next ones are indexed by box.
     private String[] names = {};
     private int[][] found = {};
     private List<Map<String, List<String>>> told = new ArrayList<>();
@@ -82,7 +82,7 @@ final class FrameRelations {
         }
     }
 
-    /** Returns whether the relations are those of the view's frame. */
+    /** Returns whether this object contains the relations of the view's frame. */
     boolean isOf(View view) {
         return everything == view;
     }
@@ -90,7 +90,7 @@ final class FrameRelations {
     /**
      * Computes relations until the time is used up.
      *
-     * @return true if all are computed
+     * @return true if all relations are computed
      */
     boolean advance(BooleanSupplier isTimeLeft) {
         while (done < names.length && isTimeLeft.getAsBoolean()) {
@@ -121,8 +121,8 @@ final class FrameRelations {
     }
 
     /**
-     * Returns the search result in one array: the number of boxes for each relation, then the
-     * boxes.
+     * Returns the result of the search in one array. The array contains the number of boxes for
+     * each relation, then the boxes.
      */
     private int[] packed() {
         int size = RelatedBoxes.RELATIONS;

@@ -22,6 +22,8 @@ public final class HeardEvent {
     private record Hearing(BitSet fields, Encoding encoding) {}
 
     /**
+     * An event with the fields that some clients receive, and its encoded form.
+     *
      * @param bytes the encoded message; must not change
      * @param encoding encoding of the bytes
      */
@@ -33,8 +35,8 @@ public final class HeardEvent {
         }
 
         /**
-         * Returns the message in an encoding: the shared bytes if the encoding is the same, else a
-         * new encoding.
+         * Returns the message in an encoding: the shared bytes if the encoding is the same,
+         * otherwise a newly encoded copy.
          */
         public byte[] in(Encoding wanted) {
             return wanted == encoding ? bytes : message.in(wanted);
@@ -52,7 +54,9 @@ public final class HeardEvent {
     }
 
     /**
-     * @param fields indices of those fields of the event that are sent
+     * Returns the event with only some of its fields.
+     *
+     * @param fields indices of the fields that are sent
      */
     public Told with(BitSet fields, Encoding encoding) {
         return told.computeIfAbsent(new Hearing(fields, encoding), this::make);

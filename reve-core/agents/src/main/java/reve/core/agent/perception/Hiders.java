@@ -4,9 +4,9 @@ package reve.core.agent.perception;
 import java.util.Arrays;
 
 /**
- * The bodies that last hid other bodies from an eye (the origin of an agent's body). The most
- * recent one comes first. Line-of-sight tests check these bodies first, because a few bodies near
- * the eye hide most others. For one thread.
+ * The bodies that last hid other bodies from an eye, which is the origin of an agent's body. The
+ * body that hid another one most recently comes first. Line-of-sight tests check these bodies
+ * first, because a few bodies near the eye hide most others. For one thread.
  */
 final class Hiders {
 

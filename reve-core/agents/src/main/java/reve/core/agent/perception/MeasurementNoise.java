@@ -20,7 +20,7 @@ final class MeasurementNoise {
     private long state;
 
     /**
-     * @param time simulated time of the world [s], which is the same again after a rewind
+     * @param time simulated time of the world [s]; a rewind restores it, so the noise repeats
      */
     MeasurementNoise(long seed, ItemId item, String sensor, double time) {
         state = mixed(seed + GOLDEN);

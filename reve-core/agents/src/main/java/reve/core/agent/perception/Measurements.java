@@ -2,12 +2,15 @@
 package reve.core.agent.perception;
 
 import reve.core.world.ColumnView;
+import reve.core.world.Gauge;
 import reve.core.world.Instrument;
 import reve.core.world.ItemId;
 import reve.core.world.Sensor;
 import reve.core.world.TableView;
 import reve.core.world.WorldPrototype;
 
+import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -94,9 +97,29 @@ final class Measurements {
                 yield new Reading(
                         sensor.name(), frame, List.of(new Reading.Quantity("force", force)));
             }
+            case Instrument.Provided _ ->
+                    throw new IllegalStateException("the world measures it, see provided");
             case Instrument.Lidar _ ->
                     throw new IllegalStateException("a lidar takes time, see LidarScanner");
         };
+    }
+
+    /**
+     * Returns the reading of a sensor with a provider.
+     *
+     * @param numbers components of all quantities
+     */
+    static Reading provided(
+            Sensor sensor, Instrument.Provided provided, long frame, double[] numbers) {
+        List<Reading.Quantity> quantities = new ArrayList<>();
+        int at = 0;
+        for (Gauge.Quantity quantity : provided.quantities()) {
+            int end = at + quantity.components();
+            quantities.add(
+                    new Reading.Quantity(quantity.name(), Arrays.copyOfRange(numbers, at, end)));
+            at = end;
+        }
+        return new Reading(sensor.name(), frame, quantities);
     }
 
     private double number(String property, int row, int axis) {

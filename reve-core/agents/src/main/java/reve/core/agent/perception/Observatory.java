@@ -43,32 +43,35 @@ public final class Observatory {
     private static final int NO_ROW = -1;
 
     /**
-     * Number of items that are tested between two checks of the clock. The first value is for
-     * sensors with a line of sight, the second for the others.
+     * Number of items that are tested between two checks of the clock, for sensors with a line of
+     * sight.
      */
     private static final int LOOKS = 4;
 
+    /** Number of items that are tested between two checks of the clock, for all other sensors. */
     private static final int TESTS = 64;
 
-    /**
-     * Maximum sum of distances that bodies have moved [m]. Rounding would lose small summands of a
-     * larger sum.
-     */
+    /** Maximum of {@link #path} [m]. If the sum were larger, rounding would lose small summands. */
     private static final double LONGEST_PATH = 1000;
 
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
     private final Measurements measurements = new Measurements(bodies);
+    private final Weights weights;
     private final LidarScanner lidars = new LidarScanner(bodies, this::shapeIn);
 
     /** Bodies that last hid others from the eye of any body, for tests of single items. */
     private final Hiders hiders = new Hiders();
 
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
+
+    /** Numbers that the providers of sensors measured, by item and sensor. */
+    private Map<ItemId, Map<String, double[]>> readings = Map.of();
+
     private Map<String, ItemId> idByName = Map.of();
     private View everything = new View(0, 0, List.of());
 
-    // Arrays indexed by position of the item in the order of ids.
+    // This array and the next ones are indexed by the position of an item in the order of ids.
     private long[] inOrder = {};
     private EncodedItem[] items = {};
     private int[] rows = {};
@@ -82,25 +85,37 @@ public final class Observatory {
 
     private final Map<Sensor, PerceivedItem[]> shownBy = new IdentityHashMap<>();
 
-    // Arrays indexed by row in the table of bodies.
+    // This array and the next ones are indexed by row in the table of bodies.
     private long[] ids = {};
     private int[] places = {};
     private PerceivedItem[] gathered = {};
     private int gatheredCount;
 
     /**
-     * Number of changes of the assignment of items to rows. It is incremented when items are added
-     * or removed, or change their rows.
+     * Version of the assignment of items to rows. It is incremented when items are added or
+     * removed, or change their rows.
      */
     private long arrangement;
 
-    /**
-     * Upper bound on the distance that any body has moved in this frame [m]. The next field is the
-     * sum of these bounds over frames.
-     */
+    /** Upper bound on the distance that any body has moved in this frame [m]. */
     private double moved;
 
+    /** Sum of {@link #moved} over frames [m]. */
     private double path;
+
+    /** Creates an object for a world in which no body has a strength. */
+    public Observatory() {
+        this(WorldPrototype.standard("si-f64"));
+    }
+
+    /**
+     * Creates an object that has read no frame.
+     *
+     * @param prototype the prototype of the world whose frames are read
+     */
+    public Observatory(WorldPrototype prototype) {
+        weights = new Weights(prototype);
+    }
 
     /**
      * Reads a frame.
@@ -122,6 +137,8 @@ public final class Observatory {
             }
             follow(table, rearranged);
             measurements.read(table);
+            weights.read(snapshot);
+            readings = snapshot.readings();
             lidars.read(table);
             readPlaces();
             everything = new View(snapshot.frame(), snapshot.timeSeconds(), List.of(seen));
@@ -207,7 +224,7 @@ public final class Observatory {
                                 items[i],
                                 rows[i] == NO_ROW ? null : bodies.place(rows[i]),
                                 Visibility.EVERYTHING,
-                                Map.of());
+                                false);
             }
         }
     }
@@ -237,8 +254,8 @@ public final class Observatory {
     }
 
     /**
-     * Returns the items that one sensor of a body senses now, and the body itself, in the order of
-     * ids.
+     * Returns the items that one sensor of a body senses now, and the item of the body itself. The
+     * list is in the order of ids.
      *
      * @param around items around the body that the sensor may reach; the caller keeps this object
      *     from frame to frame, and this method updates it
@@ -260,6 +277,66 @@ public final class Observatory {
     }
 
     /**
+     * Returns perceived items as the agent of a body perceives them.
+     *
+     * @param items items of this frame, in the order of their ids
+     * @param before the previous result; returned again if nothing has changed
+     */
+    Weighed weigh(ItemId body, List<PerceivedItem> items, Weighed before) {
+        int self = place(body);
+        double strength =
+                self < 0 ? Double.POSITIVE_INFINITY : weights.strength(this.items[self].source());
+        long version = weights.version();
+        if (items == before.from()
+                && strength == before.strength()
+                && version == before.version()) {
+            return before;
+        }
+        if (weights.heaviest() <= strength) {
+            return new Weighed(items, items, strength, version);
+        }
+        boolean isAnyHeavy = false;
+        gatheredCount = 0;
+        int at = 0;
+        for (int i = 0; i < items.size(); i++) {
+            PerceivedItem item = items.get(i);
+            long id = item.id().value();
+            while (at < inOrder.length && inOrder[at] < id) {
+                at++;
+            }
+            boolean isHere = at < inOrder.length && inOrder[at] == id && rows[at] != NO_ROW;
+            boolean heavy = isHere && at != self && weights.isTooHeavy(rows[at], strength);
+            isAnyHeavy |= heavy;
+            gather(heavy ? item.heavy() : item);
+        }
+        if (!isAnyHeavy) {
+            return new Weighed(items, items, strength, version);
+        }
+        boolean isSame = isGathered(before.items());
+        return new Weighed(
+                items,
+                isSame ? before.items() : List.of(Arrays.copyOf(gathered, gatheredCount)),
+                strength,
+                version);
+    }
+
+    /**
+     * Returns the view of all items as the agent of a body perceives them.
+     *
+     * @param before the previous result for this body
+     */
+    public View everythingOf(ItemId body, View before) {
+        if (before.frame() == everything.frame()) {
+            return before;
+        }
+        Weighed known = new Weighed(List.of(), before.items(), Double.POSITIVE_INFINITY, -1);
+        List<PerceivedItem> items = weigh(body, everything.items(), known).items();
+        return items == everything.items()
+                ? everything
+                : new View(everything.frame(), everything.time(), items);
+    }
+
+    /**
      * Returns the reading of an instrument of a body in this frame.
      *
      * @param scan the progress of a lidar; the caller keeps it from call to call
@@ -275,6 +352,13 @@ public final class Observatory {
         }
         long frame = everything.frame();
         double time = everything.time();
+        if (sensor.instrument().orElseThrow() instanceof Instrument.Provided provided) {
+            double[] numbers = readings.getOrDefault(body, Map.of()).get(sensor.name());
+            return Optional.of(
+                    numbers == null
+                            ? List.of()
+                            : List.of(Measurements.provided(sensor, provided, frame, numbers)));
+        }
         if (!(sensor.instrument().orElseThrow() instanceof Instrument.Lidar lidar)) {
             return Optional.of(List.of(measurements.measure(sensor, body, row, frame, time)));
         }
@@ -300,6 +384,8 @@ public final class Observatory {
     }
 
     /**
+     * Prepares the list of the items that a sensor may sense.
+     *
      * @return false if the time was too short
      */
     private boolean gather(
@@ -400,7 +486,7 @@ public final class Observatory {
         if (known == null || known.item() != seen[i].item() || known.place() != seen[i].place()) {
             known =
                     new PerceivedItem(
-                            seen[i].item(), seen[i].place(), Visibility.by(sensor), Map.of());
+                            seen[i].item(), seen[i].place(), Visibility.by(sensor), false);
             shown[i] = known;
         }
         return known;
@@ -433,6 +519,14 @@ public final class Observatory {
             around.items[k] = places[(int) found.key(k)];
         }
         Arrays.sort(around.items, 0, around.count);
+    }
+
+    /**
+     * Returns the number of boxes that the searches for lines of sight have examined so far, for a
+     * limit on this work.
+     */
+    public long examined() {
+        return bodies.visited();
     }
 
     /** Returns whether any of a body's sensors senses an item now. */

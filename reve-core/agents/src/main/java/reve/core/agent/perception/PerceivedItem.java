@@ -26,8 +26,15 @@ public final class PerceivedItem {
     private final double @Nullable [] place;
     private final Visibility shown;
     private final Map<String, List<String>> relations;
+    private final boolean tooHeavy;
     private @Nullable Fragment whole;
     private @Nullable Change change;
+
+    /**
+     * The same data with the symbol {@code tooHeavy}, for agents whose bodies cannot lift the item.
+     * Such agents share this object; null until the first of them perceives the item.
+     */
+    private @Nullable PerceivedItem heavy;
 
     /**
      * The cached difference from the state last sent. Immutable, so that other threads see it
@@ -38,21 +45,47 @@ public final class PerceivedItem {
     /**
      * @param place location (3) [m] and orientation (4), null for an item without place; must not
      *     change
-     * @param relations names of items by relation, if the agent requested them
+     * @param tooHeavy whether the item is too heavy for the body of the agent
      */
-    PerceivedItem(
+    PerceivedItem(EncodedItem item, double @Nullable [] place, Visibility shown, boolean tooHeavy) {
+        this(item, place, shown, Map.of(), tooHeavy);
+    }
+
+    private PerceivedItem(
             EncodedItem item,
             double @Nullable [] place,
             Visibility shown,
-            Map<String, List<String>> relations) {
+            Map<String, List<String>> relations,
+            boolean tooHeavy) {
         this.item = item;
         this.place = place;
         this.shown = shown;
         this.relations = relations;
+        this.tooHeavy = tooHeavy;
     }
 
+    /** Returns a copy with relations: names of items by relation. */
     PerceivedItem with(Map<String, List<String>> itsRelations) {
-        return new PerceivedItem(item, place, shown, itsRelations);
+        return new PerceivedItem(item, place, shown, itsRelations, tooHeavy);
+    }
+
+    /**
+     * Returns the data with the symbol {@code tooHeavy}, for agents whose bodies cannot lift the
+     * item. Returns this object if the agent does not perceive this symbol.
+     */
+    PerceivedItem heavy() {
+        if (tooHeavy || !shown.hasSymbol(Weights.TOO_HEAVY)) {
+            return this;
+        }
+        if (heavy == null) {
+            heavy = new PerceivedItem(item, place, shown, relations, true);
+        }
+        return heavy;
+    }
+
+    /** Returns whether the data marks the item as too heavy for the body of the agent. */
+    boolean isTooHeavy() {
+        return tooHeavy;
     }
 
     EncodedItem item() {
@@ -77,7 +110,8 @@ public final class PerceivedItem {
         return item.source().id();
     }
 
-    String name() {
+    /** Returns the name of the item. */
+    public String name() {
         return item.source().name();
     }
 
@@ -86,12 +120,13 @@ public final class PerceivedItem {
         return item == other.item
                 && place == other.place
                 && shown.equals(other.shown)
+                && tooHeavy == other.tooHeavy
                 && relations.equals(other.relations);
     }
 
     /**
-     * Returns whether the item must be sent completely. This is so if {@code before} is another
-     * item or shows other aspects.
+     * Returns whether the item must be sent completely. The result is true if {@code before} is
+     * another item or shows other aspects.
      */
     boolean isNewTo(PerceivedItem before) {
         return !name().equals(before.name())
@@ -119,7 +154,7 @@ public final class PerceivedItem {
         if (known == null || known.from != before) {
             known = new Change(before, new Fragment(writer -> writeChange(writer, before)));
             change = known;
-            before.change = null; // a reference to it would keep all earlier versions in memory
+            before.change = null; // a reference would keep all earlier versions in memory
         }
         return known.told;
     }
@@ -134,7 +169,8 @@ public final class PerceivedItem {
 
     private boolean hasOtherSymbols(PerceivedItem before) {
         return shown.has(Aspect.SEMANTIC)
-                && (!relations.equals(before.relations)
+                && (tooHeavy != before.tooHeavy
+                        || !relations.equals(before.relations)
                         || item != before.item && !Arrays.equals(symbols(), before.symbols()));
     }
 
@@ -230,10 +266,13 @@ public final class PerceivedItem {
     }
 
     private void writeSymbols(MessageWriter writer) {
-        if (relations.isEmpty()) {
+        if (relations.isEmpty() && !tooHeavy) {
             writer.fragment(item.symbols(shown.symbols()));
         } else {
             Map<String, Object> symbols = item.symbolValues(shown.symbols());
+            if (tooHeavy) {
+                symbols.putIfAbsent(Weights.TOO_HEAVY, true); // a symbol of the designer goes first
+            }
             symbols.putAll(relations);
             writer.value(symbols);
         }

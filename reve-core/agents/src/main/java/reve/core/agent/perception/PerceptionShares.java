@@ -10,13 +10,13 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Divides the event loop's time among the sessions that receive perceptions in real time, so that
- * costly perceptions of some sessions do not delay the others. Each token has an account of debt.
- * Each session without a token has its own account. The time to compute and to write perceptions is
- * added to the debt; equal shares of elapsed time reduce it. A session without debt whose
- * perceptions are cheap is served at once. The other sessions wait, and are served in slices of
- * time. Those with the lowest debt come first. Between two slices the event loop does its other
- * work. Sessions in lock-step are charged but served at once, because the world waits for them. See
+ * The division of the event loop's time among the sessions that receive perceptions in real time.
+ * Costly perceptions of some sessions do not delay the other sessions. Each token has an account
+ * with a debt. Each session without a token has its own account. The time to compute and to write
+ * perceptions increases the debt; equal shares of elapsed time reduce it. A session without debt
+ * whose perceptions are cheap is served at once. The other sessions wait, and are served in slices
+ * of time, in the order of increasing debt. Between two slices the event loop does its other work.
+ * Sessions in lock-step are charged but served at once, because the world waits for them. See
  * docs/decisions/0006. For the event loop's thread only, except {@link Cost#wrote}.
  *
  * @param <C> type of a client
@@ -30,8 +30,8 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     private static final double FIRST_NANOS = 1e6;
 
     /**
-     * Factor by which the estimate for first perceptions decreases if the measured cost is not
-     * higher than the estimate.
+     * Factor by which the estimate for first perceptions decreases if the measured cost does not
+     * exceed the estimate.
      */
     private static final double MEMORY = 0.9;
 
@@ -64,7 +64,7 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         /** Returns the cost of the client's perceptions. */
         Cost perceptionCost();
 
-        /** Returns whether the client is in lock-step, so that the world waits for it. */
+        /** Returns whether the client is in lock-step, which means that the world waits for it. */
         boolean isInLockStep();
 
         /** Returns whether the client is to receive a perception of a frame. */
@@ -72,8 +72,8 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     }
 
     /**
-     * The account of a token's sessions. Its debt is the cost that the sessions' shares of time
-     * have not covered yet [ns].
+     * The account of a token's sessions. Its debt is the part of the cost that the sessions' shares
+     * of time have not covered yet [ns].
      */
     private static final class Account {
         private double owedNanos;
@@ -94,8 +94,8 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         private boolean known;
 
         /**
-         * Writing time not charged yet [ns]. Set by the writing thread, while the event loop waits
-         * for it.
+         * Writing time that is not charged yet [ns]. Set by the writing thread, while the event
+         * loop waits for it.
          */
         private long writtenNanos;
 
@@ -115,6 +115,8 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     }
 
     /**
+     * Returns the cost object of a new session.
+     *
      * @param tokenName name of the client's token, if the server uses tokens
      */
     public Cost cost(Optional<String> tokenName) {
@@ -176,7 +178,7 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         return false;
     }
 
-    /** Makes a session wait, whether its perceptions are cheap or costly. */
+    /** Makes a session wait, even if its perceptions are cheap. */
     public void postpone(C client) {
         waiting.add(client);
     }

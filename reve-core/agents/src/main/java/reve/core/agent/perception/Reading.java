@@ -11,7 +11,7 @@ import java.util.List;
  * @param sensor name of the instrument
  * @param frame the frame of the measurement
  * @param quantities the measured numbers, at least one
- * @param columns number of rays side by side, for a lidar; otherwise 0
+ * @param columns number of rays in a row of a lidar; 0 for other instruments
  */
 public record Reading(String sensor, long frame, List<Quantity> quantities, int columns) {
 
@@ -30,7 +30,7 @@ public record Reading(String sensor, long frame, List<Quantity> quantities, int 
     /** Returns whether a view contains readings that were made after a frame. */
     static boolean isAnyNewerThan(long frame, View view) {
         List<Reading> readings = view.readings();
-        for (int i = 0; i < readings.size(); i++) { // an iterator would be allocated
+        for (int i = 0; i < readings.size(); i++) { // a loop with an iterator would allocate memory
             if (readings.get(i).frame > frame) {
                 return true;
             }

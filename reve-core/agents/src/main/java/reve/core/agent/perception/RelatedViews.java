@@ -13,10 +13,11 @@ import java.util.function.Supplier;
 
 /**
  * Views that contain spatial relations. The relations of all items of a frame are computed in
- * slices of time. Between two slices the event loop serves other sessions and newer frames. A
- * session in real time whose relations need more than one slice receives the view of the requested
- * frame later, with the relations of that frame. A session in lock-step receives its view at once,
- * because the world waits for it. See docs/decisions/0006. For the event loop's thread only.
+ * slices of time. Between two slices the event loop serves other sessions and newer frames. The
+ * relations of a session in real time may need more than one slice. The session then receives the
+ * view of the requested frame later, with the relations of that frame. A session in lock-step
+ * receives its view at once, because the world waits for it. See docs/decisions/0006. For the event
+ * loop's thread only.
  *
  * @param <C> type of a client
  */
@@ -40,23 +41,25 @@ public final class RelatedViews<C extends RelatedViews.Client> {
 
     /** A client that receives perceptions. */
     public interface Client {
-        /** Returns whether the client is in lock-step, so that the world waits for it. */
+        /** Returns whether the client is in lock-step, which means that the world waits for it. */
         boolean isInLockStep();
 
         /** Returns whether the client has requested relations for its perception of a frame. */
         boolean wantsRelations(long frame);
 
-        /** See {@link Senses#sensedIn}. */
+        /** Returns the items whose symbols were sensed in a frame. See {@link Senses#sensedIn}. */
         Optional<Set<ItemId>> sensedIn(long frame);
 
         /**
-         * Returns a view with relations. Items that were not sensed again keep older relations, see
-         * {@link Senses#relate}.
+         * Returns a view with relations. Items that were not sensed in the view's frame keep older
+         * relations. See {@link Senses#relate}.
          */
         View relate(View view, Optional<Set<ItemId>> fresh);
     }
 
     /**
+     * A view for which a session waits.
+     *
      * @param fresh ids of the items that were sensed in the frame of the view; empty if all items
      *     were sensed in this frame
      */
@@ -103,9 +106,9 @@ public final class RelatedViews<C extends RelatedViews.Client> {
         if (wanted == null) {
             if (!relations.isOf(world.everything())) {
                 if (!waiting.isEmpty()) {
-                    return Optional
-                            .empty(); // other sessions wait for relations of an earlier frame,
-                    // which are completed first
+                    // Other sessions wait for relations of an earlier frame. These relations are
+                    // completed first.
+                    return Optional.empty();
                 }
                 world.begin(relations);
             }

@@ -24,13 +24,13 @@ import java.util.stream.LongStream;
  * <p>A touch sensor senses the items whose bounding box is within its range. Cameras, instruments
  * and hearing sensors sense no items. Any other sensor tests ten points of an item: the point of
  * the bounding box that is nearest to the eye, the box's centre, and its eight corners. The sensor
- * senses the item if one of these points is in its range and in its field of view. If the sensor
- * needs a line of sight, the point must also not be hidden. A point is hidden if it lies behind the
+ * senses the item if one of these points is in its range and in its field of view. The point must
+ * also not be hidden if the sensor needs a line of sight. A point is hidden if it lies behind the
  * bounding box of a third item that has a shape and does not contain the eye.
  */
 public final class SensedWorld {
 
-    /** A moment before any body has moved, see {@link #moment}. */
+    /** Value of {@link #moment} that is before the first move of any body. */
     static final long BEFORE_ALL = -1;
 
     /** Value that represents no row. */
@@ -39,7 +39,8 @@ public final class SensedWorld {
     private static final int CORNERS = 8;
 
     /**
-     * Fraction of a line of sight, at each of its ends, within which a box does not hide the point.
+     * Fraction of a line of sight at each of its ends. A box that the line crosses only within this
+     * part does not hide the point.
      */
     private static final double END = 1e-9;
 
@@ -50,7 +51,8 @@ public final class SensedWorld {
     private double[] high = {};
     private int[] shape = {};
 
-    // Values of the previous frame, for {@link #follow}.
+    // Positions of the previous frame, with which {@link #follow} compares the present ones. The
+    // next fields contain other values of that frame.
     private double[] positionBefore = {};
     private double[] orientationBefore = {};
     private double[] lowBefore = {};
@@ -70,7 +72,7 @@ public final class SensedWorld {
     private boolean indexed;
     private long[] keys = {};
 
-    // Eye, point and line of sight of the current test.
+    // The eye of the current test. The next fields are the tested point and the line of sight.
     private final double[] eye = new double[3];
     private final double[] point = new double[3];
     private final double[] ahead = new double[3];
@@ -127,6 +129,8 @@ public final class SensedWorld {
     }
 
     /**
+     * Marks the rows whose numbers have changed.
+     *
      * @return the largest absolute difference
      */
     private double markMoved(double[] now, double[] before, int components) {
@@ -141,7 +145,7 @@ public final class SensedWorld {
         return most;
     }
 
-    /** Returns the current moment: the number of calls of {@link #follow} so far. */
+    /** Returns the current moment, which is the number of calls of {@link #follow}. */
     long moment() {
         return moment;
     }
@@ -182,7 +186,7 @@ public final class SensedWorld {
         }
     }
 
-    /** Loads only two bodies, which suffices for sensors without line of sight. */
+    /** Loads only two bodies, which is sufficient for sensors without line of sight. */
     public void load(TableView bodies, int a, int b) {
         reserve(bodies.rowCount());
         readRows(bodies.column("position"), position, a, b);
@@ -318,6 +322,8 @@ public final class SensedWorld {
     }
 
     /**
+     * Returns whether a sensor of the body in one row senses the item in another row.
+     *
      * @param known the bodies that last hid other bodies from this body; this method updates them
      */
     public boolean senses(Sensor sensor, int body, int row, Hiders known) {
@@ -376,6 +382,8 @@ public final class SensedWorld {
     }
 
     /**
+     * Returns whether a sensor sees the point of the current test.
+     *
      * @param distance distance of the point from the eye [m]
      */
     private boolean isSeen(Sensor sensor, int body, int row, double distance) {
@@ -418,6 +426,14 @@ public final class SensedWorld {
             view = sensor.fieldOfView();
             cosHalfView = Math.cos(0.5 * view);
         }
+    }
+
+    /**
+     * Returns the number of boxes that the searches for lines of sight have examined so far, see
+     * {@link BoxIndex#visited}.
+     */
+    public long visited() {
+        return index.visited();
     }
 
     private boolean isHidden(int body, int row) {

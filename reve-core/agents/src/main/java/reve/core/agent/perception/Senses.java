@@ -45,6 +45,7 @@ public final class Senses {
     private final Surroundings[] surroundings;
     private final Scan[] scans;
     private final boolean hasInstruments;
+    private final boolean needsSight;
 
     /**
      * The copy of the world in which {@link #surroundings} were found; null before the first
@@ -61,11 +62,17 @@ public final class Senses {
     private Map<ItemId, Map<String, List<String>>> related = Map.of();
 
     /**
-     * The items that a sensor perceived, and the frame.
+     * The items that a sensor perceived, and the frame in which it perceived them.
      *
+     * @param sensed the items
      * @param reading measured numbers; empty unless the sensor is an instrument
      */
-    private record Sample(long frame, List<PerceivedItem> items, List<Reading> reading) {}
+    private record Sample(long frame, Weighed sensed, List<Reading> reading) {
+        /** Returns the items as this agent perceives them. */
+        List<PerceivedItem> items() {
+            return sensed.items();
+        }
+    }
 
     /**
      * @param sensors the sensors of the body, at least one
@@ -77,11 +84,22 @@ public final class Senses {
         this.surroundings = new Surroundings[sensors.size()];
         this.scans = new Scan[sensors.size()];
         this.hasInstruments = sensors.stream().anyMatch(one -> one.instrument().isPresent());
+        this.needsSight = sensors.stream().anyMatch(Sensor::lineOfSight);
     }
 
     /** Returns the id of the body. */
     public ItemId body() {
         return body;
+    }
+
+    /** Returns the body's sensors. */
+    public List<Sensor> sensors() {
+        return sensors;
+    }
+
+    /** Returns whether one of the sensors needs a line of sight. */
+    public boolean needsSight() {
+        return needsSight;
     }
 
     /** Returns the body's camera of that name. */
@@ -91,14 +109,19 @@ public final class Senses {
                 .findFirst();
     }
 
+    /** Returns the last view; its frame is 0 if there was none. */
+    public View lastView() {
+        return view;
+    }
+
     /** Returns the present view. The computation has no time limit. */
     View look(Observatory world) {
         return look(world, () -> true).orElseThrow();
     }
 
     /**
-     * Returns the view of the newest frame. Sensors whose interval has passed perceive again; then
-     * the last perceptions of all sensors are merged.
+     * Returns the view of the newest frame. Each sensor perceives again if its interval has passed.
+     * The last perceptions of all sensors are then merged.
      *
      * @param isTimeLeft false if the caller must do other work first
      * @return empty if the time was too short; the next call in this frame continues
@@ -124,7 +147,7 @@ public final class Senses {
                                 sensor,
                                 body,
                                 surroundings[i],
-                                before == null ? List.of() : before.items,
+                                before == null ? List.of() : before.sensed.from(),
                                 isTimeLeft);
                 if (sensed.isEmpty()) {
                     return Optional.empty();
@@ -136,7 +159,14 @@ public final class Senses {
                 if (reading.isEmpty()) {
                     return Optional.empty();
                 }
-                samples[i] = new Sample(all.frame(), sensed.get(), reading.get());
+                samples[i] =
+                        new Sample(
+                                all.frame(),
+                                world.weigh(
+                                        body,
+                                        sensed.get(),
+                                        before == null ? Weighed.NOTHING : before.sensed),
+                                reading.get());
             }
         }
         view = new View(all.frame(), all.time(), merge(samples), readings());
@@ -177,9 +207,9 @@ public final class Senses {
     }
 
     /**
-     * Returns the items whose symbols were sensed in a frame. This must be the frame of the last
-     * {@link #look}.
+     * Returns the items whose symbols were sensed in a frame.
      *
+     * @param frame the frame of the last call of {@link #look}
      * @return ids; an empty Optional if every sensor senses in every frame
      */
     public Optional<Set<ItemId>> sensedIn(long frame) {
@@ -189,7 +219,7 @@ public final class Senses {
         var ids = new HashSet<ItemId>();
         for (Sample sample : samples) {
             if (sample.frame == frame) {
-                sample.items.stream()
+                sample.items().stream()
                         .filter(seen -> seen.shown().has(Sensor.Aspect.SEMANTIC))
                         .map(PerceivedItem::id)
                         .forEach(ids::add);
@@ -213,13 +243,13 @@ public final class Senses {
     /** Merges the samples in the order of ids. */
     private static List<PerceivedItem> merge(Sample[] samples) {
         if (samples.length == 1) {
-            return samples[0].items;
+            return samples[0].items();
         }
         Sample[] newestFirst = samples.clone();
         Arrays.sort(newestFirst, Comparator.comparingLong(Sample::frame).reversed());
-        List<PerceivedItem> merged = newestFirst[0].items;
+        List<PerceivedItem> merged = newestFirst[0].items();
         for (int i = 1; i < newestFirst.length; i++) {
-            merged = merge(merged, newestFirst[i].items);
+            merged = merge(merged, newestFirst[i].items());
         }
         return List.copyOf(merged);
     }
@@ -249,20 +279,22 @@ public final class Senses {
         if (both.equals(newer.shown())) {
             return newer;
         }
-        boolean placed = newer.shown().has(Sensor.Aspect.PHYSICAL);
-        return new PerceivedItem(
-                newer.shown().isAllThatIsSymbolicOf(both) ? newer.item() : older.item(),
-                placed ? newer.place() : older.place(),
-                both,
-                Map.of());
+        PerceivedItem placed = newer.shown().has(Sensor.Aspect.PHYSICAL) ? newer : older;
+        PerceivedItem symbolic = newer.shown().isAllThatIsSymbolicOf(both) ? newer : older;
+        return new PerceivedItem(symbolic.item(), placed.place(), both, symbolic.isTooHeavy());
     }
 
     /**
      * Returns the indices of the event's fields that are sent to the agent. Names of items that the
-     * agent does not perceive are not sent. Empty if the event itself is not sent, because the
-     * agent perceives none of its items, or because the event is for operators only.
+     * agent does not perceive are not sent. The result is empty if the event itself is not sent.
+     * The reason is that the agent perceives none of the event's items, or that the event is for
+     * operators only.
+     *
+     * @param searches false if only the last view decides what the agent perceives, because there
+     *     is no time to search for items that it senses now
      */
-    public Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
+    public Optional<BitSet> hear(
+            WorldEvent event, EventSubjects subjects, Observatory world, boolean searches) {
         if (FOR_OPERATORS.contains(event.type())) {
             return Optional.empty();
         }
@@ -272,24 +304,26 @@ public final class Senses {
         for (String field : event.fields().keySet()) {
             Mention mention = subjects.byField().get(field);
             boolean agent = field.equals(EventSubjects.AGENT);
-            boolean tells = mention == null ? !agent : perceives(world, mention);
+            boolean tells = mention == null ? !agent : perceives(world, mention, searches);
             concerned |= tells && mention != null && !agent;
             told.set(place++, tells);
         }
         return concerned ? Optional.of(told) : Optional.empty();
     }
 
-    /** See {@link Observatory#reach}. */
+    /**
+     * Computes a box that contains everything the sensors can reach. See {@link Observatory#reach}.
+     */
     public boolean reach(Observatory world, double[] lows, double[] highs, int at) {
         return world.reach(sensors, body, lows, highs, at);
     }
 
     /** Returns whether the agent senses the item now, or its last view contains the item. */
-    private boolean perceives(Observatory world, Mention mention) {
+    private boolean perceives(Observatory world, Mention mention, boolean searches) {
         if (mention.id().isEmpty()) {
             return view.holds(mention.name());
         }
         ItemId item = mention.id().get();
-        return view.indexOf(item) >= 0 || world.senses(sensors, body, item);
+        return view.indexOf(item) >= 0 || searches && world.senses(sensors, body, item);
     }
 }

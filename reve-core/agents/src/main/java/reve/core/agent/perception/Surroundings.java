@@ -21,7 +21,7 @@ final class Surroundings {
     /** The sensor's last perception of each item; null for items that it did not sense. */
     @Nullable PerceivedItem[] sensed = {};
 
-    /** Bodies that hid others from this sensor. */
+    /** The bodies that last hid other bodies from this sensor. */
     final Hiders hiders = new Hiders();
 
     /**
@@ -30,7 +30,7 @@ final class Surroundings {
      */
     long sensedIn;
 
-    /** Number of items that were tested in the moment {@link #begun}. */
+    /** Number of items that were tested since the moment {@link #begun}. */
     int tested;
 
     private long begun = SensedWorld.BEFORE_ALL;
@@ -53,8 +53,8 @@ final class Surroundings {
     }
 
     /**
-     * Records a search without a margin, whose result is valid in this frame only. Replaces a call
-     * of {@link #foundIn}.
+     * Records a search without a margin, whose result is valid in this frame only. The caller calls
+     * this method instead of {@link #foundIn}.
      */
     void foundOnce() {
         arrangement = -1;
@@ -82,8 +82,9 @@ final class Surroundings {
     }
 
     /**
-     * Returns whether an item and the body came closer to each other by at most the margin. Each of
-     * the two has moved by at most {@code way} [m].
+     * Returns whether an item and the body have come closer to each other by at most the margin.
+     *
+     * @param way maximum distance that each of the two has moved [m]
      */
     static boolean isWithinMargin(double range, double way) {
         return 2 * way <= SAFE * MARGIN * range;

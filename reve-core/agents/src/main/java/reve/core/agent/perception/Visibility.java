@@ -28,10 +28,12 @@ record Visibility(Set<Aspect> aspects, Optional<SortedSet<String>> symbols) {
         return aspects.contains(aspect);
     }
 
-    /**
-     * Returns whether this visibility includes all symbols and actions that the other visibility
-     * includes.
-     */
+    /** Returns whether this visibility includes a symbol. */
+    boolean hasSymbol(String symbol) {
+        return has(Aspect.SEMANTIC) && (symbols.isEmpty() || symbols.get().contains(symbol));
+    }
+
+    /** Returns whether this visibility includes all symbols and actions of the other visibility. */
     boolean isAllThatIsSymbolicOf(Visibility other) {
         return has(Aspect.SEMANTIC) == other.has(Aspect.SEMANTIC)
                 && has(Aspect.ACCESS) == other.has(Aspect.ACCESS)

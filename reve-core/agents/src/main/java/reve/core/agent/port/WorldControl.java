@@ -14,10 +14,10 @@ import java.util.Optional;
 import java.util.function.Consumer;
 
 /**
- * The commands of clients with the role control that the program which runs a world must execute.
- * Every frame loop executes the other commands itself. Unless stated otherwise, methods are called
- * on a connection's thread and may block. A returned change is made on the world's thread, in the
- * phase ACT of a frame.
+ * The commands of clients with the role control that a frame loop cannot execute itself. The
+ * program that runs the world implements this interface to execute them. Methods are called on a
+ * connection's thread and may block, unless stated otherwise. A returned change is made on the
+ * world's thread, in the phase ACT of a frame.
  */
 public interface WorldControl {
 
@@ -105,6 +105,17 @@ public interface WorldControl {
     Reading laws(boolean faults) throws ActionRefused;
 
     /**
+     * Returns the fields that the report of an item has for the columns that laws have of their
+     * own: {@code lawColumns} and {@code moreLawColumns}, see agents/protocol/PROTOCOL.md; empty if
+     * there are none. For the world's thread, between frames.
+     *
+     * @param item name of the item, which need not exist
+     */
+    default Map<String, Object> lawColumns(String item) {
+        return Map.of();
+    }
+
+    /**
      * Opens or closes the ledger, then returns a report of it. The ledger shows the energy and
      * momentum that each law adds. For the world's thread, between frames.
      *
@@ -122,6 +133,11 @@ public interface WorldControl {
      *     computes; an empty value removes the rule
      */
     Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused;
+
+    /** Returns the cluster to which the server of the world belongs; empty if there is none. */
+    default Optional<ClusterPort> cluster() {
+        return Optional.empty();
+    }
 
     /** Prepares the end of the quarantine of a library that failed. */
     Change release(String library) throws ActionRefused;
@@ -149,7 +165,7 @@ public interface WorldControl {
          * Writes the state as a world file into the program's folder. For any thread.
          *
          * @param file name without a folder
-         * @param without ids of items that the file omits, with all items attached to them
+         * @param without ids of items that the file omits; it also omits the items attached to them
          */
         void save(String file, Collection<ItemId> without) throws ActionRefused;
 

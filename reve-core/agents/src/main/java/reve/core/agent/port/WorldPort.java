@@ -21,6 +21,7 @@ import reve.core.world.SnapshotRing;
  * @param loop makes the frames
  * @param control further commands for clients of the role control
  * @param cameras source of pictures from the cameras of bodies
+ * @param notes place where the world keeps the notes about its sessions
  */
 public record WorldPort(
         String world,
@@ -31,4 +32,30 @@ public record WorldPort(
         SnapshotRing snapshots,
         FrameLoop loop,
         WorldControl control,
-        Cameras cameras) {}
+        Cameras cameras,
+        SessionNotes notes) {
+
+    /** Creates the port of a world that keeps no notes about its sessions. */
+    public WorldPort(
+            String world,
+            int framesPerSecond,
+            AgentPolicy agents,
+            FrameBus bus,
+            CommandQueue commands,
+            SnapshotRing snapshots,
+            FrameLoop loop,
+            WorldControl control,
+            Cameras cameras) {
+        this(
+                world,
+                framesPerSecond,
+                agents,
+                bus,
+                commands,
+                snapshots,
+                loop,
+                control,
+                cameras,
+                SessionNotes.NONE);
+    }
+}

@@ -6,7 +6,7 @@ import reve.core.agent.session.Resumes;
 
 /**
  * Limits on clients' messages, and on the data that the server stores for clients. {@link
- * #PROTOCOL} has the limits that PROTOCOL.md states; tests use smaller ones.
+ * #PROTOCOL} has the limits that PROTOCOL.md states; tests use smaller limits.
  *
  * @param maxConnections maximum number of open connections, and of clients, connected or not
  * @param helloBytes maximum number of bytes until the hello is complete
@@ -17,8 +17,8 @@ import reve.core.agent.session.Resumes;
  * @param outboxBytes maximum total size of these messages [bytes]
  * @param maxErrors number of refused messages after which a connection ends
  * @param kept maximum number of sessions without a token that wait for a new connection
- * @param resumes maximum number of resumes of one session in a burst; after the burst, {@value
- *     Resumes#PER_SECOND} per second
+ * @param resumes maximum number of resumes of one session in a burst; after the burst, one session
+ *     may resume {@value Resumes#PER_SECOND} times per second
  * @param hellos maximum number of clients that may join at once; after such a burst, 100 clients
  *     per second may join, and the others wait
  */
@@ -39,6 +39,8 @@ public record AgentLimits(
             new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8, 16, 8, 256);
 
     /**
+     * Checks the limits.
+     *
      * @throws IllegalArgumentException if a limit is not positive
      */
     public AgentLimits {

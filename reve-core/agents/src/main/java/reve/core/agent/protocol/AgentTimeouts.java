@@ -8,12 +8,12 @@ import java.util.Optional;
 
 /**
  * Time limits of a server. {@link #PROTOCOL} has the times that PROTOCOL.md states; tests use
- * shorter ones.
+ * shorter times.
  *
  * @param hello maximum time until the hello
  * @param line maximum time from the first byte of a message to the last
- * @param idle time without a message after which the server sends a ping to a client; after the
- *     same time again, it disconnects the client
+ * @param idle time without a message after which the server sends a ping to a client. If the client
+ *     sends nothing for the same time again, the server disconnects it
  * @param flood time after which a client that exceeds its quota without a pause is disconnected
  * @param write maximum time of one write
  * @param grace maximum time that the body of a disconnected agent stays for a new connection
@@ -35,7 +35,7 @@ public record AgentTimeouts(
 
     public static final AgentTimeouts PROTOCOL =
             new AgentTimeouts(
-                    Duration.ofSeconds(5), // with TLS; a JVM that just started takes seconds
+                    Duration.ofSeconds(5), // includes TLS, which takes seconds in a new JVM
                     Duration.ofSeconds(10),
                     Duration.ofSeconds(15),
                     Duration.ofSeconds(10),
@@ -46,6 +46,8 @@ public record AgentTimeouts(
                     Duration.ofSeconds(1));
 
     /**
+     * Checks the times.
+     *
      * @throws IllegalArgumentException if a time is shorter than a millisecond
      */
     public AgentTimeouts {

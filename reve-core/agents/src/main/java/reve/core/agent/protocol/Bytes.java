@@ -14,8 +14,8 @@ public final class Bytes {
     private ByteBuffer bytes = ByteBuffer.allocate(64);
 
     /**
-     * The ropes contained by reference. The next field contains, for each rope, the number of own
-     * bytes in {@link #bytes} before it.
+     * The ropes that the buffer contains by reference. The next field contains a number for each
+     * rope: the count of own bytes in {@link #bytes} before the rope.
      */
     private Rope[] strands = new Rope[8];
 
@@ -117,8 +117,9 @@ public final class Bytes {
     }
 
     /**
-     * Converts a position in the buffer into a position in {@link #bytes}. The caller passes the
-     * index of the first rope after the position.
+     * Converts a position in the buffer into a position in {@link #bytes}.
+     *
+     * @param firstStrand index of the first rope after the position
      */
     private int ownPlace(int place, int firstStrand) {
         int before = strandBytes;

@@ -44,6 +44,9 @@ public sealed interface ClientMessage {
             case SetRule rule -> "rule";
             case Batch batch -> "batch";
             case Ask ask -> ask.what();
+            case MoveWorld move -> "move-world";
+            case DrainNode drain -> "drain-node";
+            case AddWorld add -> "add-world";
             case Release release -> "release";
             case Picture picture -> "picture";
             case Snapshot snapshot -> "snapshot";
@@ -56,7 +59,10 @@ public sealed interface ClientMessage {
             case State state -> "state";
             case Inspect inspect -> "inspect";
             case Laws laws -> "laws";
+            case Perceived perceived -> "perceived";
+            case Search search -> "search";
             case Ledger ledger -> "ledger";
+            case Audit audit -> "audit";
             case ShutDown shutDown -> "shut-down";
             case Ping ping -> "ping";
             case Pong pong -> "pong";
@@ -65,6 +71,8 @@ public sealed interface ClientMessage {
     }
 
     /**
+     * The first message of a client, which opens or resumes its session, or asks a question.
+     *
      * @param role name of the role, as received
      * @param world name of the world to join; needed only if the server has several
      * @param body name of the item that the client requests as its body
@@ -73,6 +81,7 @@ public sealed interface ClientMessage {
      * @param lockStep empty unless the client runs in lock-step
      * @param resume the session to resume
      * @param token secret of the client's token
+     * @param ask a question that the server answers instead of opening a session, as received
      */
     record Hello(
             long id,
@@ -85,8 +94,12 @@ public sealed interface ClientMessage {
             double graceSeconds,
             Optional<LockStep> lockStep,
             Optional<Resume> resume,
-            Optional<String> token)
+            Optional<String> token,
+            Optional<String> ask)
             implements ClientMessage {
+
+        /** The question for the nodes and worlds of the server's cluster. */
+        public static final String CLUSTER = "cluster";
 
         private static final Pattern NAME = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_.-]{0,63}");
 
@@ -118,12 +131,16 @@ public sealed interface ClientMessage {
             Optional<ActionRequest> fallback) {}
 
     /**
+     * Names the session that a client resumes after its connection broke.
+     *
      * @param session the session token, from the welcome that the broken connection received
      * @param frame the last frame of which the client received all events
      */
     record Resume(String session, long frame) {}
 
     /**
+     * Requests perceptions, as a stream or once.
+     *
      * @param every number of frames between perceptions; 0 ends the stream, {@link #ONCE} requests
      *     one perception now
      * @param relations whether symbols contain relations (near, on, inside, touching)
@@ -134,9 +151,12 @@ public sealed interface ClientMessage {
     }
 
     /**
-     * @param sensor name of a camera of the agent's body
+     * Requests a picture.
+     *
+     * @param sensor name of a camera
+     * @param item name of the body that carries the camera; if empty, the agent's own body
      */
-    record Look(long id, String sensor) implements ClientMessage {}
+    record Look(long id, String sensor, Optional<String> item) implements ClientMessage {}
 
     /**
      * Ends the current round of an agent in lock-step.
@@ -155,11 +175,13 @@ public sealed interface ClientMessage {
     record Bye(long id) implements ClientMessage {}
 
     /**
-     * A command, which has a result and is executed at most once even if the client sends it again.
+     * A command. It has a result, and is executed at most once even if the client sends it again.
      */
     sealed interface Request extends ClientMessage {}
 
     /**
+     * Requests an action.
+     *
      * @param requested the requested action, which must name its item
      * @param ready if present, the act also ends the agent's round
      */
@@ -178,6 +200,8 @@ public sealed interface ClientMessage {
     record Step(long id, int frames) implements Control {}
 
     /**
+     * Loads a library of laws, or a law as text.
+     *
      * @param library name of a library in the law folders of the server; for a text, its name in
      *     messages
      * @param text a law as text, which replaces the library
@@ -196,6 +220,8 @@ public sealed interface ClientMessage {
     record UnloadLaw(long id, String library) implements Control {}
 
     /**
+     * Sets a property of an item.
+     *
      * @param value Double, List of Double, String or Boolean
      */
     record Edit(long id, String item, String property, Object value) implements Control {}
@@ -204,23 +230,31 @@ public sealed interface ClientMessage {
     sealed interface WorldChange extends Control {}
 
     /**
+     * Adds items.
+     *
      * @param items a JSON object with {@code items} and {@code prefabs} in the form of a world file
      */
     record Add(long id, String items) implements WorldChange {}
 
     /**
+     * Changes values of an item.
+     *
      * @param to the new values of the item, in the form of a world file, as JSON; null removes a
      *     value
      */
     record Change(long id, String item, String to) implements WorldChange {}
 
     /**
+     * Removes an item.
+     *
      * @param cascade whether the items that refer to the item or are attached to it are removed,
      *     too
      */
     record Remove(long id, String item, boolean cascade) implements WorldChange {}
 
     /**
+     * Adds, replaces or removes a rule.
+     *
      * @param name the symbol that the rule computes
      * @param rule the rule in the form of a world file, as JSON; empty removes the rule
      */
@@ -261,6 +295,34 @@ public sealed interface ClientMessage {
         }
     }
 
+    /** An order to the cluster of the server. It may concern other worlds than the client's. */
+    sealed interface Order extends Control {}
+
+    /**
+     * Moves a world to a node.
+     *
+     * @param world name of the world that moves
+     * @param node address of the node that shall run it, or {@link
+     *     reve.core.agent.port.ClusterPort#ANY}
+     */
+    record MoveWorld(long id, String world, String node) implements Order {}
+
+    /**
+     * Moves all worlds of a node away, or ends this order.
+     *
+     * @param node address of the node
+     * @param drained true if the node shall run no worlds, false if it may run worlds again
+     */
+    record DrainNode(long id, String node, boolean drained) implements Order {}
+
+    /**
+     * Adds a world to the cluster.
+     *
+     * @param text a world file that refers to no other files
+     * @param asleep true if the world makes its first frame only when a client asks for it
+     */
+    record AddWorld(long id, String text, boolean asleep) implements Order {}
+
     /**
      * Ends the quarantine of a library of laws. The library failed, and the world has run without
      * it since then.
@@ -271,21 +333,29 @@ public sealed interface ClientMessage {
     record Picture(long id) implements Control {}
 
     /**
+     * Saves the state of the world in memory.
+     *
      * @param image name under which the state of the world is saved in memory
      */
     record Snapshot(long id, String image) implements Control {}
 
     /**
+     * Rewinds the world to a saved state.
+     *
      * @param image name of a saved state; if empty, the state at the start of the world
      */
     record Rewind(long id, Optional<String> image) implements Control {}
 
     /**
+     * Writes the world to a file.
+     *
      * @param file name of the world file to write
      */
     record Save(long id, String file) implements Control {}
 
     /**
+     * Advances a copy of the world and reports its state.
+     *
      * @param frames number of frames by which a copy of the world advances
      * @param changes changes that are made in the copy before it advances
      */
@@ -295,11 +365,15 @@ public sealed interface ClientMessage {
     record ShutDown(long id) implements Control {}
 
     /**
+     * Changes the speed of the world.
+     *
      * @param factor simulated time divided by elapsed time
      */
     record Speed(long id, double factor) implements Control {}
 
     /**
+     * Changes parameters of a loaded library of laws.
+     *
      * @param parameters new values of parameters of a loaded library, in SI units; other parameters
      *     keep their values
      * @param swap how the values take effect; if empty, at once
@@ -308,6 +382,8 @@ public sealed interface ClientMessage {
             implements Control {}
 
     /**
+     * Limits the computing time of a library of laws.
+     *
      * @param budget the limit on the computing time of a loaded library in a frame; empty to remove
      *     the limit
      */
@@ -317,17 +393,51 @@ public sealed interface ClientMessage {
     record Ledger(long id, Optional<Boolean> open) implements Control {}
 
     /**
-     * A request for a report about the world, which only clients that perceive everything may send.
-     * Changes nothing.
+     * Requests the newest records of the audit log about the world.
+     *
+     * @param client name of the client whose records are requested; empty for all clients
+     * @param frequent whether records of frequent messages, such as perceptions, are requested, too
+     * @param most maximum number of records, 1 to {@link #MAX}
+     */
+    record Audit(long id, Optional<String> client, boolean frequent, int most) implements Control {
+        /** Maximum number of records in a report. */
+        public static final int MAX = 200;
+
+        /** Number of records in a report if the request contains no number. */
+        public static final int DEFAULT = 50;
+    }
+
+    /**
+     * A request for a report about the world. Only clients that perceive everything may send it. It
+     * changes nothing.
      */
     sealed interface Query extends Request {}
 
-    /** Requests the state of the world's frame loop and of its clients. */
-    record State(long id) implements Query {}
+    /**
+     * Requests the state of the world's frame loop and of its clients.
+     *
+     * @param roundTrips whether the server measures the round-trip times of the clients for later
+     *     reports
+     */
+    record State(long id, boolean roundTrips) implements Query {}
 
     /** Requests a report of the aspects of an item. */
     record Inspect(long id, String item) implements Query {}
 
     /** Requests the loaded, quarantined and available laws. */
     record Laws(long id) implements Query {}
+
+    /**
+     * Requests the items that an agent perceived last.
+     *
+     * @param client name of the agent
+     */
+    record Perceived(long id, String client) implements Query {}
+
+    /**
+     * Requests the items whose names or symbols contain a text.
+     *
+     * @param text the text, in letters of any case
+     */
+    record Search(long id, String text) implements Query {}
 }

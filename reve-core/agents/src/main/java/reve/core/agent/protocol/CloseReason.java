@@ -16,7 +16,7 @@ public final class CloseReason extends Exception {
 
     private final transient Optional<String> hint;
 
-    /** Address at which the client finds its world. */
+    /** Address of the server that has the client's world, if it is another server. */
     private final transient Optional<String> address;
 
     /** True if the client exceeded a limit. */
@@ -71,6 +71,20 @@ public final class CloseReason extends Exception {
                 "moved",
                 "the server at " + address + " has the world " + Text.quote(world),
                 Optional.of("say hello there"),
+                Optional.of(address),
+                false);
+    }
+
+    /**
+     * Returns the reason for ending the connection of a client whose world moves to another server.
+     *
+     * @param address HOST:PORT of the server that the client shall ask for the world
+     */
+    public static CloseReason moving(String world, String address) {
+        return new CloseReason(
+                "moved",
+                "the world " + Text.quote(world) + " moves to another server",
+                Optional.of("say hello to the server at " + address),
                 Optional.of(address),
                 false);
     }

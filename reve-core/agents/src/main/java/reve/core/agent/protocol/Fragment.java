@@ -7,7 +7,8 @@ import java.util.function.Consumer;
 
 /**
  * A value that is encoded once, when it is first needed, and shared by all messages that contain
- * it. If several threads need it at the same time, each may encode it, with the same result.
+ * it. Several threads may need the value at the same time. Each of them may then encode it, with
+ * the same result.
  */
 public final class Fragment {
 

@@ -25,7 +25,7 @@ public final class Json {
                     .enable(StreamReadFeature.STRICT_DUPLICATE_DETECTION)
                     .build();
 
-    /** Reads and writes JSON. */
+    /** The reader and writer of JSON with these settings. */
     public static final JsonMapper MAPPER = new JsonMapper(FACTORY);
 
     private Json() {}

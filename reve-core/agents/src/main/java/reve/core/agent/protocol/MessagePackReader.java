@@ -2,8 +2,10 @@
 package reve.core.agent.protocol;
 
 import org.msgpack.core.MessageFormat;
+import org.msgpack.core.MessageInsufficientBufferException;
 import org.msgpack.core.MessagePack;
 import org.msgpack.core.MessagePackException;
+import org.msgpack.core.MessageSizeException;
 import org.msgpack.core.MessageUnpacker;
 import org.msgpack.value.ValueType;
 
@@ -32,6 +34,8 @@ public final class MessagePackReader {
     /** A conversion of binary values, which JSON does not have, into texts. */
     public interface Binary {
         /**
+         * Returns the text for a binary value.
+         *
          * @throws IllegalArgumentException if binary values are not allowed
          */
         String text(byte[] bytes);
@@ -44,6 +48,8 @@ public final class MessagePackReader {
     }
 
     /**
+     * Reads a message that is exactly one value.
+     *
      * @throws IllegalArgumentException with the reason if the bytes are not exactly one value
      */
     public static JsonNode read(ByteBuffer message) {
@@ -65,9 +71,18 @@ public final class MessagePackReader {
             }
             return node;
         } catch (IOException | MessagePackException e) {
-            throw new IllegalArgumentException(
-                    e.getMessage() == null ? e.getClass().getSimpleName() : e.getMessage(), e);
+            throw new IllegalArgumentException(reason(e), e);
         }
+    }
+
+    private static String reason(Exception e) {
+        return switch (e) {
+            case MessageInsufficientBufferException ends -> "the message ends within a value";
+            case MessageSizeException large ->
+                    "a length is " + large.getSize() + ", which is too large";
+            case Exception other when other.getMessage() != null -> other.getMessage();
+            default -> "a value cannot be read";
+        };
     }
 
     private JsonNode value(int depth) throws IOException {

@@ -26,9 +26,12 @@ import java.util.regex.Pattern;
 /** Parser of clients' messages. For any thread. */
 public final class MessageReader {
 
-    static final int MAX_EVERY = 1_000_000;
+    /** Maximum number of frames between two perceptions. */
+    public static final int MAX_EVERY = 1_000_000;
 
-    private static final double MAX_SECONDS = 1e6;
+    /** Maximum grace and deadline [s]. */
+    public static final double MAX_SECONDS = 1e6;
+
     private static final double LEAST_MILLISECONDS = 0.001;
     private static final double MIN_SPEED = 0.01;
     private static final double MAX_SPEED = 100;
@@ -50,6 +53,8 @@ public final class MessageReader {
     private MessageReader() {}
 
     /**
+     * Reads a message.
+     *
      * @param bytes the message; the buffer must be backed by an array
      * @throws BadMessage with the reason, and with the id of the message if it is valid
      */
@@ -158,7 +163,8 @@ public final class MessageReader {
                                     : 0,
                             fields.lockStep(),
                             fields.resume(),
-                            fields.optionalText("token"));
+                            fields.optionalText("token"),
+                            fields.optionalText("ask"));
             case "perceive" ->
                     new ClientMessage.Perceive(
                             fields.id,
@@ -166,7 +172,9 @@ public final class MessageReader {
                                     ? (int) fields.integer("every", 0, MAX_EVERY)
                                     : ClientMessage.Perceive.ONCE,
                             fields.isTrue("relations"));
-            case "look" -> new ClientMessage.Look(fields.required(), fields.text("sensor"));
+            case "look" ->
+                    new ClientMessage.Look(
+                            fields.required(), fields.text("sensor"), fields.optionalText("item"));
             case "act" ->
                     new ClientMessage.Act(
                             fields.required(),
@@ -213,6 +221,17 @@ public final class MessageReader {
                             (int) fields.integer("frames", 0, MAX_EVERY),
                             fields.has("changes") ? Optional.of(fields.batch()) : Optional.empty());
             case "profile", "cluster", "changes", "near", "region" -> fields.ask();
+            case "move-world" ->
+                    new ClientMessage.MoveWorld(
+                            fields.required(), fields.text("world"), fields.text("node"));
+            case "drain-node" ->
+                    new ClientMessage.DrainNode(
+                            fields.required(),
+                            fields.text("node"),
+                            !fields.has("drained") || fields.isTrue("drained"));
+            case "add-world" ->
+                    new ClientMessage.AddWorld(
+                            fields.required(), fields.text("text"), fields.isTrue("asleep"));
             case "release" -> new ClientMessage.Release(fields.required(), fields.text("library"));
             case "shut-down" -> new ClientMessage.ShutDown(fields.required());
             case "speed" ->
@@ -227,8 +246,11 @@ public final class MessageReader {
             case "set-budget" ->
                     new ClientMessage.SetBudget(
                             fields.required(), fields.text("library"), fields.budget());
-            case "state" -> new ClientMessage.State(fields.required());
+            case "state" -> new ClientMessage.State(fields.required(), fields.isTrue("roundTrips"));
             case "inspect" -> new ClientMessage.Inspect(fields.required(), fields.text("item"));
+            case "perceived" ->
+                    new ClientMessage.Perceived(fields.required(), fields.text("client"));
+            case "search" -> new ClientMessage.Search(fields.required(), fields.text("text"));
             case "laws" -> new ClientMessage.Laws(fields.required());
             case "ledger" ->
                     new ClientMessage.Ledger(
@@ -236,6 +258,14 @@ public final class MessageReader {
                             fields.has("open")
                                     ? Optional.of(fields.isTrue("open"))
                                     : Optional.empty());
+            case "audit" ->
+                    new ClientMessage.Audit(
+                            fields.required(),
+                            fields.optionalText("client"),
+                            fields.isTrue("frequent"),
+                            fields.has("most")
+                                    ? (int) fields.integer("most", 1, ClientMessage.Audit.MAX)
+                                    : ClientMessage.Audit.DEFAULT);
             case "ping" -> new ClientMessage.Ping(fields.id);
             case "pong" -> new ClientMessage.Pong(fields.id);
             case "bye" -> new ClientMessage.Bye(fields.id);
@@ -247,11 +277,12 @@ public final class MessageReader {
                                     + Text.quote(type.stringValue())
                                     + " in protocol 1",
                             "a client sends hello, perceive, look, act, ready, ping, pong or bye;"
-                                    + " in the roles observer and control also state, inspect or"
-                                    + " laws; in the role control also pause, run, step, speed,"
+                                    + " in the roles observer and control also state, inspect, search,"
+                                    + " laws or perceived; in the role control also pause, run, step, speed,"
                                     + " load-law, set-law, set-budget, unload-law, release, edit, add, change,"
                                     + " remove, rule, batch, picture, snapshot, rewind, save, fork,"
-                                    + " ledger, profile, cluster, changes, near, region or shut-down");
+                                    + " ledger, audit, profile, cluster, move-world, drain-node,"
+                                    + " add-world, changes, near, region or shut-down");
         };
     }
 
@@ -278,7 +309,7 @@ public final class MessageReader {
             return find(name) != null;
         }
 
-        /** Returns the version of the protocol that the client requests. */
+        /** Returns the version of the protocol that the client's hello requests. */
         int protocol() throws BadMessage {
             if (!has("protocol")) {
                 throw bad(
@@ -393,12 +424,29 @@ public final class MessageReader {
                             resume.text("session"), resume.integer("frame", 0, MAX_ID)));
         }
 
+        /**
+         * Returns values by parameter name. A list sets the three parameters of a vector, whose
+         * names end in {@code _x}, {@code _y} and {@code _z}.
+         */
         Map<String, Double> parameters() throws BadMessage {
             var parameters = new LinkedHashMap<String, Double>();
             for (Map.Entry<String, JsonNode> parameter : object("parameters")) {
-                parameters.put(
-                        parameter.getKey(),
-                        number("parameters", parameter.getKey(), parameter.getValue()));
+                JsonNode value = parameter.getValue();
+                if (value.isArray() && value.size() != 3 || !value.isArray() && !value.isNumber()) {
+                    throw bad(
+                            id,
+                            "parameters",
+                            "holds " + show(value) + " for " + Text.quote(parameter.getKey()),
+                            "expected a number, or the three numbers of a vector, in SI units");
+                }
+                if (value.isNumber()) {
+                    parameters.put(parameter.getKey(), value.asDouble());
+                    continue;
+                }
+                List<Double> numbers = numbers("parameters", parameter.getKey(), value);
+                for (int i = 0; i < 3; i++) {
+                    parameters.put(parameter.getKey() + "_" + "xyz".charAt(i), numbers.get(i));
+                }
             }
             return parameters;
         }

@@ -32,6 +32,8 @@ public interface MessageWriter {
     void integer(long number);
 
     /**
+     * Writes a finite number.
+     *
      * @param number finite
      */
     void number(double number);
@@ -42,7 +44,7 @@ public interface MessageWriter {
     /** Returns the encoding. */
     Encoding encoding();
 
-    /** Writes bytes; in JSON, a base64 text (RFC 4648). */
+    /** Writes bytes. In JSON they are a base64 text (RFC 4648). */
     void bytes(byte[] bytes);
 
     /** Writes {@code count} elements of an array as a list, starting at index {@code first}. */
@@ -55,8 +57,8 @@ public interface MessageWriter {
     }
 
     /**
-     * Writes a String, Boolean, Number, byte[], Fragment, or a List or Map of these (with texts as
-     * keys). Numbers that are not finite are written as text.
+     * Writes a String, Boolean, Number, byte[], Fragment, or a List or Map of such values, with
+     * texts as keys. Numbers that are not finite are written as text.
      */
     default void value(Object value) {
         switch (value) {

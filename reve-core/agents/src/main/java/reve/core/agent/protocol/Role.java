@@ -5,13 +5,18 @@ import java.util.Arrays;
 import java.util.Locale;
 import java.util.Optional;
 
-/** The role of a client, which determines what it may do. */
+/**
+ * The role of a client. It determines which messages the client may send, and what it perceives.
+ */
 public enum Role {
-    /** Perceives and acts through a body. */
+    /** A client that perceives and acts through a body. */
     AGENT,
-    /** Operates the world: pauses it, changes its laws, edits it. Perceives everything. */
+    /**
+     * A client that operates the world: it may pause the world, change its laws and edit it. It
+     * perceives everything.
+     */
     CONTROL,
-    /** Perceives everything and cannot act. */
+    /** A client that perceives everything and cannot act. */
     OBSERVER;
 
     /** Returns the name of the role in the protocol. */

@@ -37,7 +37,7 @@ public final class Rope {
     private final int[] ownBefore;
     private final int size;
 
-    /** Number of holders. Guarded by the {@link SlowReaders}. */
+    /** Number of holders. Guarded by the lock of {@link SlowReaders}. */
     private int holders;
 
     /** Creates a rope that owns the bytes. The caller must not change them afterwards. */
@@ -83,7 +83,7 @@ public final class Rope {
         int found = Arrays.binarySearch(starts, offset);
         int next = found >= 0 ? found : -found - 1;
         if (found < 0 && next > 0 && offset < starts[next - 1] + strands[next - 1].size) {
-            next--; // the offset is within this strand
+            next--; // the offset is within the previous strand
         }
         int at = offset;
         for (; next < strands.length && into.hasRemaining(); next++) {
@@ -105,7 +105,7 @@ public final class Rope {
     }
 
     /**
-     * Adds a holder, a slow connection that keeps the rope in memory.
+     * Adds a holder. A holder is a slow connection that keeps the rope in memory.
      *
      * @return memory that had no holder before [bytes]
      */

@@ -4,13 +4,14 @@ package reve.core.agent.protocol;
 import reve.core.agent.port.Cameras;
 
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalLong;
 
 /**
- * A message from the server, except perceptions. {@code id} is {@link ClientMessage#NO_ID} if it
- * answers no message.
+ * A message from the server, except perceptions. A message that answers no message of the client
+ * has the id {@link ClientMessage#NO_ID}.
  */
 public sealed interface ServerMessage {
 
@@ -34,8 +35,16 @@ public sealed interface ServerMessage {
     /**
      * The session token. Another connection can use it to resume the session within the given time
      * after the connection breaks.
+     *
+     * @param servers HOST:PORT of other servers that can continue the session
      */
-    record Ticket(String token, double graceSeconds) {}
+    record Ticket(String token, double graceSeconds, List<String> servers) {
+
+        /** Copies the list. */
+        public Ticket {
+            servers = List.copyOf(servers);
+        }
+    }
 
     /**
      * The lock-step settings in the welcome. The world waits for the agent after every Nth frame,
@@ -44,8 +53,11 @@ public sealed interface ServerMessage {
     record Rhythm(int every, double deadlineSeconds) {}
 
     /**
+     * Reports that the client is connected, and describes its session.
+     *
      * @param body name of the body of a client with the role agent
      * @param lockStep empty unless the client runs in lock-step
+     * @param cameras names of the cameras of the body
      */
     record Welcome(
             long id,
@@ -60,10 +72,17 @@ public sealed interface ServerMessage {
             Optional<Rhythm> lockStep,
             Optional<Ticket> session,
             boolean resumed,
-            Limits limits)
-            implements ServerMessage {}
+            Limits limits,
+            List<String> cameras)
+            implements ServerMessage {
 
-    /** A command took effect in a frame. */
+        /** Copies the list. */
+        public Welcome {
+            cameras = List.copyOf(cameras);
+        }
+    }
+
+    /** Reports that a command took effect in a frame. */
     record Accepted(long id, long frame) implements ServerMessage {}
 
     /**
@@ -76,7 +95,7 @@ public sealed interface ServerMessage {
     record Answer(long id, long frame, Object value) implements ServerMessage {}
 
     /**
-     * A command was refused.
+     * Reports that a command was refused.
      *
      * @param reason cut after {@value #MAX_REASON} characters
      */
@@ -117,6 +136,8 @@ public sealed interface ServerMessage {
     record Image(long id, String sensor, Cameras.Photo photo) implements ServerMessage {}
 
     /**
+     * An event of the world.
+     *
      * @param fields String, Number, Boolean or a List of these by name
      */
     record Event(long frame, String type, Map<String, Object> fields) implements ServerMessage {
@@ -135,7 +156,7 @@ public sealed interface ServerMessage {
         }
     }
 
-    /** A message was refused. */
+    /** Reports that a message was refused. */
     record Error(long id, String code, String message, String hint) implements ServerMessage {}
 
     /** Requests a pong. */
@@ -145,7 +166,7 @@ public sealed interface ServerMessage {
     record Pong(long id) implements ServerMessage {}
 
     /**
-     * The connection ends.
+     * Reports that the connection ends, and why.
      *
      * @param address HOST:PORT of the server that has the client's world, if it is another one
      */
@@ -254,6 +275,9 @@ public sealed interface ServerMessage {
         fields.put("world", welcome.world);
         fields.put("frame", welcome.frame);
         fields.put("rate", welcome.rate);
+        if (!welcome.cameras.isEmpty()) {
+            fields.put("cameras", welcome.cameras);
+        }
         if (welcome.encoding != Encoding.JSON) {
             fields.put("encoding", welcome.encoding.wireName());
         }
@@ -270,6 +294,9 @@ public sealed interface ServerMessage {
                     var ticket = new LinkedHashMap<String, Object>();
                     ticket.put("token", session.token);
                     ticket.put("graceSeconds", session.graceSeconds);
+                    if (!session.servers.isEmpty()) {
+                        ticket.put("servers", session.servers);
+                    }
                     fields.put("session", ticket);
                 });
         if (welcome.resumed) {

@@ -20,12 +20,14 @@ public final class Text {
     private Text() {}
 
     /**
+     * Decodes a text.
+     *
      * @throws CharacterCodingException if the bytes are not valid UTF-8
      */
     static String decode(byte[] utf8, int start, int length) throws CharacterCodingException {
         String text = new String(utf8, start, length, StandardCharsets.UTF_8);
-        // The text contains the replacement character. Either the client sent this character, or
-        // the decoder inserted it for invalid UTF-8.
+        // The decoder inserts the replacement character for invalid UTF-8, but a client may also
+        // send this character. The slower code below distinguishes the two cases.
         if (text.indexOf(REPLACEMENT) >= 0) {
             StandardCharsets.UTF_8.newDecoder().decode(ByteBuffer.wrap(utf8, start, length));
         }

@@ -10,24 +10,51 @@ import reve.core.agent.protocol.Text;
 import reve.core.world.ItemId;
 import reve.core.world.Sensor;
 
-import java.util.HashMap;
+import java.util.LinkedHashMap;
 import java.util.Map;
+import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.function.Consumer;
 
 /**
- * The requests of one client for pictures from its body's cameras. One request is processed at a
+ * The requests of one client for pictures from the cameras of bodies. One request is processed at a
  * time. The interval of a camera limits how often it takes a picture. For the event loop's thread
  * only.
  */
 public final class CameraRequests {
+
+    /** Number of cameras whose last picture is remembered. */
+    private static final int MOST_CAMERAS = 1024;
+
+    /**
+     * A camera of a body.
+     *
+     * @param body empty for the client's own body, which a rewind may replace by another one. The
+     *     interval of the camera continues then
+     * @param name name of the sensor
+     */
+    private record Mounted(Optional<ItemId> body, String name) {
+        static Mounted of(ClientMessage.Look look, ItemId body, Sensor camera) {
+            return new Mounted(look.item().map(_ -> body), camera.name());
+        }
+    }
 
     private final Cameras cameras;
     private final Publisher publisher;
     private final RateLimitedLog log;
     private final String client;
     private final Consumer<ServerMessage> told;
-    private final Map<String, Long> lastFrames = new HashMap<>();
+
+    /** The frame of the last picture of each camera. The oldest pictures are forgotten. */
+    private final Map<Mounted, Long> lastFrames =
+            new LinkedHashMap<>() {
+                private static final long serialVersionUID = 1;
+
+                @Override
+                protected boolean removeEldestEntry(Map.Entry<Mounted, Long> eldest) {
+                    return size() > MOST_CAMERAS;
+                }
+            };
 
     /** Id of the request that is being processed. */
     private OptionalLong pending = OptionalLong.empty();
@@ -50,12 +77,15 @@ public final class CameraRequests {
     }
 
     /**
+     * Requests a picture from a camera.
+     *
      * @throws BadMessage if another picture is pending, or the camera's interval has not passed
      */
     public void take(ClientMessage.Look look, ItemId body, Sensor camera) throws BadMessage {
         if (pending.equals(OptionalLong.of(look.id()))) {
-            return; // the client repeated its request over a new connection, and the answer to
-            // the first request follows
+            // The client repeated its request over a new connection. The answer to the first
+            // request will be sent.
+            return;
         }
         if (pending.isPresent()) {
             throw new BadMessage(
@@ -64,7 +94,7 @@ public final class CameraRequests {
                     "the picture asked for before is still on its way",
                     "wait for it");
         }
-        requireTurn(look, camera, publisher.published());
+        requireTurn(look, Mounted.of(look, body, camera), camera, publisher.published());
         pending = OptionalLong.of(look.id());
         cameras.take(
                 body,
@@ -72,7 +102,7 @@ public final class CameraRequests {
                 new Cameras.Answer() {
                     @Override
                     public void taken(Cameras.Photo photo) {
-                        publisher.later(() -> show(look, camera, photo));
+                        publisher.later(() -> show(look, body, camera, photo));
                     }
 
                     @Override
@@ -97,10 +127,12 @@ public final class CameraRequests {
 
     /**
      * Throws an exception unless a new picture may be taken. A picture may be taken if the camera's
-     * interval has passed since its last picture, or if the frame is the frame of the last picture.
+     * interval has passed since its last picture. Another picture of the same frame is also
+     * allowed.
      */
-    private void requireTurn(ClientMessage.Look look, Sensor camera, long frame) throws BadMessage {
-        long last = lastFrames.getOrDefault(camera.name(), Long.MIN_VALUE / 2);
+    private void requireTurn(ClientMessage.Look look, Mounted mounted, Sensor camera, long frame)
+            throws BadMessage {
+        long last = lastFrames.getOrDefault(mounted, Long.MIN_VALUE / 2);
         long next = last + camera.every();
         if (frame > last && frame < next) {
             throw new BadMessage(
@@ -115,10 +147,12 @@ public final class CameraRequests {
         }
     }
 
-    private void show(ClientMessage.Look look, Sensor camera, Cameras.Photo photo) {
+    private void show(ClientMessage.Look look, ItemId body, Sensor camera, Cameras.Photo photo) {
+        var mounted = Mounted.of(look, body, camera);
         try {
-            requireTurn(look, camera, photo.frame());
-            lastFrames.put(camera.name(), photo.frame());
+            requireTurn(look, mounted, camera, photo.frame());
+            lastFrames.remove(mounted); // so that it becomes the newest
+            lastFrames.put(mounted, photo.frame());
             tell(new ServerMessage.Image(look.id(), camera.name(), photo));
         } catch (BadMessage tooEarly) { // the world made frames while the picture was drawn
             tell(tooEarly.error());

@@ -27,9 +27,9 @@ import java.util.stream.LongStream;
 /**
  * Preselection of the clients that may receive an event. The cost of an event therefore depends on
  * the number of clients that perceive its items, and not on the number of agents. This class
- * selects the clients whose last view contains one of the items, and those with a sensor that may
- * reach one of the items now. The selection may contain too many clients; {@link Senses} makes the
- * exact decision. For the event loop's thread only.
+ * selects the clients whose last view contains one of the items. It also selects the clients with a
+ * sensor that may reach one of the items now. The selection may contain too many clients; {@link
+ * Senses} makes the exact decision. For the event loop's thread only.
  */
 final class EventRouting {
 
@@ -39,13 +39,13 @@ final class EventRouting {
     private final Map<Perceiver, Showing> showings = new IdentityHashMap<>();
 
     /**
-     * The clients whose last view contains an item, by item. The map is updated only when there are
-     * events.
+     * For each item, the clients whose last view contains the item. The map is updated only when
+     * there are events.
      */
     private final Map<ItemId, Set<Perceiver>> viewers = new HashMap<>();
 
-    // The clients of this frame, in four lists: with sensors, without sensors, with sensors of
-    // unlimited reach, and with sensors of limited reach.
+    // The clients of this frame that have sensors. The next lists contain the clients without
+    // sensors, those with sensors of unlimited reach, and those with sensors of limited reach.
     private final List<Perceiver> withSensors = new ArrayList<>();
     private final List<Perceiver> withoutSensors = new ArrayList<>();
     private final List<Perceiver> reachingAll = new ArrayList<>();
@@ -66,7 +66,7 @@ final class EventRouting {
     private static final class Showing {
         private List<PerceivedItem> newest = List.of();
 
-        /** Items for which {@link #viewers} contains the client. */
+        /** The items for which {@link #viewers} contains this client. */
         private List<PerceivedItem> counted = List.of();
     }
 

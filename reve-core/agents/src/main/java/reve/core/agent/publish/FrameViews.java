@@ -6,6 +6,7 @@ import org.jspecify.annotations.Nullable;
 import reve.core.agent.perception.Observatory;
 import reve.core.agent.perception.RelatedViews;
 import reve.core.agent.perception.View;
+import reve.core.world.WorldPrototype;
 
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicReference;
@@ -18,15 +19,17 @@ import java.util.function.Predicate;
  */
 final class FrameViews {
 
-    private final Observatory observatory = new Observatory();
+    private final Observatory observatory;
     private final RelatedViews<Perceiver> related = new RelatedViews<>(System::nanoTime);
     private final EventRouting routing;
     private boolean isCut;
 
     /**
      * @param routing receives the views of clients with sensors
+     * @param prototype the prototype of the world
      */
-    FrameViews(EventRouting routing) {
+    FrameViews(EventRouting routing, WorldPrototype prototype) {
+        observatory = new Observatory(prototype);
         this.routing = routing;
     }
 
@@ -56,7 +59,7 @@ final class FrameViews {
      */
     boolean serve(Perceiver member, BooleanSupplier isTimeLeft) {
         isCut = false;
-        var known = new AtomicReference<@Nullable View>(); // two requests share a view
+        var known = new AtomicReference<@Nullable View>(); // two requests may share this view
         return member.perceptions()
                 .serve(
                         frame(),

@@ -3,6 +3,7 @@ package reve.core.agent.publish;
 
 import org.jspecify.annotations.Nullable;
 
+import reve.core.world.WorldPrototype;
 import reve.core.world.WorldSnapshot;
 
 import java.util.IdentityHashMap;
@@ -19,12 +20,13 @@ import java.util.function.BooleanSupplier;
 final class LongViews {
 
     /**
-     * Number of views in sequence that must each fit in one slice before a client is served like
-     * the others again.
+     * Number of views in sequence that must each fit in one slice. After this number, the client is
+     * served like the other clients again.
      */
     private static final int SHORT_VIEWS = 10;
 
     private final EventRouting routing;
+    private final WorldPrototype prototype;
 
     /**
      * The clients with long views. The value is the number of their last views that needed only one
@@ -35,14 +37,16 @@ final class LongViews {
     /** The client whose view of the copied frame is not complete yet; null if there is none. */
     private @Nullable Perceiver looking;
 
-    /** Null while no client has long views. */
+    /** The views of the copied frame; null while no client has long views. */
     private @Nullable FrameViews views;
 
     /**
      * @param routing receives the views
+     * @param prototype the prototype of the world
      */
-    LongViews(EventRouting routing) {
+    LongViews(EventRouting routing, WorldPrototype prototype) {
         this.routing = routing;
+        this.prototype = prototype;
     }
 
     /** Records that the view of a client needs more than one slice. */
@@ -68,19 +72,19 @@ final class LongViews {
     /**
      * Continues the unfinished view of a client, or begins a view of the newest frame.
      *
-     * @param newest empty or overwritten if that frame cannot be read now
+     * @param newest snapshot of the newest frame; empty if it cannot be read now
      * @param isTimeLeft false at the end of the slice
      * @return false if a view is not computed yet
      */
     boolean serve(Perceiver member, Optional<WorldSnapshot> newest, BooleanSupplier isTimeLeft) {
         FrameViews copy = views;
         if (copy == null) {
-            copy = new FrameViews(routing);
+            copy = new FrameViews(routing, prototype);
             views = copy;
         }
         Perceiver before = looking;
         if (before != null && !before.perceptions().isDue(copy.frame())) {
-            looking = null; // the requests of this client have changed
+            looking = null; // this client's requests have changed
         }
         boolean isContinued = looking == member;
         if (!isContinued && (looking != null || !read(copy, newest))) {

@@ -37,8 +37,8 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
     boolean hasSensors();
 
     /**
-     * Assigns a body to the client, possibly a different one than before. Ends the client's session
-     * if the outcome is a refusal.
+     * Assigns a body to the client, which may replace an earlier body. Ends the client's session if
+     * the outcome is a refusal.
      */
     void embodied(Outcome outcome);
 
@@ -50,14 +50,20 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
      */
     Optional<View> look(Observatory world, BooleanSupplier isTimeLeft);
 
+    /** Returns whether one of its body's sensors needs a line of sight. */
+    boolean needsSight();
+
     /**
      * Returns the indices of the event's fields that are sent to the client; empty if the event is
      * not sent.
+     *
+     * @param searches false if only the client's last view decides what it perceives
      */
-    Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world);
+    Optional<BitSet> hear(
+            WorldEvent event, EventSubjects subjects, Observatory world, boolean searches);
 
     /**
-     * Computes a box that contains the reach of the client's sensors, see {@link
+     * Computes a box that contains the reach of the client's sensors. See {@link
      * Observatory#reach}.
      */
     boolean reach(Observatory world, double[] lows, double[] highs, int at);
@@ -65,6 +71,9 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
     /** Sends an event to the client. */
     void tell(HeardEvent.Told event);
 
-    /** Records that up to {@code events} events of these frames were not sent. */
+    /**
+     * Records that up to {@code events} events of the frames {@code first} to {@code last} were not
+     * sent.
+     */
     void miss(long events, long first, long last);
 }

@@ -51,6 +51,8 @@ public final class PerceptionRequests {
     }
 
     /**
+     * Handles a request for perceptions.
+     *
      * @param published number of the last published frame; the request is served with a later frame
      * @throws BadMessage if the client requests a single perception while another one is pending
      */
@@ -102,13 +104,16 @@ public final class PerceptionRequests {
     /** Source of the client's views of a frame. */
     interface Views {
         /**
+         * Returns the client's view.
+         *
          * @return the view, possibly of an earlier frame; empty if it is not computed yet
          */
         Optional<View> of(boolean relations);
     }
 
     /**
-     * Returns whether the client needs relations in a perception that must be sent of this frame.
+     * Returns whether a perception of this frame must be sent to the client and must contain
+     * relations.
      */
     public synchronized boolean wantsRelations(long frame) {
         return frame >= notBefore
@@ -116,8 +121,8 @@ public final class PerceptionRequests {
     }
 
     /**
-     * Queues the perceptions that must be sent of a frame. Returns false if one of them is not
-     * computed yet.
+     * Queues the perceptions of a frame that must be sent to the client. Returns false if one of
+     * them is not computed yet.
      */
     synchronized boolean serve(long frame, Views views) {
         boolean all = true;

@@ -6,13 +6,16 @@ import reve.core.agent.embodiment.Rewound;
 import reve.core.agent.net.RateLimitedLog;
 import reve.core.agent.perception.EventSubjects;
 import reve.core.agent.perception.HeardEvent;
+import reve.core.agent.perception.Observatory;
 import reve.core.agent.perception.PerceptionEncoder;
 import reve.core.agent.perception.PerceptionShares;
+import reve.core.agent.perception.Senses;
 import reve.core.agent.port.WorldPort;
 import reve.core.frame.FrameEvent;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldSnapshot;
 
+import java.util.ArrayList;
 import java.util.BitSet;
 import java.util.Collection;
 import java.util.HashMap;
@@ -34,27 +37,34 @@ public final class Publisher {
 
     /**
      * Maximum number of frames whose events wait to be sent. Events of further frames are lost. At
-     * 60 frames per second, these are the frames of 17 s.
+     * 60 frames per second, this limit corresponds to 17 s.
      */
     private static final int MAX_EVENT_FRAMES = 1024;
 
     /**
-     * Time per frame for sending events about acts to clients in real time [ns]. After this time,
-     * further events about acts are dropped for these clients.
+     * Time per frame for sending events about acts to clients in real time [ns]. Further events
+     * about acts are dropped for these clients after this time.
      */
     private static final long ACTS_NANOS = 5_000_000;
 
     /**
-     * Time for one session's view before the event loop does other work [ns]. A later slice
-     * continues the view, see {@link LongViews}.
+     * Time for one session's view before the event loop does other work [ns]. A view that needs
+     * more time is continued in a later slice. See {@link LongViews}.
      */
     private static final long LOOK_NANOS = 10_000_000;
 
     /**
-     * Number of events per frame that are sent even if that takes longer. With few clients, no
-     * event is therefore dropped, even on a busy machine.
+     * Number of events per frame that are sent even if sending takes longer than {@link
+     * #ACTS_NANOS}. A world with few clients therefore drops no event, even on a busy machine.
      */
     private static final long FEWEST_SENT = 1000;
+
+    /**
+     * Maximum number of boxes that searches for lines of sight examine for the events of a frame,
+     * which takes about 2 ms. For further events, the last view of a client with such a sensor
+     * decides whether it receives the event, unless the client is in lock-step.
+     */
+    private static final long MOST_EXAMINED = 100_000;
 
     private static final String ACTED = "acted";
 
@@ -82,8 +92,8 @@ public final class Publisher {
     private final AtomicInteger lostEventFrames = new AtomicInteger();
     private final Map<String, Perceiver> members = new LinkedHashMap<>();
     private final EventRouting routing = new EventRouting();
-    private final FrameViews views = new FrameViews(routing);
-    private final LongViews longViews = new LongViews(routing);
+    private final FrameViews views;
+    private final LongViews longViews;
     private final Runnable wake;
 
     /** True if sessions still wait for their perception of the frame that was served last. */
@@ -93,7 +103,13 @@ public final class Publisher {
     private volatile boolean news;
     private long served;
 
-    /** The events of one frame, and what agents hear in it. */
+    /** Number of examined boxes at which the events of a frame end their searches. */
+    private long sightEnd;
+
+    /** The members that did not receive an event, because there was no search for its items. */
+    private final List<Perceiver> unsearched = new ArrayList<>();
+
+    /** The events of one frame, and the utterances that agents hear in it. */
     private record Happened(long frame, List<WorldEvent> events, List<Heard> heard) {}
 
     /**
@@ -102,17 +118,20 @@ public final class Publisher {
      */
     public Publisher(WorldPort port, RateLimitedLog log, Runnable afterFrame, Runnable wake) {
         this.port = port;
+        this.views = new FrameViews(routing, port.snapshots().prototype());
+        this.longViews = new LongViews(routing, port.snapshots().prototype());
+        this.published = port.loop().frame(); // a world of a store has made frames before
         this.log = log;
         this.afterFrame = afterFrame;
         this.wake = wake;
     }
 
-    // Methods for the world's thread.
+    // ---- methods for the world's thread ----
 
     /**
      * Records the events of a frame for the event loop, in the phase PUBLISH.
      *
-     * @param heard what agents hear in the frame
+     * @param heard the utterances that agents hear in the frame
      */
     public void onFrame(FrameEvent event, List<Heard> heard) {
         List<WorldEvent> happened = event.world().events();
@@ -128,7 +147,7 @@ public final class Publisher {
         bring();
     }
 
-    // Methods for any thread.
+    // ---- methods for any thread ----
 
     /** Runs code that sends a result on the event loop, before the next perceptions. */
     public void later(Runnable report) {
@@ -167,7 +186,7 @@ public final class Publisher {
         return published;
     }
 
-    // Methods for the event loop's thread.
+    // ---- methods for the event loop's thread ----
 
     /** Returns the encoder of perceptions. */
     public PerceptionEncoder encoder() {
@@ -207,10 +226,10 @@ public final class Publisher {
 
     private void publish() {
         dropWhoHasLeft();
-        // The order is: snapshot, events, commands. A client therefore receives the events of a
-        // frame before its perception of that frame. A client that joins in a frame receives the
-        // events of that frame. Events wait for the snapshot of their frame, because the snapshot
-        // shows which clients perceive their items.
+        // The order of these steps matters. A client receives the events of a frame before its
+        // perception of that frame. A client that joins in a frame receives the events of that
+        // frame. Events wait for the snapshot of their frame, because the snapshot shows which
+        // clients perceive their items.
         Optional<WorldSnapshot> snapshot = unservedSnapshot();
         try {
             for (Runnable report = reports.poll(); report != null; report = reports.poll()) {
@@ -223,8 +242,8 @@ public final class Publisher {
                             && snapshot.filter(frame -> frame.frame() == served).isPresent();
             owesPerceptions = false;
             if (wanted && !isRead && !views.observatory().read(snapshot.get())) {
-                return; // the snapshot was overwritten while it was read, so the next frame is
-                // available already
+                // The snapshot was overwritten while it was read, so the next frame is available.
+                return;
             }
             served = snapshot.map(WorldSnapshot::frame).orElse(served);
             tellEvents();
@@ -251,8 +270,8 @@ public final class Publisher {
         }
         Optional<WorldSnapshot> latest = port.snapshots().acquireLatest();
         if (latest.isPresent() && latest.get().frame() > published) {
-            latest.get().close(); // the events of this frame are not recorded yet; then the loop is
-            // woken again
+            // The events of this frame are not recorded yet. The loop is woken again when they are.
+            latest.get().close();
             return Optional.empty();
         }
         return latest;
@@ -275,9 +294,11 @@ public final class Publisher {
         }
         routing.locate(members.values(), views.observatory());
         long end = System.nanoTime() + ACTS_NANOS;
+        sightEnd = views.observatory().examined() + MOST_EXAMINED;
         var acts = new Gap();
         var absences = new Gap();
         var own = new HashMap<Perceiver, Integer>();
+        var unseen = new HashMap<Perceiver, Gap>();
         long sent = 0;
         for (Happened next = events.peek();
                 next != null && next.frame <= served;
@@ -298,12 +319,17 @@ public final class Publisher {
                     sent += members.size();
                 }
             }
+            for (Perceiver member : unsearched) {
+                unseen.computeIfAbsent(member, unknown -> new Gap()).add(next.frame);
+            }
+            unsearched.clear();
             next.heard.forEach(this::tell);
             sent += next.heard.size();
         }
-        if (acts.count + absences.count > 0) {
+        if (acts.count + absences.count > 0 || !unseen.isEmpty()) {
             for (Perceiver member : members.values()) {
                 Gap gap = member.isInLockStep() ? absences : acts.with(absences);
+                gap = gap.with(unseen.getOrDefault(member, Gap.NONE));
                 long count = gap.count - own.getOrDefault(member, 0);
                 if (count > 0) {
                     member.miss(count, gap.first, gap.last);
@@ -312,8 +338,13 @@ public final class Publisher {
         }
     }
 
-    /** Events that were not sent to clients: their number, and the first and last frame. */
+    /**
+     * The events that were not sent to clients: their number, and the first and last of their
+     * frames.
+     */
     private static final class Gap {
+        private static final Gap NONE = new Gap();
+
         private long count;
         private long first = Long.MAX_VALUE;
         private long last;
@@ -334,8 +365,9 @@ public final class Publisher {
     }
 
     /**
-     * Returns whether the frame must be read. This is so if a client needs a perception, or if
-     * there are new events and it must be decided which clients receive them.
+     * Returns whether the frame must be read. The result is true if a client needs a perception. It
+     * is also true if there are new events, because the frame determines which clients receive
+     * them.
      */
     private boolean isWanted(WorldSnapshot snapshot, boolean news) {
         long frame = snapshot.frame();
@@ -348,6 +380,8 @@ public final class Publisher {
     }
 
     /**
+     * Sends an event to the clients that perceive its items.
+     *
      * @param all true if all clients may receive the event, false if only clients in lock-step
      */
     private void tell(WorldEvent event, boolean all) {
@@ -368,7 +402,7 @@ public final class Publisher {
         tell(routing.of(subjects, views.observatory()), all, subjects, heard);
     }
 
-    /** Sends an agent what it hears. */
+    /** Sends an agent an utterance that it hears. */
     private void tell(Heard heard) {
         Perceiver hearer = members.get(heard.hearer());
         if (hearer != null && hearer.body().isPresent()) {
@@ -387,7 +421,7 @@ public final class Publisher {
     }
 
     /**
-     * Sends an event to the agent that it is about.
+     * Sends an event to the agent that its field {@code agent} names.
      *
      * @return the agent, if the event was sent
      */
@@ -411,10 +445,18 @@ public final class Publisher {
     }
 
     /**
+     * Sends an event to a member that perceives its items.
+     *
      * @return false if the event is not sent, because the member does not perceive its items
      */
     private boolean tell(Perceiver member, EventSubjects subjects, HeardEvent heard) {
-        Optional<BitSet> fields = member.hear(heard.event(), subjects, views.observatory());
+        Observatory world = views.observatory();
+        boolean searches =
+                world.examined() < sightEnd || member.isInLockStep() || !member.needsSight();
+        Optional<BitSet> fields = member.hear(heard.event(), subjects, world, searches);
+        if (!searches && fields.isEmpty() && !Senses.FOR_OPERATORS.contains(heard.event().type())) {
+            unsearched.add(member);
+        }
         fields.ifPresent(told -> member.tell(heard.with(told, member.encoding())));
         return fields.isPresent();
     }
@@ -436,8 +478,8 @@ public final class Publisher {
                 shares.postpone(member);
             } else if (shares.isServedNow(member)) {
                 if (isCut && member.isInLockStep() && member.hasSensors()) {
-                    owesPerceptions = true; // a slice computes at most one view whose duration is
-                    // unknown
+                    // A slice computes at most one view whose duration is unknown.
+                    owesPerceptions = true;
                 } else {
                     serve(member, newest);
                     isCut |= longViews.contains(member);
@@ -473,7 +515,7 @@ public final class Publisher {
         } else {
             shares.spend(member.perceptionCost(), nanos);
         }
-        // A client with a long view may have received a view of an earlier frame. It then still
+        // A client with a long view may have received a view of an earlier frame. That client still
         // waits for this frame.
         owesPerceptions |= !served || member.perceptions().isDue(views.frame());
     }

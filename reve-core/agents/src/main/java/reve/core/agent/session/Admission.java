@@ -8,10 +8,12 @@ import reve.core.agent.auth.Rights;
 import reve.core.agent.auth.TokenFile;
 import reve.core.agent.net.Connection;
 import reve.core.agent.net.Door;
+import reve.core.agent.port.ClusterPort;
 import reve.core.agent.port.Elsewhere;
 import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Role;
+import reve.core.agent.protocol.ServerMessage;
 import reve.core.agent.protocol.Text;
 
 import java.util.List;
@@ -51,6 +53,46 @@ public final class Admission implements Door {
     }
 
     @Override
+    public Optional<ServerMessage> answer(Connection connection, ClientMessage.Hello hello)
+            throws CloseReason {
+        if (hello.ask().isEmpty()) {
+            return Optional.empty();
+        }
+        String what = hello.ask().get();
+        Role role = requireAcceptable(hello);
+        Optional<AgentToken> token = requireToken(connection, hello);
+        requireRecord();
+        requireOpen(hello, role, token);
+        if (role != Role.CONTROL || !what.equals(ClientMessage.Hello.CLUSTER)) {
+            throw CloseReason.refused(
+                    "bad-question",
+                    "a hello of the role " + role.wireName() + " asks " + Text.quote(what),
+                    "expected \"role\":\"control\" and \"ask\":\"cluster\", or no question");
+        }
+        var question = new ClientMessage.Ask(hello.id(), what, Map.of());
+        Optional<String> refusal = token.flatMap(known -> known.rights().refusal(question));
+        if (refusal.isPresent()) {
+            throw CloseReason.refused(
+                    "not-permitted",
+                    "your token does not permit this: " + refusal.get(),
+                    "ask whoever runs the server for one that does");
+        }
+        if (!elsewhere.isComplete()) {
+            throw starting(Optional.empty());
+        }
+        ClusterPort cluster =
+                elsewhere
+                        .cluster()
+                        .orElseThrow(
+                                () ->
+                                        CloseReason.refused(
+                                                "unsupported",
+                                                "this server belongs to no cluster",
+                                                "join a world, and ask for its state"));
+        return Optional.of(new ServerMessage.Answer(hello.id(), 0, cluster.state()));
+    }
+
+    @Override
     public Session greet(Connection connection, ClientMessage.Hello hello) throws CloseReason {
         Role role = requireAcceptable(hello);
         if (hello.resume().isPresent()) {
@@ -62,7 +104,8 @@ public final class Admission implements Door {
         ServedWorld world = requireWorld(hello.world(), rights);
         requireOpen(hello, role, token);
         int clients = worlds.stream().mapToInt(ServedWorld::clients).sum();
-        if (clients >= maxClients) { // the number includes sessions that wait for a new connection
+        if (clients >= maxClients) {
+            // The number includes sessions that wait for a new connection.
             throw CloseReason.serverFull(maxClients);
         }
         return world.greet(connection, role, hello, token);
@@ -83,6 +126,7 @@ public final class Admission implements Door {
                         .filter(session -> session.hasSecret(resume.session()))
                         .findFirst();
         if (found.isEmpty()) {
+            sendOn(connection, hello);
             countWrong(connection);
             throw CloseReason.refused(
                     "no-such-session",
@@ -96,14 +140,34 @@ public final class Admission implements Door {
         return found.get();
     }
 
-    /** Sends clients to the worlds of other servers from now on. For any thread. */
+    /**
+     * Sends a client that resumes a session on to the server that has its world, if this server
+     * does not have it.
+     */
+    private void sendOn(Connection connection, ClientMessage.Hello hello) throws CloseReason {
+        boolean isElsewhere =
+                hello.world().isPresent()
+                        && meant(hello.world()).isEmpty()
+                        && (elsewhere.worlds().containsKey(hello.world().get())
+                                || !elsewhere.isComplete());
+        if (isElsewhere) {
+            Rights rights =
+                    requireToken(connection, hello).map(AgentToken::rights).orElse(Rights.ALL);
+            requireWorld(hello.world(), rights);
+        }
+    }
+
+    /**
+     * Sets the source of the worlds that other servers have. A client that asks for such a world is
+     * referred to its server. For any thread.
+     */
     public void sendTo(Elsewhere others) {
         elsewhere = others;
     }
 
     /**
-     * Returns the world that the hello names. If it names none, returns the only world that the
-     * client may join.
+     * Returns the world that the hello names. Returns the only world that the client may join if
+     * the hello names no world.
      */
     private ServedWorld requireWorld(Optional<String> name, Rights rights) throws CloseReason {
         Map<String, ServedWorld> here = new TreeMap<>();
@@ -114,14 +178,18 @@ public final class Admission implements Door {
         there.keySet().removeIf(world -> here.containsKey(world) || !rights.opensWorld(world));
         List<String> open =
                 Stream.concat(here.keySet().stream(), there.keySet().stream()).sorted().toList();
-        if (name.map(wanted -> !rights.opensWorld(wanted)).orElse(open.isEmpty())) {
-            throw CloseReason.refused( // must not reveal which worlds exist
+        if (name.map(wanted -> !rights.opensWorld(wanted))
+                .orElse(open.isEmpty() && elsewhere.isComplete())) {
+            throw CloseReason.refused( // the refusal must not reveal which worlds exist
                     "not-permitted",
                     name.map(wanted -> "your token does not open the world " + Text.quote(wanted))
                             .orElse("your token opens no world of this server"),
                     "ask whoever runs the server for one that does");
         }
         List<String> meant = open.stream().filter(each -> name.orElse(each).equals(each)).toList();
+        if (!elsewhere.isComplete() && (name.isEmpty() || meant.isEmpty())) {
+            throw starting(name);
+        }
         if (meant.size() == 1) {
             String world = meant.getFirst();
             ServedWorld served = here.get(world);
@@ -129,12 +197,11 @@ public final class Admission implements Door {
                 return served;
             }
             String address = there.getOrDefault(world, "");
-            throw address.isEmpty()
-                    ? CloseReason.refused(
-                            "world-starting",
-                            "no server is ready to serve the world " + Text.quote(world) + " now",
-                            "try again in a second")
-                    : CloseReason.moved(world, address);
+            if (address.isEmpty()) {
+                elsewhere.wanted(world);
+                throw starting(Optional.of(world));
+            }
+            throw CloseReason.moved(world, address);
         }
         String problem =
                 name.map(unknown -> "this server has no world " + Text.quote(unknown))
@@ -143,8 +210,18 @@ public final class Admission implements Door {
         throw CloseReason.refused("no-such-world", problem, "say hello with \"world\": " + names);
     }
 
+    private static CloseReason starting(Optional<String> world) {
+        return CloseReason.refused(
+                "world-starting",
+                world.map(name -> "no server is ready to serve the world " + Text.quote(name))
+                                .orElse("this server does not know its worlds")
+                        + " now",
+                "try again in a second");
+    }
+
     /**
-     * Returns the world of that name, or all worlds if none is named; omits worlds that have ended.
+     * Returns the world with the given name, or all worlds if the name is empty. Worlds that have
+     * ended are omitted.
      */
     private List<ServedWorld> meant(Optional<String> name) {
         return worlds.stream()

@@ -5,14 +5,17 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.agent.protocol.ServerMessage;
 
+import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.List;
 import java.util.Map;
 
 /**
  * The ids and results of a client's commands. They prevent a command that the client repeats from
  * being executed twice. Results of the last {@value #REMEMBERED} commands are stored, or of fewer
- * commands if their results exceed {@value #CHARACTERS} characters. An unknown id that may belong
- * to an older command is {@link Known.Forgotten}. Guarded by the lock of its session.
+ * commands if their results exceed {@value #CHARACTERS} characters. The result {@link
+ * Known.Forgotten} means that an unknown id may belong to an older command. Guarded by the lock of
+ * its session.
  *
  * <p>Most results contain only a frame number. Such results are stored as numbers, which take
  * little memory and cause no work for the garbage collector.
@@ -39,7 +42,10 @@ final class CommandLog {
     private long[] ids = new long[FEW];
     private long[] frames = new long[FEW];
 
-    /** Results other than {@link ServerMessage.Accepted}; null for these. */
+    /**
+     * Results that are not of the type {@link ServerMessage.Accepted}; null for results of this
+     * type.
+     */
     private @Nullable ServerMessage[] others = new ServerMessage[FEW];
 
     private int[] sizes = new int[FEW];
@@ -54,15 +60,15 @@ final class CommandLog {
     /** The state of the command with an id. */
     sealed interface Known {
 
-        /** No command had this id before. */
+        /** Reports that no command had this id. */
         record Fresh() implements Known {}
 
-        /** The command is being executed and has no result yet. */
+        /** Reports that the command is being executed and has no result yet. */
         record Pending() implements Known {}
 
         record Done(ServerMessage result) implements Known {}
 
-        /** The command may have been executed, but its result is not stored any more. */
+        /** Reports that the command may have been executed, but that its result was discarded. */
         record Forgotten() implements Known {}
     }
 
@@ -93,7 +99,10 @@ final class CommandLog {
         highest = Math.max(highest, id);
     }
 
-    /** Records that a command was finally not accepted. The client may send it again. */
+    /**
+     * Records that a command was not accepted for execution after all. The client may send it
+     * again.
+     */
     void cancel(long id) {
         int place = pendingPlace(id);
         if (place >= 0) {
@@ -119,6 +128,29 @@ final class CommandLog {
         highest = Math.max(highest, id);
     }
 
+    /** Returns the stored results, oldest first. */
+    List<ServerMessage> results() {
+        List<ServerMessage> results = new ArrayList<>();
+        for (int i = 0; i < count; i++) {
+            int place = (oldest + i) % ids.length;
+            ServerMessage other = others[place];
+            results.add(
+                    other != null ? other : new ServerMessage.Accepted(ids[place], frames[place]));
+        }
+        return results;
+    }
+
+    /** Returns the highest id of a command whose result is not stored any more; -1 if none. */
+    long highestForgotten() {
+        return highestForgotten;
+    }
+
+    /** Records that the results of commands up to this id may be missing. */
+    void forget(long id) {
+        highestForgotten = Math.max(highestForgotten, id);
+        highest = Math.max(highest, id);
+    }
+
     private void forgetOldest() {
         highestForgotten = Math.max(highestForgotten, ids[oldest]);
         characters -= sizes[oldest];
@@ -127,7 +159,7 @@ final class CommandLog {
         count--;
     }
 
-    /** Doubles the space for results. The oldest result becomes the first one. */
+    /** Doubles the size of the ring buffer. The oldest result gets the index 0. */
     private void grow() {
         int room = Math.min(2 * count, REMEMBERED);
         var grownIds = new long[room];

@@ -13,8 +13,8 @@ import java.util.OptionalLong;
 
 /**
  * The last events sent to a client, so that a resumed session receives the events that it missed.
- * Events that are too old are discarded, and so are the oldest events if the total size exceeds its
- * limit. Guarded by the lock of {@link SessionOutput}.
+ * Events that are too old are discarded. The oldest events are also discarded if the total size
+ * exceeds its limit. Guarded by the lock of {@link SessionOutput}.
  */
 final class EventLog {
 
@@ -50,15 +50,25 @@ final class EventLog {
         }
     }
 
+    /** Returns all stored events, in order. */
+    List<ServerMessage.Event> all() {
+        return kept.stream().map(each -> each.event.message()).toList();
+    }
+
+    /** Returns the newest frame of which some events are not stored; -1 if none. */
+    long lastForgotten() {
+        return lastForgotten;
+    }
+
     /** Records that some events of this frame or of earlier frames are not stored. */
     void forget(long frame) {
         lastForgotten = Math.max(lastForgotten, frame);
     }
 
     /**
-     * Returns the events after a frame, in order, without encoding or copying. If some events are
-     * not stored any more, the first event is {@code missed}, which reports the loss. The remaining
-     * events of incomplete frames are then omitted.
+     * Returns the events after a frame, in order, without encoding or copying. The first event is
+     * {@code missed} if some of these events were discarded. It reports the loss, and the remaining
+     * events of incomplete frames are omitted.
      *
      * @param encoding encoding of the event {@code missed}
      */

@@ -3,7 +3,7 @@ package reve.core.agent.session;
 
 /**
  * The number of messages that a client may still send. It is at most the number for one second, and
- * grows again over time. A second is a second of the clock, or of world time if the world is
+ * grows again over time. Seconds are counted in elapsed time, or in world time if the world is
  * faster. A new quota begins with few messages, so that a client gains nothing by reconnecting. For
  * the event loop's thread only.
  */

@@ -2,8 +2,8 @@
 package reve.core.agent.session;
 
 /**
- * Limit on how often new connections may resume a session. A burst is allowed, then {@value
- * #PER_SECOND} resumes per second. Guarded by the lock of its session.
+ * Limit on how often new connections may resume a session. A burst of resumes is allowed. After the
+ * burst, {@value #PER_SECOND} resumes per second are allowed. Guarded by the lock of its session.
  */
 public final class Resumes {
 

@@ -5,15 +5,20 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.agent.auth.AgentToken;
 import reve.core.agent.auth.Rights;
+import reve.core.agent.control.Clients;
 import reve.core.agent.control.ControlDesk;
 import reve.core.agent.embodiment.AgentCommand;
 import reve.core.agent.embodiment.AgentInput;
+import reve.core.agent.embodiment.Embodiment;
+import reve.core.agent.embodiment.Outcome;
 import reve.core.agent.lockstep.Allowance;
 import reve.core.agent.lockstep.Allowances;
 import reve.core.agent.lockstep.LockStep;
 import reve.core.agent.lockstep.Turn;
 import reve.core.agent.net.Connection;
 import reve.core.agent.port.Cameras;
+import reve.core.agent.port.CarriedSession;
+import reve.core.agent.port.SessionNotes;
 import reve.core.agent.port.WorldPort;
 import reve.core.agent.protocol.AgentLimits;
 import reve.core.agent.protocol.AgentTimeouts;
@@ -28,14 +33,18 @@ import reve.core.agent.publish.Publisher;
 import reve.core.frame.FrameGate;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Subscription;
+import reve.core.world.ItemId;
+import reve.core.world.SnapshotRing;
 
 import java.time.Duration;
 import java.util.ArrayDeque;
+import java.util.ArrayList;
 import java.util.Comparator;
 import java.util.Deque;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalInt;
 import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
 
@@ -55,6 +64,9 @@ public final class ServedWorld implements AutoCloseable {
     private final Deque<AgentCommand> leaving = new ArrayDeque<>();
     private volatile boolean ended;
 
+    /** The last time at which a client was in the world, or the start of the service [ns]. */
+    private volatile long usedNanos = System.nanoTime();
+
     /**
      * @param waiting the way in which the world's thread waits for agents in lock-step
      */
@@ -62,7 +74,8 @@ public final class ServedWorld implements AutoCloseable {
         this.services = services;
         this.port = port;
         this.publisher = new Publisher(port, services.log(), this::afterFrame, services.wake());
-        this.desk = new ControlDesk(port, publisher, services.log(), this::describeClients);
+        this.desk =
+                new ControlDesk(port, publisher, services.log(), new Described(), services.audit());
         var allowances =
                 new Allowances(
                         1_000_000_000L / port.framesPerSecond(),
@@ -104,8 +117,13 @@ public final class ServedWorld implements AutoCloseable {
         return lockStep;
     }
 
+    /** Returns the place for notes about the sessions. For any thread. */
+    SessionNotes notes() {
+        return port.notes();
+    }
+
     /**
-     * Holds the first frame until this number of agents waits to join. Call this method before the
+     * Delays the first frame until this number of agents waits to join. Call this method before the
      * loop runs.
      */
     public void expectAgents(int agents) {
@@ -115,6 +133,10 @@ public final class ServedWorld implements AutoCloseable {
     /** Returns the number of agents in lock-step. For any thread. */
     public int inLockStep() {
         return lockStep.size();
+    }
+
+    SnapshotRing snapshots() {
+        return port.snapshots();
     }
 
     Cameras cameras() {
@@ -133,12 +155,136 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Ends the world and all sessions, also those whose clients may reconnect. For the event loop's
-     * thread.
+     * Returns whether the world has no clients, and had none for a time. A session whose client may
+     * reconnect counts as a client. For any thread.
      */
-    public void dismiss() {
+    public boolean isUnused(Duration time) {
+        return sessions.isEmpty() && System.nanoTime() - usedNanos >= time.toNanos();
+    }
+
+    /**
+     * Ends the world if it is unused; it then admits no more clients. For the event loop's thread.
+     *
+     * @return whether this call has ended the world
+     */
+    public boolean endIfUnused(Duration time) {
+        if (ended || !isUnused(time)) {
+            return false;
+        }
         ended = true;
-        sessions.values().forEach(session -> session.dismiss(ends()));
+        return true;
+    }
+
+    /**
+     * Ends the world and all sessions, also those whose clients may reconnect. For the event loop's
+     * thread, while the world's thread waits.
+     *
+     * @param next HOST:PORT of the server that the clients shall ask for the world; empty if the
+     *     world ends
+     * @return the sessions that the other server can continue
+     */
+    public List<CarriedSession> dismiss(Optional<String> next) {
+        ended = true;
+        publisher.tell(); // the results and events of the last frame
+        if (next.isEmpty()) {
+            sessions.values().forEach(session -> session.dismiss(ends()));
+            return List.of();
+        }
+        CloseReason why = CloseReason.moving(name(), next.get());
+        List<CarriedSession> carried = new ArrayList<>();
+        sessions.values().stream()
+                .sorted(Comparator.comparing(Session::name))
+                .forEach(
+                        session -> {
+                            Optional<CarriedSession> away =
+                                    session.carryAway(
+                                            why, desk.embodiment().granted(session.name()));
+                            away.ifPresentOrElse(carried::add, () -> session.dismiss(why));
+                        });
+        return carried;
+    }
+
+    /**
+     * Continues sessions of another server, which wait for their clients as after a broken
+     * connection. Agents whose sessions cannot continue leave in the next frame. For the world's
+     * thread, before its first frame.
+     *
+     * @param carried the sessions; the world has their bodies
+     * @param tokens the tokens that are valid now; empty if the server uses none
+     */
+    public void restore(List<CarriedSession> carried, Optional<Set<AgentToken>> tokens) {
+        for (CarriedSession each : carried) {
+            Optional<SessionState> state = Optional.empty();
+            try {
+                state = Optional.of(SessionState.read(each, port.loop().frame()));
+            } catch (IllegalArgumentException unreadable) {
+                services.log()
+                        .warn(
+                                "world "
+                                        + name()
+                                        + ": "
+                                        + unreadable.getMessage()
+                                        + "; its agent joins again");
+            }
+            Optional<Embodiment.Granted> body =
+                    state.isPresent()
+                            ? state.get().body()
+                            : each.body().isEmpty()
+                                    ? Optional.empty()
+                                    : Optional.of(
+                                            new Embodiment.Granted(
+                                                    new ItemId(each.body().getAsLong()),
+                                                    OptionalInt.empty()));
+            Optional<AgentToken> token = state.flatMap(known -> tokenOf(known, tokens));
+            boolean isPermitted =
+                    state.isPresent()
+                            && (token.isPresent()
+                                    || tokens.isEmpty() && state.get().tokenSha256().isEmpty());
+            long frame = port.loop().frame();
+            Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
+            Optional<Outcome.Joined> joined =
+                    body.flatMap(
+                            granted ->
+                                    desk.embodiment()
+                                            .restore(
+                                                    port.loop().world(),
+                                                    frame,
+                                                    each.client(),
+                                                    granted,
+                                                    rights));
+            if (!isPermitted) {
+                joined.ifPresent(_ -> leave(each.client(), "token-revoked"));
+            } else if (state.get().role() != Role.AGENT || joined.isPresent()) {
+                var session =
+                        new Session(
+                                this,
+                                state.get(),
+                                token,
+                                each.since().isPresent() ? frame : Long.MAX_VALUE);
+                sessions.put(each.client(), session);
+                session.restore(joined, frame);
+            }
+        }
+    }
+
+    /** Returns the token of a session of another server, if it still permits the session. */
+    private Optional<AgentToken> tokenOf(SessionState state, Optional<Set<AgentToken>> tokens) {
+        return tokens.flatMap(
+                known ->
+                        known.stream()
+                                .filter(
+                                        token ->
+                                                state.tokenSha256()
+                                                        .filter(token.sha256()::equals)
+                                                        .isPresent())
+                                .filter(token -> token.name().equals(state.hello().name()))
+                                .filter(token -> token.rights().roles().contains(state.role()))
+                                .filter(token -> token.rights().opensWorld(name()))
+                                .filter(
+                                        token ->
+                                                state.hello().lockStep().isEmpty()
+                                                        || token.rights().lockStep())
+                                .findFirst());
     }
 
     private CloseReason ends() {
@@ -163,10 +309,15 @@ public final class ServedWorld implements AutoCloseable {
      */
     public void checkGrace(long nowNanos) {
         desk.proceed();
+        if (!sessions.isEmpty()) {
+            usedNanos = nowNanos;
+        }
         sessions.values().forEach(session -> session.checkGrace(nowNanos));
     }
 
     /**
+     * Ends the sessions whose tokens are not valid.
+     *
      * @param current the tokens that are valid now; sessions with other tokens end
      */
     public void checkTokens(Set<AgentToken> current) {
@@ -178,15 +329,32 @@ public final class ServedWorld implements AutoCloseable {
         return sessions.size();
     }
 
-    /**
-     * Describes the clients for reports, in the order of their names. For the event loop's thread
-     * only.
-     */
-    private List<Map<String, Object>> describeClients() {
-        return sessions.values().stream()
-                .sorted(Comparator.comparing(Session::name))
-                .map(Session::describe)
-                .toList();
+    /** The clients as reports describe them. */
+    private final class Described implements Clients {
+        @Override
+        public List<Map<String, Object>> describe() {
+            return sessions.values().stream()
+                    .sorted(Comparator.comparing(Session::name))
+                    .map(Session::describe)
+                    .toList();
+        }
+
+        @Override
+        public Optional<Map<String, Object>> perceived(String agent) {
+            return find(agent)
+                    .filter(session -> session.role() == Role.AGENT)
+                    .map(Session::describePerception);
+        }
+
+        @Override
+        public void measureRoundTrips() {
+            sessions.values().forEach(Session::measureRoundTrip);
+        }
+
+        @Override
+        public void noteBodies() {
+            sessions.values().forEach(Session::noteBody);
+        }
     }
 
     /**
@@ -259,6 +427,7 @@ public final class ServedWorld implements AutoCloseable {
         if (sessions.putIfAbsent(hello.name(), session) != null) {
             throw CloseReason.nameTaken(hello.name());
         }
+        usedNanos = System.nanoTime();
         if (role != Role.AGENT) {
             publisher.later(() -> session.welcome(Optional.empty(), publisher.published()));
             return session;
@@ -308,7 +477,8 @@ public final class ServedWorld implements AutoCloseable {
                 session.rhythm(),
                 Optional.ofNullable(session.ticket()),
                 resumed,
-                told);
+                told,
+                session.cameras());
     }
 
     private static double seconds(Duration duration) {
@@ -316,24 +486,30 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Queues the command by which a client leaves the world. If the queue of the next frame is
-     * full, the command waits for a later frame.
+     * Queues the command by which a client leaves the world. The command waits for a later frame if
+     * the queue of the next frame is full.
      */
     synchronized void leave(Session session, String reason) {
         if (session.role() == Role.AGENT) {
-            leaving.add(desk.command(new AgentInput.Leave(session.name(), reason), outcome -> {}));
-            queueLeaving();
+            leave(session.name(), reason);
         } else {
+            usedNanos = System.nanoTime();
             sessions.remove(session.name());
         }
     }
 
+    private synchronized void leave(String agent, String reason) {
+        leaving.add(desk.command(new AgentInput.Leave(agent, reason), outcome -> {}));
+        queueLeaving();
+    }
+
     /**
-     * Queues the waiting leave commands for which there is room. A name is free again once its
-     * leave command is queued, because commands of one name are executed in order.
+     * Queues the waiting leave commands, as far as the queue has room. A name is free again once
+     * its leave command is queued, because commands of one name are executed in order.
      */
     private synchronized void queueLeaving() {
         while (!leaving.isEmpty() && port.commands().offer(leaving.getFirst())) {
+            usedNanos = System.nanoTime();
             sessions.remove(leaving.removeFirst().origin());
         }
     }

@@ -6,6 +6,7 @@ import org.jspecify.annotations.Nullable;
 import reve.core.agent.auth.AgentToken;
 import reve.core.agent.auth.Attempts;
 import reve.core.agent.auth.Rights;
+import reve.core.agent.embodiment.Embodiment;
 import reve.core.agent.embodiment.Outcome;
 import reve.core.agent.lockstep.Allowance;
 import reve.core.agent.lockstep.Turn;
@@ -19,6 +20,8 @@ import reve.core.agent.perception.Observatory;
 import reve.core.agent.perception.PerceptionEncoder;
 import reve.core.agent.perception.PerceptionShares;
 import reve.core.agent.perception.View;
+import reve.core.agent.port.CarriedSession;
+import reve.core.agent.port.SessionNote;
 import reve.core.agent.protocol.AgentLimits;
 import reve.core.agent.protocol.AgentTimeouts;
 import reve.core.agent.protocol.BadMessage;
@@ -34,19 +37,21 @@ import reve.core.agent.publish.PerceptionRequests;
 import reve.core.world.ItemId;
 import reve.core.world.WorldEvent;
 
+import java.nio.ByteBuffer;
 import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
 import java.util.BitSet;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.function.BooleanSupplier;
 
 /**
- * One client from its hello until it leaves, with its identity, requests and commands. After a
- * broken connection, the session continues for the time that the client requested. A new connection
- * that presents the session token resumes it. For any thread, unless stated otherwise.
+ * One client from its hello until it leaves, with its identity, requests and commands. The session
+ * continues after a broken connection for the time that the client requested. A new connection that
+ * presents the session token resumes it. For any thread, unless stated otherwise.
  */
 public final class Session implements Client, Perceiver {
 
@@ -64,25 +69,37 @@ public final class Session implements Client, Perceiver {
     private final ClientMessage.Hello hello;
     private final double graceSeconds;
     private final Optional<AgentToken> token;
-    private final String secret;
+    private final String secretSha256;
+
+    /** The session token; null until a client has presented the token of a restored session. */
+    private volatile @Nullable String secret;
+
+    /** Network address of the client, for limits by address. */
+    private final ByteBuffer network;
 
     private final SessionSenses senses;
     private final SessionPace pace;
     private final SessionOutput output;
 
-    /** Only the event loop's thread uses the quota. */
+    /** The quota of messages. Only the event loop's thread uses it. */
     private final Quota quota;
 
     private final CameraRequests cameraRequests;
     private final SessionCommands commands;
     private final PerceptionShares.Cost perceptionCost;
 
-    // Guarded by this object's lock.
+    // The limit on resumes of this session. Guarded by this object's lock.
     private final Resumes resumes;
     private Optional<String> body = Optional.empty();
     private boolean welcomed;
     private boolean left;
     private long brokenNanos;
+
+    /**
+     * The last frame of a lost server that the world has, until the client resumes the session. The
+     * client may have seen later frames, which are lost.
+     */
+    private long lastKept = Long.MAX_VALUE;
 
     /**
      * @param token token of the client, if the server uses tokens
@@ -93,6 +110,59 @@ public final class Session implements Client, Perceiver {
             Role role,
             ClientMessage.Hello hello,
             Optional<AgentToken> token) {
+        this(
+                world,
+                Optional.of(connection),
+                role,
+                hello,
+                token,
+                AgentToken.newSecret(),
+                Attempts.network(connection.address()));
+    }
+
+    /**
+     * Creates a session that another server has begun. It waits for a connection.
+     *
+     * @param lastKept the last frame of the other server, if it was lost
+     */
+    Session(ServedWorld world, SessionState state, Optional<AgentToken> token, long lastKept) {
+        this(
+                world,
+                Optional.empty(),
+                state.role(),
+                state.hello(),
+                token,
+                state.secretSha256(),
+                ByteBuffer.wrap(state.network()));
+        // The other server has sent the events of the last frame, which is published again here.
+        long next = world.publisher().published() + 1;
+        output.restore(next, state.resultFrame(), state.events(), state.forgottenFrame());
+        state.results()
+                .forEach(
+                        result ->
+                                commands.log()
+                                        .finish(
+                                                result instanceof ServerMessage.Accepted accepted
+                                                        ? accepted.id()
+                                                        : ((ServerMessage.Refused) result).id(),
+                                                result));
+        commands.log().forget(state.forgottenId());
+        brokenNanos = System.nanoTime() - (long) (state.brokenSeconds() * 1e9);
+        this.lastKept = lastKept;
+    }
+
+    /**
+     * @param connection empty for a session that another server has begun
+     * @param identity the session token, or its hash if there is no connection
+     */
+    private Session(
+            ServedWorld world,
+            Optional<Connection> connection,
+            Role role,
+            ClientMessage.Hello hello,
+            Optional<AgentToken> token,
+            String identity,
+            ByteBuffer network) {
         this.world = world;
         this.services = world.services();
         this.limits = services.limits();
@@ -103,7 +173,9 @@ public final class Session implements Client, Perceiver {
         this.hello = hello;
         this.graceSeconds = Math.min(hello.graceSeconds(), timeouts.grace().toMillis() / 1000.0);
         this.token = token;
-        this.secret = AgentToken.newSecret();
+        this.secret = connection.isPresent() ? identity : null;
+        this.secretSha256 = connection.isPresent() ? AgentToken.hash(identity) : identity;
+        this.network = network;
         this.resumes = new Resumes(limits.resumes(), System.nanoTime());
         this.perceptionCost = world.publisher().shares().cost(token.map(AgentToken::name));
         this.cameraRequests =
@@ -111,7 +183,7 @@ public final class Session implements Client, Perceiver {
                         world.cameras(), world.publisher(), services.log(), toString(), this::show);
         this.commands = new SessionCommands(this, world.desk(), limits, counters);
         this.senses = new SessionSenses(role);
-        this.pace = new SessionPace(world.lockStep(), turn(connection, timeouts));
+        this.pace = new SessionPace(world.lockStep(), turn(timeouts));
         this.output =
                 new SessionOutput(
                         connection,
@@ -127,7 +199,7 @@ public final class Session implements Client, Perceiver {
                         framesOfQuota());
     }
 
-    private @Nullable Turn turn(Connection connection, AgentTimeouts timeouts) {
+    private @Nullable Turn turn(AgentTimeouts timeouts) {
         if (hello.lockStep().isEmpty()) {
             return null;
         }
@@ -138,14 +210,14 @@ public final class Session implements Client, Perceiver {
                 Math.min((long) (wanted.deadlineSeconds() * 1e9), timeouts.deadline().toNanos()),
                 world.lockStep()
                         .allowances()
-                        .of(
-                                token.map(AgentToken::name),
-                                Attempts.network(connection.address()),
-                                System.nanoTime()));
+                        .of(token.map(AgentToken::name), network, System.nanoTime()));
     }
 
-    private PerceptionRequests requestsOver(Connection connection) {
-        var requests = new PerceptionRequests(connection.outbox(), counters.perceptions);
+    private PerceptionRequests requestsOver(Optional<Connection> connection) {
+        if (connection.isEmpty()) { // requests are made over the next connection
+            return new PerceptionRequests(new Outbox(0, 0, () -> {}), counters.perceptions);
+        }
+        var requests = new PerceptionRequests(connection.get().outbox(), counters.perceptions);
         pace.follow(requests, hello.id());
         return requests;
     }
@@ -210,13 +282,26 @@ public final class Session implements Client, Perceiver {
 
     /** Returns whether {@code claimed} is the session token; compares in constant time. */
     public boolean hasSecret(String claimed) {
-        return graceSeconds > 0
-                && MessageDigest.isEqual(
-                        secret.getBytes(StandardCharsets.US_ASCII),
-                        claimed.getBytes(StandardCharsets.UTF_8));
+        boolean isRight =
+                graceSeconds > 0
+                        && MessageDigest.isEqual(
+                                secretSha256.getBytes(StandardCharsets.US_ASCII),
+                                AgentToken.hash(claimed).getBytes(StandardCharsets.US_ASCII));
+        if (isRight) {
+            secret = claimed;
+        }
+        return isRight;
     }
 
-    /** Describes the client for reports: name, role, body, and how it perceives. */
+    /** Returns the names of the cameras of the client's body. For the event loop's thread only. */
+    List<String> cameras() {
+        return senses.cameras();
+    }
+
+    /**
+     * Describes the client for reports: name, role, body, and how it perceives. For the event
+     * loop's thread only.
+     */
     synchronized Map<String, Object> describe() {
         var fields = new LinkedHashMap<String, Object>();
         fields.put("name", name);
@@ -225,7 +310,27 @@ public final class Session implements Client, Perceiver {
         fields.put("connected", !output.isBroken());
         fields.put("limited", senses.areLimited());
         fields.put("lockStep", pace.isLockStep());
+        List<String> cameras = senses.cameras();
+        if (!cameras.isEmpty()) {
+            fields.put("cameras", cameras);
+        }
+        output.roundTripSeconds().ifPresent(seconds -> fields.put("roundTripSeconds", seconds));
         return fields;
+    }
+
+    /** Describes what the client perceived last, for reports. For the event loop's thread only. */
+    Map<String, Object> describePerception() {
+        return senses.describe();
+    }
+
+    /** Measures the round-trip time to the client, if the client is in the world. */
+    void measureRoundTrip() {
+        synchronized (this) {
+            if (!welcomed || left) {
+                return;
+            }
+        }
+        output.measureRoundTrip(); // outside the lock, because it may end the connection
     }
 
     @Override
@@ -240,6 +345,7 @@ public final class Session implements Client, Perceiver {
     void came(Outcome outcome) {
         if (outcome instanceof Outcome.Joined joined) {
             pace.begin(joined.frame());
+            noteBody();
         }
         world.lockStep().came();
         world.publisher().withFrame(() -> joined(outcome));
@@ -254,7 +360,7 @@ public final class Session implements Client, Perceiver {
     }
 
     /**
-     * Handles the assignment of a body, possibly a different one than before. A refusal ends the
+     * Handles the assignment of a body, which may replace an earlier body. A refusal ends the
      * session.
      */
     @Override
@@ -287,6 +393,8 @@ public final class Session implements Client, Perceiver {
         if (role == Role.AGENT) {
             counters.joined.increment();
             counters.agents.increment();
+        } else {
+            note(Optional.empty());
         }
         output.beginAt(frame);
         output.welcomed(role, world.name(), name);
@@ -302,7 +410,7 @@ public final class Session implements Client, Perceiver {
 
     /**
      * Notifies the agent for how long the world waits for it. Does nothing if the agent does not
-     * use this allowance.
+     * use the given allowance.
      */
     void tellWaiting(Allowance allowance) {
         Turn waitedFor = pace.turn();
@@ -348,9 +456,14 @@ public final class Session implements Client, Perceiver {
     }
 
     @Override
+    public boolean needsSight() {
+        return senses.needsSight();
+    }
+
+    @Override
     public Optional<BitSet> hear(
-            WorldEvent event, EventSubjects subjects, Observatory observatory) {
-        return senses.hear(event, subjects, observatory);
+            WorldEvent event, EventSubjects subjects, Observatory observatory, boolean searches) {
+        return senses.hear(event, subjects, observatory, searches);
     }
 
     @Override
@@ -408,7 +521,40 @@ public final class Session implements Client, Perceiver {
 
     @Override
     public void look(ClientMessage.Look look) throws BadMessage {
-        senses.look(look, cameraRequests, this);
+        if (look.item().isEmpty()) {
+            senses.look(look, cameraRequests, this);
+            return;
+        }
+        String item = look.item().get();
+        if (role == Role.CONTROL) {
+            BodyCamera found = BodyCamera.find(world.snapshots(), look, item);
+            lookLater(() -> cameraRequests.take(look, found.body(), found.camera()));
+        } else if (body().filter(item::equals).isPresent()) {
+            lookLater(() -> senses.look(look, cameraRequests, this));
+        } else {
+            throw new BadMessage(
+                    look.id(),
+                    "not-permitted",
+                    this + " may use the cameras of its own body only",
+                    "leave item out, or say hello with \"role\":\"control\"");
+        }
+    }
+
+    private interface Looking {
+        void begin() throws BadMessage;
+    }
+
+    /** Requests a picture on the event loop's thread. */
+    private void lookLater(Looking looking) {
+        world.publisher()
+                .later(
+                        () -> {
+                            try {
+                                looking.begin();
+                            } catch (BadMessage e) {
+                                show(e.error());
+                            }
+                        });
     }
 
     @Override
@@ -418,7 +564,8 @@ public final class Session implements Client, Perceiver {
 
     private void show(ServerMessage picture) {
         boolean room;
-        synchronized (this) { // waits until no other connection is resuming the session
+        synchronized (this) {
+            // The lock ensures that no other connection resumes the session meanwhile.
             room = output.offer(picture);
         }
         if (!room) {
@@ -453,7 +600,9 @@ public final class Session implements Client, Perceiver {
             pace.comeBack();
             output.welcomed(role, world.name(), name);
             output.begin(
-                    world.welcome(this, hello, world.publisher().published(), true), frameSeen);
+                    world.welcome(this, hello, world.publisher().published(), true),
+                    Math.min(frameSeen, lastKept));
+            lastKept = Long.MAX_VALUE;
             world.hurry(pace.turn(), world.publisher().published()).ifPresent(output::offer);
         }
         world.lockStep().changed();
@@ -465,26 +614,33 @@ public final class Session implements Client, Perceiver {
     }
 
     /**
-     * Handles the end of a connection. If it was this session's current connection, the session
-     * waits for a new one or ends.
+     * Handles the end of a connection. The session waits for a new connection or ends if this
+     * connection was its current one.
      */
     @Override
     public void disconnected(Outbox outbox, CloseReason why) {
+        boolean leaves;
         synchronized (this) {
-            if (left || !output.isSentBy(outbox)) {
+            if (!output.isSentBy(outbox)) {
                 return;
             }
-            output.breakOff();
-            if (welcomed
-                    && graceSeconds > 0
-                    && RESUMABLE.contains(why.code())
-                    && (token.isPresent() || services.kept().keep(this))) {
-                brokenNanos = System.nanoTime();
-                pace.breakOff(brokenNanos);
-                return;
+            leaves = !left;
+            if (leaves) {
+                output.breakOff();
+                if (welcomed
+                        && graceSeconds > 0
+                        && RESUMABLE.contains(why.code())
+                        && (token.isPresent() || services.kept().keep(this))) {
+                    brokenNanos = System.nanoTime();
+                    pace.breakOff(brokenNanos);
+                    leaves = false;
+                }
             }
         }
-        leave(why.code());
+        commands.forgetQueries();
+        if (leaves) {
+            leave(why.code());
+        }
     }
 
     /** Ends the session if the client did not reconnect in time. Called periodically. */
@@ -508,6 +664,112 @@ public final class Session implements Client, Perceiver {
         dismiss(why); // the leave has no effect if the session has a connection again
     }
 
+    /**
+     * Ends the session on this server, so that another one continues it. The world makes no more
+     * frames here.
+     *
+     * @param granted the body of the client
+     * @return empty if the session cannot be resumed; it is then not ended
+     */
+    Optional<CarriedSession> carryAway(CloseReason why, Optional<Embodiment.Granted> granted) {
+        CarriedSession carried;
+        synchronized (this) {
+            if (left || !welcomed || graceSeconds <= 0 || role == Role.AGENT && granted.isEmpty()) {
+                return Optional.empty();
+            }
+            left = true; // the end of the connection does not end the session
+            if (role == Role.AGENT) {
+                counters.agents.decrement();
+            }
+            services.kept().keepNoLonger(this);
+            double brokenSeconds = output.isBroken() ? (System.nanoTime() - brokenNanos) / 1e9 : 0;
+            carried = state(granted, brokenSeconds, output.events()).write();
+        }
+        end(why);
+        world.publisher().dismiss(this);
+        pace.leave();
+        return Optional.of(carried);
+    }
+
+    /** Returns the state of the session. The caller must hold the lock of this object. */
+    private SessionState state(
+            Optional<Embodiment.Granted> granted,
+            double brokenSeconds,
+            List<ServerMessage.Event> events) {
+        return new SessionState(
+                secretSha256,
+                role,
+                hello,
+                token.map(AgentToken::sha256),
+                bytes(network),
+                granted,
+                brokenSeconds,
+                output.lastResultFrame(),
+                commands.log().results(),
+                commands.log().highestForgotten(),
+                events,
+                output.lastForgotten());
+    }
+
+    /** Returns whether the store of the world has notes about this session. For any thread. */
+    boolean isNoted() {
+        return graceSeconds > 0 && world.notes().areKept();
+    }
+
+    /**
+     * Notes the session with the body that the client has now. For the world's thread, between the
+     * executions of commands.
+     */
+    void noteBody() {
+        if (isNoted() && role == Role.AGENT) {
+            Optional<Embodiment.Granted> granted = world.desk().embodiment().granted(name);
+            if (granted.isPresent()) {
+                note(granted);
+            }
+        }
+    }
+
+    /** Notes that the session can be continued, unless it has ended. */
+    private synchronized void note(Optional<Embodiment.Granted> granted) {
+        if (isNoted() && !left) {
+            // The loss of this server will break the connection, so the grace begins then.
+            world.notes().add(new SessionNote.Began(state(granted, 0, List.of()).write()));
+        }
+    }
+
+    private static byte[] bytes(ByteBuffer buffer) {
+        byte[] bytes = new byte[buffer.remaining()];
+        buffer.duplicate().get(bytes);
+        return bytes;
+    }
+
+    /**
+     * Continues a session of another server. For the world's thread, before its first frame.
+     *
+     * @param joined the body of the client, if it has one
+     * @param frame last frame of the world
+     */
+    void restore(Optional<Outcome.Joined> joined, long frame) {
+        synchronized (this) {
+            body = joined.map(Outcome.Joined::body);
+            welcomed = true;
+        }
+        if (role == Role.AGENT) {
+            counters.agents.increment();
+            pace.begin(frame);
+            pace.breakOff(System.nanoTime());
+            noteBody();
+        } else {
+            note(Optional.empty());
+        }
+        world.publisher()
+                .later(
+                        () -> {
+                            joined.ifPresent(senses::embody);
+                            world.publisher().admit(this);
+                        });
+    }
+
     /** Ends the session, and its connection, if there is one. */
     void dismiss(CloseReason why) {
         end(why);
@@ -524,14 +786,21 @@ public final class Session implements Client, Perceiver {
                 counters.agents.decrement();
             }
             services.kept().keepNoLonger(this);
+            if (isNoted()) {
+                world.notes().add(new SessionNote.Ended(name));
+            }
         }
         world.publisher().dismiss(this); // must happen before another client may take the name
         world.leave(this, reason);
-        pace.leave(); // last, so the world waits until the leave command is queued
+        // This call comes last, so that the world waits until the leave command is queued.
+        pace.leave();
     }
 
     synchronized ServerMessage.@Nullable Ticket ticket() {
-        return graceSeconds > 0 ? new ServerMessage.Ticket(secret, graceSeconds) : null;
+        String known = secret;
+        return graceSeconds > 0 && known != null
+                ? new ServerMessage.Ticket(known, graceSeconds, services.servers().get())
+                : null;
     }
 
     Optional<ServerMessage.Rhythm> rhythm() {
@@ -543,12 +812,12 @@ public final class Session implements Client, Perceiver {
         return body;
     }
 
-    /** See {@link SessionOutput#offerResult}. */
+    /** Queues the result of a command. See {@link SessionOutput#offerResult}. */
     boolean offerResult(ServerMessage result, long frame) {
         return output.offerResult(result, frame);
     }
 
-    /** See {@link SessionOutput#offer(byte[])}. */
+    /** Queues an encoded message. See {@link SessionOutput#offer(byte[])}. */
     boolean offer(byte[] line) {
         return output.offer(line);
     }

@@ -4,6 +4,8 @@ package reve.core.agent.session;
 import reve.core.agent.control.ControlDesk;
 import reve.core.agent.control.Requester;
 import reve.core.agent.net.Counters;
+import reve.core.agent.port.FinishedCommand;
+import reve.core.agent.port.SessionNote;
 import reve.core.agent.protocol.AgentLimits;
 import reve.core.agent.protocol.BadMessage;
 import reve.core.agent.protocol.ClientMessage;
@@ -15,9 +17,9 @@ import reve.core.agent.protocol.ServerMessage;
 import java.util.Optional;
 
 /**
- * The commands of one session. Each command is executed once. Its result is sent to the connection
- * that the session has at that time. For any thread. Guarded by the lock of the session, so that no
- * result is lost while a new connection resumes the session.
+ * The commands of one session. Each command is executed once. Its result is sent over the
+ * connection that the session has when the result is available. For any thread. Guarded by the lock
+ * of the session, so that no result is lost while a new connection resumes the session.
  */
 final class SessionCommands implements Requester {
 
@@ -35,6 +37,11 @@ final class SessionCommands implements Requester {
         this.desk = desk;
         this.limits = limits;
         this.counters = counters;
+    }
+
+    /** Returns the log of the commands. Guarded by the lock of the session. */
+    CommandLog log() {
+        return log;
     }
 
     @Override
@@ -81,10 +88,31 @@ final class SessionCommands implements Requester {
         }
     }
 
+    @Override
+    public boolean notesResults() {
+        return session.isNoted();
+    }
+
+    @Override
+    public void note(ServerMessage result) {
+        switch (result) {
+            case ServerMessage.Accepted accepted ->
+                    note(new FinishedCommand(accepted.id(), accepted.frame(), "", ""));
+            case ServerMessage.Refused refused ->
+                    note(new FinishedCommand(refused.id(), 0, refused.code(), refused.reason()));
+            default ->
+                    throw new IllegalArgumentException("found " + result + ", expected a result");
+        }
+    }
+
+    private void note(FinishedCommand command) {
+        session.world().notes().add(new SessionNote.Finished(name(), command));
+    }
+
     /**
      * Executes a command, unless one with the same id was received before.
      *
-     * @throws BadMessage if the client has no right to the command
+     * @throws BadMessage if the client's rights do not include the command
      */
     void request(ClientMessage.Request request) throws BadMessage {
         Role needed = request instanceof ClientMessage.Act ? Role.AGENT : Role.CONTROL;
@@ -115,6 +143,11 @@ final class SessionCommands implements Requester {
         if (begin(request)) {
             desk.submit(this, request);
         }
+    }
+
+    /** Drops the queries that wait for an answer, after the session has lost its connection. */
+    void forgetQueries() {
+        desk.forget(this);
     }
 
     @Override

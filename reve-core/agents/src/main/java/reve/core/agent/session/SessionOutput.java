@@ -12,6 +12,9 @@ import reve.core.agent.protocol.Role;
 import reve.core.agent.protocol.ServerMessage;
 import reve.core.agent.publish.PerceptionRequests;
 
+import java.util.List;
+import java.util.Optional;
+import java.util.OptionalDouble;
 import java.util.function.Function;
 
 /**
@@ -20,7 +23,7 @@ import java.util.function.Function;
  * lock of the session before the lock of this object.
  */
 final class SessionOutput {
-    private final Function<Connection, PerceptionRequests> requestsOver;
+    private final Function<Optional<Connection>, PerceptionRequests> requestsOver;
 
     /**
      * Recent events, for a connection that resumes the session; null if the session cannot be
@@ -39,16 +42,17 @@ final class SessionOutput {
     private volatile long joinedInFrame;
 
     /**
+     * @param connection empty for a session that waits for its first connection to this server
      * @param keptNanos how long events are kept for a connection that resumes the session [ns]; 0
      *     if the session cannot be resumed
      * @param requestsOver creates the object with the requests of the client over a connection
      */
     SessionOutput(
-            Connection connection,
+            Optional<Connection> connection,
             long keptNanos,
-            Function<Connection, PerceptionRequests> requestsOver) {
-        this.connection = connection;
-        this.encoding = connection.encoding();
+            Function<Optional<Connection>, PerceptionRequests> requestsOver) {
+        this.connection = connection.orElse(null);
+        this.encoding = connection.map(Connection::encoding).orElse(Encoding.JSON);
         this.requestsOver = requestsOver;
         this.perceptions = requestsOver.apply(connection);
         this.events = keptNanos == 0 ? null : new EventLog(keptNanos, EventLog.MAX_BYTES);
@@ -66,6 +70,40 @@ final class SessionOutput {
     void beginAt(long frame) {
         joinedInFrame = frame;
         perceptions.notBefore(frame);
+    }
+
+    /**
+     * Adds what another server knew about the session.
+     *
+     * @param next first frame whose events the client receives from this server
+     */
+    synchronized void restore(
+            long next, long resultFrame, List<ServerMessage.Event> sent, long forgotten) {
+        joinedInFrame = next;
+        lastResultFrame = resultFrame;
+        EventLog kept = events;
+        if (kept != null) {
+            long now = System.nanoTime();
+            sent.forEach(event -> kept.add(HeardEvent.Told.of(event, encoding), now));
+            kept.forget(forgotten);
+        }
+    }
+
+    /** Returns the newest frame in which a command took effect. */
+    synchronized long lastResultFrame() {
+        return lastResultFrame;
+    }
+
+    /** Returns the recent events; empty if the session cannot be resumed. */
+    synchronized List<ServerMessage.Event> events() {
+        EventLog kept = events;
+        return kept == null ? List.of() : kept.all();
+    }
+
+    /** Returns the newest frame of which recent events are missing; -1 if none. */
+    synchronized long lastForgotten() {
+        EventLog kept = events;
+        return kept == null ? -1 : kept.lastForgotten();
     }
 
     /** Returns whether this queue belongs to the current connection. */
@@ -91,7 +129,7 @@ final class SessionOutput {
         Connection previous = connection;
         connection = next;
         encoding = next.encoding();
-        perceptions = requestsOver.apply(next);
+        perceptions = requestsOver.apply(Optional.of(next));
         perceptions.notBefore(lastResultFrame);
         return previous;
     }
@@ -158,6 +196,20 @@ final class SessionOutput {
         }
     }
 
+    /** Measures the round-trip time to the client, see {@link Connection#measureRoundTrip}. */
+    void measureRoundTrip() {
+        Connection now = connection;
+        if (now != null) {
+            now.measureRoundTrip();
+        }
+    }
+
+    /** Returns the last round-trip time over the current connection [s]; empty if there is none. */
+    OptionalDouble roundTripSeconds() {
+        Connection now = connection;
+        return now == null ? OptionalDouble.empty() : now.roundTripSeconds();
+    }
+
     /** Ends the current connection. */
     void end(CloseReason why) {
         Connection now = connection;
@@ -179,8 +231,9 @@ final class SessionOutput {
         }
         Connection now = connection;
         if (now != null && !now.outbox().offer(event.bytes(), frame)) {
-            now.write(); // writes at once: frames may follow each other faster than the event
-            // loop writes
+            // Writes at once, because frames may follow each other faster than the event loop
+            // writes.
+            now.write();
             if (!now.outbox().offer(event.bytes(), frame)) {
                 now.outbox().miss(frame);
             }
@@ -188,8 +241,8 @@ final class SessionOutput {
     }
 
     /**
-     * Records that events of these frames, at most {@code count}, are not sent. For the event
-     * loop's thread.
+     * Records that up to {@code count} events of the frames {@code first} to {@code last} are not
+     * sent. For the event loop's thread.
      */
     void miss(long count, long first, long last) {
         if (last < joinedInFrame) {

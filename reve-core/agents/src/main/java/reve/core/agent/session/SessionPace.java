@@ -14,8 +14,8 @@ import reve.core.agent.publish.PerceptionRequests;
 import java.util.Optional;
 
 /**
- * The pace of a session relative to its world. In lock-step, the world waits for the agent; in real
- * time, it does not. For any thread.
+ * The pace of a session relative to its world. The world waits for an agent in lock-step, and does
+ * not wait for an agent in real time. For any thread.
  */
 final class SessionPace {
     private final LockStep lockStep;
@@ -66,7 +66,7 @@ final class SessionPace {
         }
     }
 
-    /** Ends the participation of the agent: the world no longer waits for it. */
+    /** Ends the participation of the agent, so that the world does not wait for it. */
     void leave() {
         synchronized (this) {
             left = true;
@@ -79,7 +79,7 @@ final class SessionPace {
         }
     }
 
-    /** Records that the connection broke: the world no longer waits for the agent. */
+    /** Records that the connection broke. The world then does not wait for the agent. */
     void breakOff(long nowNanos) {
         if (turn != null) {
             turn.breakOff(nowNanos);
@@ -95,8 +95,8 @@ final class SessionPace {
     }
 
     /**
-     * Throws an exception if the agent is not in lock-step. Used for messages that only agents in
-     * lock-step may send.
+     * Throws an exception if the agent is not in lock-step. This check is for messages that only
+     * agents in lock-step may send.
      *
      * @param client names the client in the refusal
      */

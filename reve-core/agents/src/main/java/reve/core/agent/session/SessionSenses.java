@@ -6,6 +6,7 @@ import org.jspecify.annotations.Nullable;
 import reve.core.agent.embodiment.Outcome;
 import reve.core.agent.perception.EventSubjects;
 import reve.core.agent.perception.Observatory;
+import reve.core.agent.perception.PerceivedItem;
 import reve.core.agent.perception.Senses;
 import reve.core.agent.perception.View;
 import reve.core.agent.protocol.BadMessage;
@@ -18,6 +19,9 @@ import reve.core.world.Sensor;
 import reve.core.world.WorldEvent;
 
 import java.util.BitSet;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.function.BooleanSupplier;
@@ -27,17 +31,28 @@ import java.util.function.BooleanSupplier;
  * sensors of its body reach. For the event loop's thread only.
  */
 final class SessionSenses {
+    /** Maximum number of names in a report. */
+    private static final int MOST_NAMES = 1000;
+
     private final Role role;
 
     /** The sensors of the body; null for a client that perceives everything. */
     private @Nullable Senses senses;
 
+    /** The body; null for a client without a body. */
+    private @Nullable ItemId body;
+
+    /** The last view of a client that perceives everything. */
+    private View everything = new View(0, 0, List.of());
+
     SessionSenses(Role role) {
         this.role = role;
     }
 
-    /** Sets the body of the agent, possibly another one than before. */
+    /** Sets the body of the agent, which may replace an earlier body. */
     void embody(Outcome.Joined joined) {
+        body = joined.id();
+        everything = new View(0, 0, List.of());
         senses = joined.sensors().isEmpty() ? null : new Senses(joined.id(), joined.sensors());
     }
 
@@ -45,8 +60,42 @@ final class SessionSenses {
         return senses != null;
     }
 
+    /**
+     * Describes for a report what the client perceived last. A client that perceives everything has
+     * no list.
+     */
+    Map<String, Object> describe() {
+        var fields = new LinkedHashMap<String, Object>();
+        Senses known = senses;
+        fields.put("everything", known == null);
+        if (known != null) {
+            View last = known.lastView();
+            if (last.frame() > 0) {
+                fields.put("frame", last.frame());
+            }
+            fields.put("count", last.items().size());
+            fields.put(
+                    "items",
+                    last.items().stream().limit(MOST_NAMES).map(PerceivedItem::name).toList());
+        }
+        return fields;
+    }
+
+    /** Returns the names of the body's cameras. */
+    List<String> cameras() {
+        Senses known = senses;
+        return known == null ? List.of() : BodyCamera.names(known.sensors());
+    }
+
     Optional<View> look(Observatory world, BooleanSupplier isTimeLeft) {
-        return senses == null ? Optional.of(world.everything()) : senses.look(world, isTimeLeft);
+        if (senses != null) {
+            return senses.look(world, isTimeLeft);
+        }
+        if (body == null) {
+            return Optional.of(world.everything());
+        }
+        everything = world.everythingOf(body, everything);
+        return Optional.of(everything);
     }
 
     Optional<Set<ItemId>> sensedIn(long frame) {
@@ -55,6 +104,10 @@ final class SessionSenses {
 
     View relate(View view, Optional<Set<ItemId>> fresh) {
         return senses == null || fresh.isEmpty() ? view : senses.relate(view, fresh.get());
+    }
+
+    boolean needsSight() {
+        return senses != null && senses.needsSight();
     }
 
     boolean reach(Observatory world, double[] lows, double[] highs, int at) {
@@ -66,9 +119,10 @@ final class SessionSenses {
      * Senses#hear}. A client without sensors receives all fields. Only the role control receives
      * the message of a fault or of a refused law, because the message may name files of the server.
      */
-    Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
+    Optional<BitSet> hear(
+            WorldEvent event, EventSubjects subjects, Observatory world, boolean searches) {
         if (senses != null) {
-            return senses.hear(event, subjects, world);
+            return senses.hear(event, subjects, world, searches);
         }
         var fields = new BitSet();
         fields.set(0, event.fields().size());
@@ -94,7 +148,7 @@ final class SessionSenses {
                     look.id(),
                     "no-such-camera",
                     client + " has no camera " + Text.quote(look.sensor()),
-                    "the world file says which sensors a body has");
+                    BodyCamera.hint(cameras()));
         }
         requests.take(look, known.body(), camera.get());
     }

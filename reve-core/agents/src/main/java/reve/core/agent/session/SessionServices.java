@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.session;
 
+import reve.core.agent.audit.AuditLog;
 import reve.core.agent.net.Counters;
 import reve.core.agent.net.RateLimitedLog;
 import reve.core.agent.protocol.AgentLimits;
 import reve.core.agent.protocol.AgentTimeouts;
+
+import java.util.List;
+import java.util.Optional;
+import java.util.function.Supplier;
 
 /**
  * Services that the sessions of all worlds of a server share.
@@ -12,6 +17,8 @@ import reve.core.agent.protocol.AgentTimeouts;
  * @param log receives lines about clients that have sent hello
  * @param kept sessions without a token that wait for a new connection
  * @param wake makes the event loop look for work
+ * @param audit the record of all messages to clients
+ * @param servers returns the addresses of other servers that may continue sessions
  */
 public record SessionServices(
         AgentLimits limits,
@@ -19,4 +26,6 @@ public record SessionServices(
         Counters counters,
         RateLimitedLog log,
         KeptSessions kept,
-        Runnable wake) {}
+        Runnable wake,
+        Optional<AuditLog> audit,
+        Supplier<List<String>> servers) {}

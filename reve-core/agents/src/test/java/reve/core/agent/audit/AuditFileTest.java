@@ -9,10 +9,12 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.Timeout;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.EnumSource;
 import org.junit.jupiter.params.provider.ValueSource;
 
 import reve.core.agent.TestClient;
 import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.ServerMessage;
 
 import tools.jackson.databind.JsonNode;
 
@@ -26,6 +28,8 @@ import java.nio.file.StandardOpenOption;
 import java.nio.file.attribute.PosixFilePermissions;
 import java.time.Instant;
 import java.util.List;
+import java.util.Map;
+import java.util.Optional;
 import java.util.concurrent.TimeUnit;
 import java.util.stream.IntStream;
 import java.util.stream.Stream;
@@ -90,6 +94,28 @@ class AuditFileTest {
         open(AuditPlan.of(file)).close();
         assertThat(PosixFilePermissions.toString(Files.getPosixFilePermissions(file)))
                 .isEqualTo("rw-------");
+    }
+
+    /** Otherwise the record of each report of records would contain the report before it. */
+    @ParameterizedTest
+    @EnumSource
+    void aReportOfRecordsIsRecordedWithTheHashOfItsRecords(Encoding encoding) throws Exception {
+        var report =
+                new ServerMessage.Report(
+                        7,
+                        3,
+                        "audit",
+                        Map.of("records", List.of(Map.of("message", "{\"t\":\"welcome\"}"))));
+        try (AuditFile audit = open(AuditPlan.of(file))) {
+            byte[] line = report.in(encoding);
+            assertThat(audit.told(now, "world", "boss", encoding, ByteBuffer.wrap(line))).isTrue();
+            assertThat(audit.recent().newest("world", Optional.empty(), true, 9))
+                    .singleElement()
+                    .satisfies(record -> assertThat(record.message()).doesNotContain("welcome"));
+        }
+        JsonNode message = TestClient.json(Files.readString(file)).get("message");
+        assertThat(message.get("of").stringValue()).isEqualTo("audit");
+        assertThat(message.at("/content/records").stringValue()).matches("sha256:[0-9a-f]{64}");
     }
 
     @Test

@@ -17,6 +17,7 @@ import reve.core.access.Terms;
 import reve.core.agent.AgentRoom;
 import reve.core.agent.AgentServerConfig;
 import reve.core.agent.TestClient;
+import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.Role;
 import reve.core.file.AgentPolicy;
 import reve.core.world.ItemDefinition;
@@ -27,6 +28,7 @@ import java.io.IOException;
 import java.nio.file.Path;
 import java.time.Instant;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
@@ -166,6 +168,7 @@ class RightsTest {
         String[] permitted = {
             "{'t':'set-law','id':1,'library':'wind','parameters':{'any':1}}",
             "{'t':'set-law','id':2,'library':'drag','parameters':{'c':1}}",
+            "{'t':'set-law','id':21,'library':'drag','parameters':{'drag.c':1}}",
             "{'t':'unload-law','id':3,'library':'wind'}",
             "{'t':'load-law','id':4,'library':'wind'}",
         };
@@ -181,6 +184,7 @@ class RightsTest {
             "{'t':'rewind','id':19}",
             "{'t':'ledger','id':20,'open':true}",
             "{'t':'shut-down','id':21}",
+            "{'t':'audit','id':22}",
         };
         try (TestClient boss = hello("boss", ",'role':'control','token':'" + token + "'")) {
             boss.expect("welcome");
@@ -202,6 +206,57 @@ class RightsTest {
                 assertThat(error.get("hint").stringValue())
                         .as(request)
                         .startsWith("it may change only the laws drag.c, wind");
+            }
+        }
+    }
+
+    /** A hello that asks for the cluster needs the token of a session, and one for all worlds. */
+    @Test
+    void aTokenForSomeWorldsDoesNotAskForTheCluster() throws IOException {
+        Set<Role> control = Set.of(Role.CONTROL);
+        String boss = issue("boss", new Rights(control, ANY, ANY, ANY, false));
+        String warden =
+                issue("warden", new Rights(control, Optional.of(Set.of("pond")), ANY, ANY, false));
+        String ada = issue("ada", agent(ANY, ANY, ANY));
+        String question = ",'role':'control','ask':'cluster','token':'";
+        refused("boss", question + boss + "'", "unsupported"); // this room belongs to no cluster
+        refused("warden", question + warden + "'", "not-permitted");
+        refused("ada", question + ada + "'", "not-permitted");
+        refused("eve", question + boss + "'", "not-permitted");
+        refused("boss", question + "0".repeat(32) + "'", "bad-token");
+        refused("boss", ",'role':'control','ask':'cluster'", "bad-token");
+    }
+
+    /** An order to a cluster may concern worlds other than that of the client. */
+    @Test
+    void aTokenForSomeWorldsPermitsNoOrders() throws IOException {
+        Rights all = new Rights(Set.of(Role.CONTROL), ANY, ANY, ANY, false);
+        Rights some =
+                new Rights(
+                        Set.of(Role.CONTROL), Optional.of(Set.of("pond", "lake")), ANY, ANY, false);
+        String lake = "{'t':'move-world','id':1,'world':'lake','node':'a:1'}";
+        String sea = "{'t':'move-world','id':2,'world':'sea','node':'a:1'}";
+        String drain = "{'t':'drain-node','id':3,'node':'a:1'}";
+        String add = "{'t':'add-world','id':4,'text':'reve: 1'}";
+        String boss = issue("boss", all);
+        try (TestClient client = hello("boss", ",'role':'control','token':'" + boss + "'")) {
+            client.expect("welcome");
+            for (String order : List.of(lake, sea, drain, add)) {
+                client.say(order); // this room belongs to no cluster
+                assertThat(client.skipTo("result").get("code").stringValue())
+                        .as(order)
+                        .isEqualTo("unsupported");
+            }
+        }
+        String warden = issue("warden", some);
+        try (TestClient client = hello("warden", ",'role':'control','token':'" + warden + "'")) {
+            client.expect("welcome");
+            for (String order : List.of(lake, sea, drain, add)) {
+                client.say(order);
+                JsonNode error = client.skipTo("error");
+                assertThat(error.get("code").stringValue()).as(order).isEqualTo("not-permitted");
+                assertThat(error.get("hint").stringValue())
+                        .isEqualTo("it opens only some worlds, and the order is about all worlds");
             }
         }
     }
@@ -249,6 +304,20 @@ class RightsTest {
         try (TestClient client = hello("raft", ",'token':'" + raft + "'")) {
             assertThat(client.expect("welcome").get("body").stringValue()).isEqualTo("raft");
         }
+    }
+
+    /** The server also hides other worlds from such a token in `hello` and in the metrics. */
+    @Test
+    void aTokenForSomeWorldsDoesNotLearnOfTheOthersInTheCluster() {
+        var question = new ClientMessage.Ask(1, "cluster", Map.of());
+        var ofPond = new Rights(Set.of(Role.CONTROL), Optional.of(Set.of("pond")), ANY, ANY, false);
+        assertThat(ofPond.refusal(question))
+                .hasValueSatisfying(
+                        why -> {
+                            assertThat(why).contains("only some worlds");
+                        });
+        assertThat(ofPond.refusal(new ClientMessage.Ask(1, "profile", Map.of()))).isEmpty();
+        assertThat(Rights.ALL.refusal(question)).isEmpty();
     }
 
     @Test

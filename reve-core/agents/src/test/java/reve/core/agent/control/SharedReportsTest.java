@@ -84,7 +84,7 @@ class SharedReportsTest {
     private void ask(Requester requester, long id) {
         reports.ask(
                 requester,
-                new ClientMessage.State(id),
+                new ClientMessage.State(id, false),
                 SharedReports.Kind.STATE,
                 () -> {
                     readings++;

@@ -24,7 +24,7 @@ import java.util.HexFormat;
 class DecoderFuzzIT {
 
     /** Number of inputs. A long run uses ten million. */
-    private static final int RUNS = Integer.getInteger("reve.fuzz.runs", 20_000);
+    private static final int RUNS = Integer.getInteger("reve.fuzz.runs", 5_000);
 
     /**
      * Disables libFuzzer's limit of memory. It compares the peak of the process that started the

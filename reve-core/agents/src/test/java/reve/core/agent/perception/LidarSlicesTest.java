@@ -2,6 +2,7 @@
 package reve.core.agent.perception;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.within;
 
 import org.junit.jupiter.api.Test;
 
@@ -42,6 +43,11 @@ class LidarSlicesTest {
                                 .at(9 * Math.cos(i), 0.2 * i - 4, 9 * Math.sin(i))
                                 .build());
             }
+            // Rays are tested one by one with meshes and with long shapes.
+            Shape fin = Shape.mesh(new float[] {0, 0, 0, 9, 0, 0, 0, 3, 0}, new int[] {0, 1, 2});
+            world.add(ItemDefinition.named("fin").shape(fin).at(1, 2, 12).build());
+            world.add(
+                    ItemDefinition.named("mast").shape(Shape.box(0.2, 9, 0.2)).at(2, 0, 3).build());
             var ring = new SnapshotRing(world, 2);
             var boxes = new BoundingBoxes();
             var observatory = new Observatory();
@@ -65,6 +71,59 @@ class LidarSlicesTest {
                 assertThat(distances(view.get())).containsExactly(atOnce);
             }
         }
+    }
+
+    /**
+     * Rays that cross many triangles use more time. A slice then ends after fewer rays, and a ray
+     * that would have to examine too many triangles measures nothing.
+     */
+    @Test
+    void raysThatCrossManyTrianglesAreFewInASliceAndLimited() {
+        for (int triangles : new int[] {10_000, LidarScanner.MOST_OF_RAY}) {
+            try (var arena = new OffHeapArena()) {
+                World world = new World("test", WorldPrototype.standard("si-f64"), arena);
+                Sensor scan =
+                        Sensor.measuring("scan", new Instrument.Lidar(8, 1, 0.001, 0, 50, 0, 0));
+                Item body = world.add(ItemDefinition.named("body").sensor(scan).build());
+                world.add(ItemDefinition.named("fan").shape(fan(triangles)).at(0, 0, 5).build());
+                var ring = new SnapshotRing(world, 2);
+                new BoundingBoxes().update(world);
+                ring.publish(1, 1);
+                var observatory = new Observatory();
+                try (var snapshot = ring.acquireLatest().orElseThrow()) {
+                    observatory.read(snapshot);
+                }
+                var senses = new Senses(body.id(), List.of(scan));
+                int slices = 1;
+                Optional<View> view = senses.look(observatory, onlyOnce());
+                for (; view.isEmpty(); view = senses.look(observatory, onlyOnce())) {
+                    slices++;
+                }
+                assertThat(slices).isGreaterThanOrEqualTo(4);
+                boolean isTooMany = triangles == LidarScanner.MOST_OF_RAY;
+                assertThat(distances(view.get())).hasSize(8);
+                for (double found : distances(view.get())) {
+                    assertThat(found).isCloseTo(isTooMany ? -1 : 5, within(0.01));
+                }
+            }
+        }
+    }
+
+    /** Thin triangles of 20 m, one behind another, whose boxes all contain the centre. */
+    private static Shape fan(int triangles) {
+        float[] corners = new float[3 * (triangles + 2)];
+        corners[0] = -10;
+        corners[1] = -10;
+        corners[3] = 10;
+        corners[4] = -10;
+        int[] indices = new int[3 * triangles];
+        for (int i = 0; i < triangles; i++) {
+            corners[3 * (i + 2) + 1] = 10;
+            corners[3 * (i + 2) + 2] = 1e-8f * i;
+            indices[3 * i + 1] = 1;
+            indices[3 * i + 2] = i + 2;
+        }
+        return Shape.mesh(corners, indices);
     }
 
     /** Time for one more part of the work. */

@@ -129,6 +129,22 @@ class MessagesTest {
     }
 
     @Test
+    void aLengthThatNoMessageHasIsNamed() {
+        assertUnreadable("81a174dbffffffff", "a length is 4294967295, which is too large");
+        assertUnreadable("81a174db0000", "the message ends within a value");
+    }
+
+    private static void assertUnreadable(String bytes, String reason) {
+        ByteBuffer message = ByteBuffer.wrap(HexFormat.of().parseHex(bytes));
+        assertThatThrownBy(() -> MessageReader.read(message, Encoding.MESSAGEPACK))
+                .isInstanceOfSatisfying(
+                        BadMessage.class,
+                        e ->
+                                assertThat(e.error().message())
+                                        .isEqualTo("this is no MessagePack: " + reason));
+    }
+
+    @Test
     void aBadFieldIsNamedWithWhatWasFoundAndExpectedAndTheIdIsKept() {
         assertThatThrownBy(() -> read("{\"t\":\"perceive\",\"id\":12,\"every\":\"often\"}"))
                 .isInstanceOfSatisfying(
@@ -201,6 +217,7 @@ class MessagesTest {
                                                 .put("session", resume.session())
                                                 .put("frame", resume.frame()));
                 hello.token().ifPresent(token -> json.put("token", token));
+                hello.ask().ifPresent(question -> json.put("ask", question));
             }
             case ClientMessage.Perceive perceive -> {
                 if (perceive.every() != ClientMessage.Perceive.ONCE) {
@@ -219,7 +236,10 @@ class MessagesTest {
                                     ready.frame().ifPresent(frame -> json.put("frame", frame));
                                 });
             }
-            case ClientMessage.Look look -> json.put("sensor", look.sensor());
+            case ClientMessage.Look look -> {
+                json.put("sensor", look.sensor());
+                look.item().ifPresent(item -> json.put("item", item));
+            }
             case ClientMessage.Ready ready ->
                     ready.frame().ifPresent(frame -> json.put("frame", frame));
             case ClientMessage.Step step -> json.put("frames", step.frames());
@@ -270,9 +290,24 @@ class MessagesTest {
             }
             case ClientMessage.Ledger ledger ->
                     ledger.open().ifPresent(open -> json.put("open", open));
+            case ClientMessage.Audit audit -> {
+                audit.client().ifPresent(client -> json.put("client", client));
+                if (audit.frequent()) {
+                    json.put("frequent", true);
+                }
+                if (audit.most() != ClientMessage.Audit.DEFAULT) {
+                    json.put("most", audit.most());
+                }
+            }
             case ClientMessage.Inspect inspect -> json.put("item", inspect.item());
-            case ClientMessage.State state -> {}
+            case ClientMessage.State state -> {
+                if (state.roundTrips()) {
+                    json.put("roundTrips", true);
+                }
+            }
             case ClientMessage.Laws laws -> {}
+            case ClientMessage.Search search -> json.put("text", search.text());
+            case ClientMessage.Perceived perceived -> json.put("client", perceived.client());
             case ClientMessage.Fork fork -> {
                 json.put("frames", fork.frames());
                 fork.changes()
@@ -281,6 +316,20 @@ class MessagesTest {
             case ClientMessage.Ask ask ->
                     ask.arguments()
                             .forEach((name, value) -> json.set(name, JSON.valueToTree(value)));
+            case ClientMessage.MoveWorld move ->
+                    json.put("world", move.world()).put("node", move.node());
+            case ClientMessage.DrainNode drain -> {
+                json.put("node", drain.node());
+                if (!drain.drained()) {
+                    json.put("drained", false);
+                }
+            }
+            case ClientMessage.AddWorld add -> {
+                json.put("text", add.text());
+                if (add.asleep()) {
+                    json.put("asleep", true);
+                }
+            }
             case ClientMessage.Release release -> json.put("library", release.library());
             case ClientMessage.Pause pause -> {}
             case ClientMessage.Run run -> {}
@@ -340,7 +389,11 @@ class MessagesTest {
                                                     new ServerMessage.Ticket(
                                                             text(session, "token"),
                                                             session.get("graceSeconds")
-                                                                    .doubleValue())),
+                                                                    .doubleValue(),
+                                                            session.path("servers")
+                                                                    .valueStream()
+                                                                    .map(JsonNode::stringValue)
+                                                                    .toList())),
                             json.has("resumed"),
                             new ServerMessage.Limits(
                                     json.at("/limits/lineBytes").intValue(),
@@ -351,7 +404,8 @@ class MessagesTest {
                                     json.at("/limits/items").intValue(),
                                     json.at("/limits/worldItems").intValue(),
                                     json.at("/limits/eventBytes").intValue(),
-                                    json.at("/limits/worldEventBytes").intValue()));
+                                    json.at("/limits/worldEventBytes").intValue()),
+                            json.path("cameras").valueStream().map(JsonNode::stringValue).toList());
             case "result" ->
                     json.get("accepted").booleanValue()
                             ? json.has("value")

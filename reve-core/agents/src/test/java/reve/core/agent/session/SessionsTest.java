@@ -606,7 +606,7 @@ class SessionsTest {
     }
 
     /**
-     * Lets a client join; takes one frame.
+     * Lets a client join. The world makes one frame for this.
      *
      * @return the token with which another connection resumes
      */

@@ -71,7 +71,8 @@ export class Connection extends EventTarget {
   #closed() {
     this.#socket = null;
     this.#fail("lost", "the connection broke");
-    const again = this.#hello && this.#welcomed && !SILENT.has(this.#bye?.code);
+    const starts = this.#bye?.code === "world-starting"; // a node of a cluster opens the world
+    const again = this.#hello && (this.#welcomed || starts) && !SILENT.has(this.#bye?.code);
     if (again) {
       const wait = RETRY_MILLISECONDS[Math.min(this.#attempt++, RETRY_MILLISECONDS.length - 1)];
       this.#timer = setTimeout(() => this.#connect(), wait);

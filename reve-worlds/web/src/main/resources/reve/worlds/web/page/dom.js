@@ -36,6 +36,11 @@ export function show(value) {
   return number(value);
 }
 
+/** Returns a number of things as text, such as "1 item" or "2 items". */
+export function count(things, one, many = `${one}s`) {
+  return `${things} ${things === 1 ? one : many}`;
+}
+
 /** Shows a message for some seconds. */
 export function toast(message, bad = false) {
   const element = h("div", { className: bad ? "toast bad" : "toast" }, message);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panel of items. It searches items, and shows the present properties of the selected item by
 // its four aspects.
-import { h, show, toast } from "./dom.js";
+import { count, h, show, toast } from "./dom.js";
 
 const FOUND = 60;
+/** Time after the last letter until the server searches the symbols [ms]. */
+const SEARCH_MILLISECONDS = 250;
 const READ_MILLISECONDS = 200;
 
 export class ItemPanel {
@@ -11,8 +13,11 @@ export class ItemPanel {
     this.app = app;
     this.name = null;
     this.search = h("input", {
-      id: "search", type: "search", placeholder: "Search by name or class  ( / )", "aria-label": "Search items by name or class",
-      autocomplete: "off", spellcheck: false, oninput: () => this.list(),
+      id: "search", type: "search", placeholder: "Search by name or symbol  ( / )", "aria-label": "Search items by name or symbol",
+      autocomplete: "off", spellcheck: false, oninput: () => {
+        this.list();
+        this.searchSymbols();
+      },
       onkeydown: (event) => {
         if (event.key === "Enter") this.found.querySelector("button")?.click();
       },
@@ -33,18 +38,46 @@ export class ItemPanel {
     let all = 0;
     for (const item of this.app.view.items) {
       if (!item) continue;
-      if (wanted && !item.name.toLowerCase().includes(wanted) && !(item.class ?? item.kind).toLowerCase().includes(wanted)) continue;
+      const named = !wanted || item.name.toLowerCase().includes(wanted) || (item.class ?? item.kind).toLowerCase().includes(wanted);
+      const reason = named ? (item.class ?? item.kind) : this.reason(item, wanted);
+      if (reason === null) continue;
       all++;
-      if (found.length < FOUND) found.push(item);
+      if (found.length < FOUND) found.push([item, reason]);
     }
-    const label = wanted ? `${all} found` : `${all} items`;
+    const label = wanted ? `${all} found` : count(all, "item");
     this.count.textContent = all > FOUND ? `${label}, the first ${FOUND} are listed` : label;
     this.found.replaceChildren(
-      ...found.map((item) =>
+      ...found.map(([item, reason]) =>
         h("li", null,
           h("button", { type: "button", onclick: () => this.app.select(item.slot), "aria-current": String(item.name === this.name) },
-            h("span", null, item.name), h("span", { className: "kind" }, item.class ?? item.kind)))),
+            h("span", null, item.name), h("span", { className: "kind" }, reason)))),
     );
+  }
+
+  /** Returns the symbols of an item that contain the wanted text, or null. An agent searches what it
+   *  perceives, and other roles what the server has found. */
+  reason(item, wanted) {
+    const symbols = this.app.role === "agent"
+      ? Object.fromEntries(Object.entries(item.perceived?.symbols ?? {}).filter(([name, value]) => `${name} ${value}`.toLowerCase().includes(wanted)))
+      : this.symbols?.text === wanted ? (this.symbols.found.get(item.name) ?? {}) : {};
+    const shown = Object.entries(symbols).map(([name, value]) => `${name}: ${show(value)}`);
+    return shown.length ? shown.join(", ") : null;
+  }
+
+  /** Asks the server for the items whose symbols contain the wanted text. */
+  searchSymbols() {
+    clearTimeout(this.searching);
+    this.searching = setTimeout(async () => {
+      const text = this.search.value.trim().toLowerCase();
+      if (text.length < 2 || !this.app.role || this.app.role === "agent") return;
+      try {
+        const { items } = await this.app.connection.report("search", { text });
+        this.symbols = { text, found: new Map(items.map((item) => [item.name, item.symbols])) };
+        if (this.search.value.trim().toLowerCase() === text) this.list();
+      } catch {
+        // The error is ignored: the list shows the items that the page has found by their names.
+      }
+    }, SEARCH_MILLISECONDS);
   }
 
   select(name) {
@@ -92,13 +125,15 @@ export class ItemPanel {
   }
 
   showReport(report) {
-    const shape = JSON.stringify([report.name, report.physical.map((p) => p.name), report.physics.map((p) => p.name), report.access, Object.keys(report.semantic), this.app.role, Boolean(this.app.agent?.body)]);
+    const columns = report.lawColumns ?? [];
+    const shape = JSON.stringify([columns.map((column) => [column.library, column.law, column.name]), report.moreLawColumns, report.name, report.physical.map((p) => p.name), report.physics.map((p) => p.name), report.access, Object.keys(report.semantic), this.app.role, Boolean(this.app.agent?.body)]);
     if (shape !== this.shape || !this.body.firstChild) {
       this.shape = shape;
       this.build(report);
     }
     for (const property of report.physical) this.put("physical." + property.name, property);
     for (const property of report.physics) this.put("physics." + property.name, property);
+    columns.forEach((column, i) => this.put("laws." + i, column));
     for (const [name, value] of Object.entries(report.semantic)) this.put("semantic." + name, { value });
   }
 
@@ -150,7 +185,23 @@ export class ItemPanel {
       h("h4", null, "Access"), this.access(report),
       h("h4", null, "Physics"),
       report.physics.length ? table("physics", report.physics, true) : h("p", { className: "empty" }, this.app.role === "agent" ? "not perceived" : "none: laws do not move this item"),
+      ...this.lawColumns(report),
     );
+  }
+
+  /** Returns the table of the columns that laws have of their own, if the item has any. */
+  lawColumns(report) {
+    const columns = report.lawColumns ?? [];
+    const more = report.moreLawColumns ? [h("p", { className: "doc" }, `${count(report.moreLawColumns, "further column")}`)] : [];
+    if (!columns.length) return more;
+    const rows = columns.map((column, i) => {
+      const value = h("td", { className: "value" });
+      this.cells.set(`laws.${i}`, value);
+      const law = column.law === column.library ? column.law : `${column.library}: ${column.law}`;
+      return h("tr", null, h("th", { scope: "row", title: `Column of the law ${law}` }, column.name), value,
+        h("td", { className: "unit" }, column.unit && column.unit !== "1" ? column.unit : ""), h("td", { className: "unit" }, law));
+    });
+    return [h("h4", null, "Columns of laws"), h("table", { id: "law-columns", "aria-label": "columns of laws" }, h("tbody", null, rows)), ...more];
   }
 
   access(report) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panel of laws. It lists the loaded laws with the properties that they use, their parameters,
 // their cost and their lines in the ledger.
-import { h, number, toast } from "./dom.js";
+import { count, h, number, toast } from "./dom.js";
 import { LawText } from "./lawtext.js";
 
 const READ_MILLISECONDS = 1000;
@@ -102,7 +102,7 @@ export class LawsPanel {
         return h("div", null,
           h("p", { className: "doc" }, law.doc),
           h("p", { className: "chips" }, h("span", { className: "chip" }, law.phase), h("span", { className: "chip" }, `${law.name} ${law.version}`), cost),
-          h("details", null, h("summary", { className: "doc" }, `uses ${law.uses.length} properties`),
+          h("details", null, h("summary", { className: "doc" }, `uses ${count(law.uses.length, "property", "properties")}`),
             h("table", null, h("tbody", null, law.uses.map((use) =>
               h("tr", null,
                 h("td", null, use.access.map((access) => ACCESS[access] ?? access).join(", ")),
@@ -113,7 +113,7 @@ export class LawsPanel {
       this.budget(library, control));
   }
 
-  /** Where a library runs, why the server runs it, and its budget. */
+  /** Shows where a library runs, why the server runs it, and its budget. */
   standing(library) {
     const [trust, kind, why] = TRUST[library.trust] ?? [library.trust ?? "unknown", "warn", ""];
     const budget = library.budget;

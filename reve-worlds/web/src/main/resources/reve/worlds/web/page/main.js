@@ -8,15 +8,16 @@ import { ItemPanel } from "./item.js";
 import { LawsPanel } from "./laws.js";
 import { PlotsPanel } from "./plots.js";
 import { Scene } from "./scene.js";
+import { Sound } from "./sound.js";
 import { Transport } from "./transport.js";
 import { View } from "./view.js";
 
 const TABS = { item: "Items", laws: "Laws", plots: "Plots", agents: "Agents" };
 const SWITCHES = {
   grid: "Ground and grid", shadows: "Shadows", springs: "Springs", surfaces: "Surfaces", labels: "Labels", boxes: "Boxes",
-  trails: "Trails", velocity: "Velocities", force: "Forces",
+  trails: "Trails", velocity: "Velocities", force: "Forces", sensors: "Sensors",
 };
-const VELOCITY_BIT = 1, FORCE_BIT = 2, STOP = 255;
+const VELOCITY_BIT = 1, FORCE_BIT = 2, CONTACTS_BIT = 4, STOP = 255;
 
 class App {
   constructor() {
@@ -33,6 +34,7 @@ class App {
     this.laws = new LawsPanel(this, $("panel-laws"));
     this.agents = new AgentsPanel(this, $("panel-agents"));
     this.transport = new Transport(this);
+    this.sound = new Sound(this);
     this.#makeSwitches();
     this.#listen();
     this.#theme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark"));
@@ -45,7 +47,9 @@ class App {
   #greet() {
     this.name = `page-${Math.floor(Math.random() * 1e6)}`;
     $("join-name").value = this.name;
-    this.enter({ name: this.name, role: "control" });
+    const world = new URLSearchParams(location.search).get("world");
+    $("join-world").value = world ?? "";
+    this.enter({ name: this.name, role: "control", ...(world ? { world } : {}) });
   }
 
   enter(hello) {
@@ -62,6 +66,7 @@ class App {
         this.moved = true;
         this.waiting = false;
         this.received = (this.received ?? 0) + 1;
+        this.sound.contacts();
       }
     });
     connection.addEventListener("perception", (event) => {
@@ -103,6 +108,7 @@ class App {
     addEventListener("keyup", (event) => this.scene.keys.delete(event.key.toLowerCase()));
     document.addEventListener("visibilitychange", () => {
       if (document.hidden) this.connection.watch(STOP);
+      this.sound.skip();
       this.waiting = false;
     });
   }
@@ -148,6 +154,7 @@ class App {
 
   #event(event) {
     this.agents.event(event);
+    this.sound.event(event.type);
     if (["law-loaded", "law-unloaded", "law-shadow", "over-budget", "fault"].includes(event.type)) this.laws.read();
     if (event.type === "law-shadow") this.laws.shadow(event.fields);
     if (event.type === "rewound") {
@@ -192,6 +199,7 @@ class App {
     else if (key === "f") this.scene.fit();
     else if (key === "c") this.#toggle("follow", "following");
     else if (key === "v") this.#toggle("fly", "flying");
+    else if (key === "m") this.sound.toggle();
     else if (key === "/") {
       event.preventDefault();
       this.openTab("item");
@@ -262,7 +270,7 @@ class App {
     this.drawn = now;
     if (!this.waiting && this.role && this.role !== "agent" && !document.hidden && this.connection.isOpen) {
       this.waiting = true;
-      this.connection.watch((this.scene.options.velocity ? VELOCITY_BIT : 0) | (this.scene.options.force ? FORCE_BIT : 0));
+      this.connection.watch((this.scene.options.velocity ? VELOCITY_BIT : 0) | (this.scene.options.force ? FORCE_BIT : 0) | (this.sound.isOn ? CONTACTS_BIT : 0));
     }
     if (this.listed !== this.view.version) {
       this.listed = this.view.version;

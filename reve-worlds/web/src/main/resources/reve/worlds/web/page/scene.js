@@ -3,15 +3,17 @@
 // draws aids such as a ground, a grid and arrows.
 import * as THREE from "three";
 import { OrbitControls } from "./three/OrbitControls.js";
-import { CAPSULE, CYLINDER, MESH_SHAPE, NONE, PLANE, SPHERE } from "./view.js";
+import { CAPSULE, CYLINDER, ELLIPSOID, MESH_SHAPE, NONE, PLANE, SPHERE } from "./view.js";
 
 const LABELS = 48;
 const TRAIL_POINTS = 240;
 const TRAIL_ITEMS = 120;
+/** Number of lines of a circle in the outline of a sensor. */
+const RING = 32;
 const MANY = 600;
 const SLOW_SECONDS = 0.09;
-/** Maximum length of a velocity arrow, as the time in which the body moves along it [s]. Because of
- *  it, bodies almost at rest have short arrows. */
+/** Maximum length of a velocity arrow, as the time in which the body moves along it [s]. This limit
+ *  keeps the arrows of bodies almost at rest short. */
 const MOST_SECONDS = 2;
 /** Bounds for objects whose parts move. They are infinite, so that three.js does not compute
  *  bounds. */
@@ -52,6 +54,29 @@ function withGrid(material, uniforms, fade) {
   return material;
 }
 
+/** Returns the lines of a sensor's outline, two points for each, for a reach of 1 m along +Z. */
+function outline({ angle, aspect }) {
+  const along = (x, y, z) => new THREE.Vector3(x, y, z).normalize();
+  const ring = (point) => Array.from({ length: RING }, (_, i) => [point(i), point((i + 1) % RING)]).flat();
+  const turn = (i) => (2 * Math.PI * i) / RING;
+  if (aspect) {
+    const y = Math.tan(angle / 2);
+    const corners = [[1, 1], [-1, 1], [-1, -1], [1, -1]].map(([u, v]) => [u * y * aspect, v * y, 1]);
+    return corners.flatMap((corner, i) => [new THREE.Vector3(), along(...corner), along(...corner), along(...corners[(i + 1) % 4])]);
+  }
+  if (angle > 2 * Math.PI - 1e-6) {
+    return [
+      ...ring((i) => along(Math.cos(turn(i)), Math.sin(turn(i)), 0)),
+      ...ring((i) => along(Math.cos(turn(i)), 0, Math.sin(turn(i)))),
+      ...ring((i) => along(0, Math.cos(turn(i)), Math.sin(turn(i)))),
+    ];
+  }
+  const wide = Math.sin(angle / 2);
+  const deep = Math.cos(angle / 2);
+  const rim = (i) => along(wide * Math.cos(turn(i)), wide * Math.sin(turn(i)), deep);
+  return [...ring(rim), ...[0, 1, 2, 3].flatMap((i) => [new THREE.Vector3(), rim((i * RING) / 4)])];
+}
+
 export class Scene {
   constructor(canvas, labels, view) {
     this.canvas = canvas;
@@ -61,7 +86,7 @@ export class Scene {
     this.highlighted = new Set();
     this.options = {
       grid: true, shadows: true, springs: true, surfaces: true, labels: true, boxes: false, trails: false,
-      velocity: false, force: false,
+      velocity: false, force: false, sensors: false,
     };
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
@@ -97,6 +122,7 @@ export class Scene {
     this.velocityLines = this.#lineObject(0x4fd1c5, 2);
     this.forceLines = this.#lineObject(0xf6ad55, 2);
     this.boxLines = this.#lineObject(0x93a4b3, 1);
+    this.sensorLines = this.#lineObject(0xb794f4, 1);
     this.trailLines = this.#lineObject(0x6fa8dc, 1);
     this.surfaces = new THREE.Mesh(
       new THREE.BufferGeometry(),
@@ -224,6 +250,7 @@ export class Scene {
     if (geometry) return geometry;
     switch (item.shape) {
       case SPHERE:
+      case ELLIPSOID: // a sphere that its size stretches
         geometry = detailed ? new THREE.SphereGeometry(0.5, 40, 24) : new THREE.SphereGeometry(0.5, 14, 9);
         break;
       case CAPSULE: // the mesh's caps are round if the height is twice the width
@@ -399,11 +426,13 @@ export class Scene {
     this.#arrows(this.velocityLines, this.options.velocity, this.view.velocity, MOST_SECONDS);
     this.#arrows(this.forceLines, this.options.force, this.view.force, Infinity);
     this.#boxes();
+    this.#sensors();
     this.#trail();
   }
 
   /** Draws arrows from the bodies along a vector column. All arrows have one scale: the longest
-   *  arrow is an eighth of the scene. The scale is at most `most`, so the arrows may be shorter. */
+   *  arrow is an eighth of the scene. The scale does not exceed `most`, so the arrows may be
+   *  shorter. */
   #arrows(lines, on, column, most) {
     lines.visible = on;
     if (!on) return;
@@ -458,6 +487,28 @@ export class Scene {
     attribute.needsUpdate = true;
   }
 
+  /** Draws the reach of the bodies' sensors: cones along the body's +Z axis, pyramids of cameras, and
+   *  spheres of sensors that sense in all directions. A sensor without a range reaches through half
+   *  of the scene. */
+  #sensors() {
+    this.sensorLines.visible = this.options.sensors;
+    if (!this.options.sensors) return;
+    const { position, orientation, items } = this.view;
+    const lines = [];
+    for (const item of items) {
+      if (item?.kind !== "body" || !item.sensors) continue;
+      const origin = new THREE.Vector3().fromArray(position, 3 * item.slot);
+      const turn = new THREE.Quaternion().fromArray(orientation, 4 * item.slot);
+      for (const sensor of item.sensors) {
+        const reach = sensor.range ?? (this.radius ?? 10) / 2;
+        for (const point of outline(sensor)) lines.push(point.multiplyScalar(reach).applyQuaternion(turn).add(origin));
+      }
+    }
+    const attribute = this.#resize(this.sensorLines, 3 * lines.length);
+    lines.forEach((point, i) => point.toArray(attribute.array, 3 * i));
+    attribute.needsUpdate = true;
+  }
+
   #trail() {
     this.trailLines.visible = this.options.trails;
     if (!this.options.trails) {
@@ -504,7 +555,8 @@ export class Scene {
     return box;
   }
 
-  /** Moves the camera to the world's own viewpoint. If the world has none, shows all bodies. */
+  /** Moves the camera to the world's own viewpoint. Shows all bodies if the world has no viewpoint.
+   *  */
   #first() {
     const own = this.view.camera;
     if (!own) {
@@ -607,6 +659,12 @@ export class Scene {
     shadow.far = radius * 9;
     shadow.updateProjectionMatrix();
     this.raycaster.params.Line.threshold = radius / 120;
+  }
+
+  /** Returns the side on which the camera sees the body of a slot, from -1 (left) to 1 (right). */
+  side(slot) {
+    const place = new THREE.Vector3().fromArray(this.view.position, 3 * slot).project(this.camera);
+    return Number.isFinite(place.x) ? Math.min(1, Math.max(-1, place.x)) : 0;
   }
 
   /** Returns the slot of the item at a point of the canvas [px], or null. */

@@ -2,7 +2,7 @@
 // A second client of the page: an agent whose body the user steers by the keyboard.
 import * as THREE from "three";
 import { Connection } from "./connection.js";
-import { h, toast } from "./dom.js";
+import { count, h, toast } from "./dom.js";
 
 const PUSH_MILLISECONDS = 100;
 const KEYS = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], e: [0, 1, 0], q: [0, -1, 0] };
@@ -10,6 +10,7 @@ const KEYS = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], e: [0, 
 export class Steer {
   constructor(app, name, token, box, left) {
     this.app = app;
+    this.name = name;
     this.box = box;
     this.left = left;
     this.connection = new Connection();
@@ -53,7 +54,7 @@ export class Steer {
       this.show();
     }
     if (this.highlight?.checked) this.mark();
-    if (this.count) this.count.textContent = `perceives ${this.perceived.size} items`;
+    if (this.count) this.count.textContent = `perceives ${count(this.perceived.size, "item")}`;
   }
 
   mark() {
@@ -63,7 +64,7 @@ export class Steer {
   }
 
   show() {
-    this.count = h("span", { className: "chip" }, `perceives ${this.perceived.size} items`);
+    this.count = h("span", { className: "chip" }, `perceives ${count(this.perceived.size, "item")}`);
     this.highlight = h("input", { type: "checkbox", id: "agent-highlight", onchange: () => this.mark() });
     const controls = [];
     if (this.actions?.length) {

@@ -4,6 +4,8 @@
 import { $, toast } from "./dom.js";
 
 const READ_MILLISECONDS = 500;
+/** Minimum time between two measurements of the clients' round-trip times [ms]. */
+const ROUND_TRIP_MILLISECONDS = 2000;
 const AHEAD_SECONDS = 2;
 const RUN_ICON = "M4.5 2.5l9 5.5-9 5.5z";
 const PAUSE_ICON = "M4.5 3h2.5v10H4.5zM9 3h2.5v10H9z";
@@ -13,6 +15,7 @@ export class Transport {
     this.app = app;
     this.state = null;
     this.before = null;
+    this.measured = -Infinity;
     $("play").onclick = () => this.toggle();
     $("step").onclick = () => this.step();
     $("rewind").onclick = () => this.command("rewind", {}, "rewound to the start");
@@ -75,7 +78,7 @@ export class Transport {
     const app = this.app;
     if (!app.connection.isOpen || !app.role || app.role === "agent" || document.hidden) return;
     try {
-      const state = await app.connection.report("state");
+      const state = await app.connection.report("state", this.#measures() ? { roundTrips: true } : {});
       this.show(state);
       app.agents.showClients(state.clients);
       app.plots.state(state, this.state);
@@ -83,6 +86,15 @@ export class Transport {
     } catch {
       // The error is ignored here, because the connection shows the reason.
     }
+  }
+
+  /** Returns whether the next report of the state also measures the clients' round-trip times. Only
+   *  the panel of agents shows them. */
+  #measures() {
+    const now = performance.now();
+    if (this.app.role !== "control" || this.app.tab !== "agents" || now - this.measured < ROUND_TRIP_MILLISECONDS) return false;
+    this.measured = now;
+    return true;
   }
 
   show(state) {

@@ -4,10 +4,10 @@
 
 const FRAME = 1, MESH = 2, TEXTURE = 3;
 const HEADER_BYTES = 32;
-export const POSITION = 0, ORIENTATION = 1, SIZE = 2, COLOUR = 3, VELOCITY = 4, FORCE = 5;
-const COMPONENTS = [3, 4, 3, 1, 3, 3];
-const NAMES = ["position", "orientation", "size", "colour", "velocity", "force"];
-export const NONE = 0, SPHERE = 1, BOX = 2, PLANE = 3, MESH_SHAPE = 4, CAPSULE = 5, CYLINDER = 6;
+export const POSITION = 0, ORIENTATION = 1, SIZE = 2, COLOUR = 3, VELOCITY = 4, FORCE = 5, CONTACTS = 6;
+const COMPONENTS = [3, 4, 3, 1, 3, 3, 2];
+const NAMES = ["position", "orientation", "size", "colour", "velocity", "force", "contacts"];
+export const NONE = 0, SPHERE = 1, BOX = 2, PLANE = 3, MESH_SHAPE = 4, CAPSULE = 5, CYLINDER = 6, ELLIPSOID = 7;
 
 const text = new TextDecoder();
 
@@ -25,12 +25,27 @@ export class View {
     this.meshes = new Map();
     this.textures = new Map();
     this.camera = null;
+    this.measuresContacts = false;
     this.frame = 0;
     this.time = 0;
     this.version = (this.version ?? 0) + 1;
     this.bytes = 0;
     for (const [i, name] of NAMES.entries()) this[name] = new Float32Array(COMPONENTS[i] * 64);
     this.colourBytes = new Uint8Array(this.colour.buffer);
+    this.forgetContacts();
+  }
+
+  /** Forgets how many contacts have begun, so that the next frame reports none. */
+  forgetContacts() {
+    this.contacts.fill(NaN);
+    this.begun = [];
+  }
+
+  /** Returns the contacts that have begun since the last call, as slot and force [N]. */
+  takeContacts() {
+    const begun = this.begun;
+    this.begun = [];
+    return begun;
   }
 
   #grow(slots) {
@@ -39,6 +54,7 @@ export class View {
     const room = Math.max(slots, 2 * this.colour.length);
     for (const [i, name] of NAMES.entries()) {
       const larger = new Float32Array(COMPONENTS[i] * room);
+      if (i === CONTACTS) larger.fill(NaN);
       larger.set(this[name]);
       this[name] = larger;
     }
@@ -77,6 +93,7 @@ export class View {
     if (bytes > 0) {
       const structure = JSON.parse(text.decode(new Uint8Array(buffer, HEADER_BYTES, bytes)));
       if (structure.camera) this.camera = structure.camera;
+      if (structure.measuresContacts) this.measuresContacts = true;
       for (const slot of structure.left) this.#remove(slot);
       for (const item of structure.items) this.#put(item);
       this.#dropUnused();
@@ -95,6 +112,7 @@ export class View {
         const to = new Uint32Array(target.buffer);
         for (let i = 0; i < count; i++) to[slots[i]] = from[i];
       } else {
+        if (column === CONTACTS) this.#noteContacts(slots, values);
         for (let i = 0, v = 0; i < count; i++) {
           for (let c = 0, t = slots[i] * components; c < components; c++) target[t++] = values[v++];
         }
@@ -103,8 +121,17 @@ export class View {
     }
   }
 
+  /** Notes the bodies whose number of contacts has grown. A number that was unknown before, or that
+   *  has fallen because the server started again, is not news. */
+  #noteContacts(slots, values) {
+    slots.forEach((slot, i) => {
+      if (values[2 * i] > this.contacts[2 * slot]) this.begun.push({ slot, force: values[2 * i + 1] });
+    });
+  }
+
   #put(item) {
     const before = this.items[item.slot];
+    if (before?.name !== item.name) this.contacts[2 * item.slot] = NaN;
     if (before && before.name !== item.name && this.byName.get(before.name) === before) this.byName.delete(before.name);
     this.items[item.slot] = item;
     this.byName.set(item.name, item);
@@ -116,7 +143,8 @@ export class View {
     this.items[slot] = undefined;
   }
 
-  /** Drops the meshes and textures that no item uses. The server drops them, too. */
+  /** Discards the meshes and textures that no item uses. The server does the same, so it sends them
+   *  again if necessary. */
   #dropUnused() {
     if (this.meshes.size + this.textures.size === 0) return;
     const meshes = new Set();
