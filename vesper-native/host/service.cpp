@@ -389,6 +389,7 @@ void Service::WriteLaws(vesper_library_id library, Writer& reply) {
     });
     reply.Value(info.calls);
     reply.Value(info.nanoseconds);
+    reply.Value(info.resting);
   }
   reply.Value(uint32_t{0});
 }
@@ -421,6 +422,7 @@ void Service::Advance(Reader& request, Writer& reply) {
     for (uint32_t i = 0; vesper_engine_law_info(engine_.get(), id, i, &info, nullptr) == 0; ++i) {
       reply.Value(info.calls);
       reply.Value(info.nanoseconds);
+      reply.Value(info.resting);
     }
   }
 }

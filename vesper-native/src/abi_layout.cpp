@@ -211,7 +211,7 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_law_info, calls),
     FIELD(vesper_law_info, nanoseconds),
     FIELD(vesper_law_info, claims),
-    FIELD(vesper_law_info, reserved),
+    FIELD(vesper_law_info, resting),
 
     STRUCT(vesper_ledger_entry),
     FIELD(vesper_ledger_entry, struct_size),

@@ -536,7 +536,8 @@ const vesper::LoadedLaw& vesper_engine::FindLaw(vesper_library_id id, uint32_t i
 void vesper_engine::LawInfo(vesper_library_id id, uint32_t index, vesper_law_info& out) const {
   const Turn turn(*this);
   const vesper::LawLibrary& library = **FindLibrary(id);
-  const vesper::Law& law = FindLaw(id, index).law;
+  const vesper::LoadedLaw& loaded = FindLaw(id, index);
+  const vesper::Law& law = loaded.law;
   const vesper_law_desc& desc = law.desc();
   const vesper_law_info info{sizeof info,
                              id,
@@ -553,7 +554,7 @@ void vesper_engine::LawInfo(vesper_library_id id, uint32_t index, vesper_law_inf
                              law.calls(),
                              law.nanoseconds(),
                              desc.claims,
-                             0};
+                             loaded.resting ? 1u : 0u};
   vesper::WriteStruct(out, info, "out");
 }
 

@@ -179,13 +179,16 @@ TEST_P(FieldTest, CompiledLawRestsWithoutItsFieldAndAnOptionalFieldIsNotNeeded) 
   auto provider = resting.PropertyProvider();
   provider.AddPhysicalProperty("position", bodies.position);
   provider.AddPhysicalProperty("velocity", bodies.velocity);
-  resting.LoadPhysicsLaw("drifting");
+  const vesper_library_id drifting = resting.LoadPhysicsLaw("drifting");
+  EXPECT_EQ(resting.Laws(drifting)[0].resting, 0) << "no step has asked for the field";
   const std::vector<double> before = bodies.velocity;
   resting.Advance(1);
   EXPECT_EQ(bodies.velocity, before);
+  EXPECT_EQ(resting.Laws(drifting)[0].resting, 1);
   provider.SetField("wind", Wind(factor));  // without the optional field `temperature`
   resting.Advance(1);
   EXPECT_EQ(bodies.velocity[9], 12);
+  EXPECT_EQ(resting.Laws(drifting)[0].resting, 0);
 }
 
 TEST_P(FieldTest, LawThatLacksAColumnDoesNotRest) {

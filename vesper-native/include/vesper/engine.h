@@ -137,7 +137,8 @@ typedef struct vesper_law_info {
                              laws each count their full time. For display only; it must not
                              affect the world. */
   uint32_t claims;      /**< VESPER_CLAIM_… joined with |, or 0. Since 1.2. */
-  uint32_t reserved;    /**< 0. */
+  uint32_t resting;     /**< 1: it is not called, because a field that it reads was not bound in the
+                             last step; see `rest_without_fields`. Otherwise 0. Since 1.2. */
 } vesper_law_info;
 
 /** One line of the ledger: the contribution of a law or another source since the ledger was

@@ -16,6 +16,8 @@ import java.util.Set;
  * @param parameters in the order in which the law declares them
  * @param calls number of calls since the law was loaded
  * @param nanoseconds wall-clock time of these calls [ns]; for reports only
+ * @param resting whether it is not called, because a field that it reads was not bound in the last
+ *     step
  */
 public record PhysicsLaw(
         int libraryId,
@@ -29,7 +31,8 @@ public record PhysicsLaw(
         List<PropertyUse> uses,
         List<LawParameter> parameters,
         long calls,
-        long nanoseconds) {
+        long nanoseconds,
+        boolean resting) {
     /** The invariants that a law may guarantee, in the order of the bits `VESPER_CLAIM_…`. */
     public enum Claim {
         /** Claim that the sum of the law's forces is zero. */

@@ -315,13 +315,27 @@ class FieldsIT {
             assertThat(velocity(server, "low", 2)).isEqualTo(resting).isBetween(0.5, 1.0);
             assertThat(libraries(server, "loaded")).containsExactly("sail", "newton_motion");
             assertThat(libraries(server, "quarantined")).isEmpty();
+            assertThat(restingLaws(server)).containsExactly("sail");
             assertThat(control(server, "load-law", "file=" + law("calm")).code()).isZero();
             double again = resting;
             for (int i = 0; i < 100 && again == resting; i++) {
                 again = velocity(server, "low", 2);
             }
             assertThat(again).isGreaterThan(resting);
+            assertThat(restingLaws(server)).isEmpty();
         }
+    }
+
+    private static List<String> restingLaws(Server server) throws Exception {
+        List<String> names = new ArrayList<>();
+        for (JsonNode library : json(control(server, "laws")).get("loaded")) {
+            for (JsonNode law : library.get("laws")) {
+                if (law.path("resting").asBoolean(false)) {
+                    names.add(law.get("name").asString());
+                }
+            }
+        }
+        return names;
     }
 
     private static double velocity(Server server, String item, int axis) throws Exception {

@@ -34,6 +34,9 @@ final class Loaded {
     /** Calls and times [ns] in all earlier hosts, by law. */
     private long[] before = {};
 
+    /** Whether a law rests, by law, as last reported. */
+    private boolean[] resting = {};
+
     Loaded(int id, HostedLibrary library, Map<String, Double> parameters) {
         this.id = id;
         this.library = library;
@@ -99,19 +102,23 @@ final class Loaded {
     private void set(List<PhysicsLaw> now) {
         laws = now;
         counts = new long[2 * laws.size()];
+        resting = new boolean[laws.size()];
         for (int law = 0; law < laws.size(); law++) {
             counts[2 * law] = laws.get(law).calls();
             counts[2 * law + 1] = laws.get(law).nanoseconds();
+            resting[law] = laws.get(law).resting();
         }
         if (before.length == 0) {
             before = new long[counts.length];
         }
     }
 
-    /** Reads the calls and times of the laws. */
+    /** Reads the calls and times of the laws, and whether they rest. */
     void count(Mailbox from) {
-        for (int i = 0; i < counts.length; i++) {
-            counts[i] = from.getLong();
+        for (int law = 0; law < resting.length; law++) {
+            counts[2 * law] = from.getLong();
+            counts[2 * law + 1] = from.getLong();
+            resting[law] = from.getInt() != 0;
         }
     }
 
@@ -135,7 +142,7 @@ final class Loaded {
         }
     }
 
-    /** Returns the laws with their calls and times in all hosts. */
+    /** Returns the laws with their calls and times in all hosts, and whether they rest. */
     List<PhysicsLaw> laws() {
         List<PhysicsLaw> all = new ArrayList<>();
         for (int i = 0; i < laws.size(); i++) {
@@ -153,7 +160,8 @@ final class Loaded {
                             law.uses(),
                             law.parameters(),
                             before[2 * i] + counts[2 * i],
-                            before[2 * i + 1] + counts[2 * i + 1]));
+                            before[2 * i + 1] + counts[2 * i + 1],
+                            resting[i]));
         }
         return all;
     }

@@ -75,7 +75,8 @@ final class Wire {
                             uses(from),
                             parameters(from),
                             from.getLong(),
-                            from.getLong()));
+                            from.getLong(),
+                            from.getInt() != 0));
         }
         return laws;
     }

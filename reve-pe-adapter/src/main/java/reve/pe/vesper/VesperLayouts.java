@@ -142,7 +142,7 @@ final class VesperLayouts {
                             JAVA_LONG.withName("calls"),
                             JAVA_LONG.withName("nanoseconds"),
                             JAVA_INT.withName("claims"),
-                            JAVA_INT.withName("reserved"))
+                            JAVA_INT.withName("resting"))
                     .withName("vesper_law_info");
 
     static final StructLayout LEDGER_ENTRY =

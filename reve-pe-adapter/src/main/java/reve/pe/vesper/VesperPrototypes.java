@@ -113,7 +113,8 @@ final class VesperPrototypes {
                 uses,
                 parameters,
                 info.get(JAVA_LONG, offset(LAW_INFO, "calls")),
-                info.get(JAVA_LONG, offset(LAW_INFO, "nanoseconds")));
+                info.get(JAVA_LONG, offset(LAW_INFO, "nanoseconds")),
+                info.get(JAVA_INT, offset(LAW_INFO, "resting")) != 0);
     }
 
     static ScalarType scalarType(int number) {

@@ -157,6 +157,9 @@ final class LawReport {
         fields.put("p50Seconds", time.medianNanoseconds() / NANOSECONDS);
         fields.put("p99Seconds", time.p99Nanoseconds() / NANOSECONDS);
         fields.put("share", time.share());
+        if (law.resting()) {
+            fields.put("resting", true);
+        }
         fields.put("uses", law.uses().stream().map(LawReport::use).toList());
         fields.put(
                 "parameters",

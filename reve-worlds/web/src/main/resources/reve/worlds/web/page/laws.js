@@ -16,6 +16,11 @@ const TRUST = {
 const THEN = { warn: "warn", unload: "unload", "skip-steps": "skip steps" };
 const ACCESS = { read: "reads", write: "writes", accumulate: "adds to", scratch: "remembers" };
 
+/** Returns the names of the fields that a law reads. */
+function fields(law) {
+  return law.uses.filter((use) => use.type === "field" && !use.optional).map((use) => use.name);
+}
+
 export class LawsPanel {
   constructor(app, panel) {
     this.app = app;
@@ -196,6 +201,12 @@ export class LawsPanel {
       for (const law of library.laws) {
         const card = this.cards.get(`${library.library}/${law.name}`);
         if (!card) continue;
+        card.cost.classList.toggle("warn", law.resting === true);
+        if (law.resting) {
+          card.cost.textContent = `rests: no law provides ${fields(law).join(" or ")}`;
+          card.cost.title = "The server does not evaluate this law until a loaded law provides the field.";
+          continue;
+        }
         card.cost.textContent = `${milliseconds(law.p50Seconds)} ms per frame (p99 ${milliseconds(law.p99Seconds)} ms), ${number(+(100 * law.share).toPrecision(2))} %`;
         card.cost.title = "Median and 99th percentile of the last frames, and share of the time of all frames";
       }
