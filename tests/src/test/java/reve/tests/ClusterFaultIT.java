@@ -17,6 +17,7 @@ import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.Collections;
 import java.util.HashMap;
@@ -29,14 +30,22 @@ import java.util.Set;
 import java.util.TreeSet;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.locks.LockSupport;
+import java.util.stream.IntStream;
 
 /** Nodes of a cluster that are killed or paused, again and again, while agents act. */
 @Tag("slow")
 class ClusterFaultIT {
-    private static final List<String> WORLDS = List.of("w1", "w2", "w3", "w4", "w5", "w6");
+    /** 30 in a long run; a multiple of the 3 nodes. */
+    private static final List<String> WORLDS =
+            IntStream.rangeClosed(1, Integer.getInteger("reve.test.cluster.worlds", 6))
+                    .mapToObj(number -> "w" + number)
+                    .toList();
 
-    /** The worlds with an agent, by the agent. The other worlds are undisturbed. */
-    private static final Map<String, String> AGENTS = Map.of("ada", "w1", "bob", "w3", "eve", "w5");
+    /** 300 in a long run. */
+    private static final int AGENTS = Integer.getInteger("reve.test.cluster.agents", 3);
+
+    /** Pause between two acts of an agent. All agents together act at most 30 times a second. */
+    private static final Duration PAUSE = Resident.PAUSE.multipliedBy(Math.max(1, AGENTS / 3));
 
     private static final long SEED = Long.getLong("reve.test.seed", 20261130);
 
@@ -83,9 +92,14 @@ class ClusterFaultIT {
                         Collections.nCopies(3, Optional.empty()),
                         WORLDS,
                         List.of());
-        for (Map.Entry<String, String> agent : AGENTS.entrySet()) {
-            residents.add(cluster.resident(agent.getKey(), agent.getValue()));
+        for (int i = 0; i < AGENTS; i++) {
+            residents.add(cluster.resident("a" + i, agentsWorld(i), PAUSE));
         }
+    }
+
+    /** Returns the world of an agent. Each second world has agents; the others are undisturbed. */
+    private static String agentsWorld(int agent) {
+        return WORLDS.get(2 * agent % WORLDS.size());
     }
 
     private List<String> worldsOf(Node node, Map<String, PostgresStore.World> now) {
@@ -120,7 +134,8 @@ class ClusterFaultIT {
             victim.server().process().destroyForcibly().onExit().join();
             LockSupport.parkNanos(TimeUnit.SECONDS.toNanos(1)); // results may still be read
             Map<String, Long> published = new HashMap<>();
-            residents.forEach(each -> published.put(each.world(), each.lastFrame()));
+            residents.forEach(
+                    each -> published.merge(each.world(), each.lastFrame(), Math::max));
             Map<String, PostgresStore.World> after = awaitElsewhere(lost, before, began, seconds);
             for (String world : WORLDS) {
                 boolean isLost = lost.contains(world);
@@ -135,7 +150,7 @@ class ClusterFaultIT {
                     cluster.requireUndisturbed(after.get(world));
                 }
             }
-            residents.forEach(Resident::requireAtHome);
+            Resident.requireAtHome(residents);
             cluster.startMissing();
         }
         cluster.awaitBalance();
@@ -236,7 +251,7 @@ class ClusterFaultIT {
                         .as("%s, %s", which, world)
                         .isEqualTo(before.get(world).epoch() + (lost.contains(world) ? 1 : 0));
             }
-            residents.forEach(Resident::requireAtHome);
+            Resident.requireAtHome(residents);
             cluster.startMissing();
         }
         cluster.awaitBalance();
@@ -252,12 +267,17 @@ class ClusterFaultIT {
                         folder, postgres, "alone", List.of(Optional.empty()), WORLDS, List.of());
         Node node = cluster.alive().getFirst();
         String[] at = node.agents().split(":");
-        residents.add(new Resident(at[0], Integer.parseInt(at[1]), cluster.join("ada", "w1")));
-        residents.forEach(Resident::requireAtHome);
+        residents.add(
+                new Resident(
+                        at[0],
+                        Integer.parseInt(at[1]),
+                        cluster.join("ada", "w1"),
+                        Resident.PAUSE));
+        Resident.requireAtHome(residents);
         node.server().process().destroyForcibly().onExit().join();
         Server alone = cluster.alone(node.place(), "w1");
         assertThat(alone.events().await("ready", _ -> true).path("epoch").asLong()).isEqualTo(2);
-        residents.forEach(Resident::requireAtHome);
+        Resident.requireAtHome(residents);
         cluster.requireOneWriter();
     }
 
@@ -271,7 +291,7 @@ class ClusterFaultIT {
 
     /** Requires that all writes of the test came from one owner after the other. */
     private void requireOrder() throws Exception {
-        residents.forEach(Resident::requireAtHome);
+        Resident.requireAtHome(residents);
         residents.forEach(Resident::close);
         cluster.requireOneWriter();
         cluster.requireWholeStores();

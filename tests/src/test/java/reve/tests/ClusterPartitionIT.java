@@ -137,7 +137,7 @@ class ClusterPartitionIT {
                 }
             }
         }
-        residents.forEach(Resident::requireAtHome);
+        Resident.requireAtHome(residents);
         residents.forEach(Resident::close);
         cluster.requireOneWriter();
         cluster.requireWholeStores();
@@ -192,7 +192,7 @@ class ClusterPartitionIT {
             network.heal();
         }
         cluster.awaitRunning();
-        residents.forEach(Resident::requireAtHome);
+        Resident.requireAtHome(residents);
         startEnded();
         cluster.awaitRunning();
         cluster.requireOneWriter();
@@ -244,7 +244,7 @@ class ClusterPartitionIT {
             throws Exception {
         long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(DATABASE_SECONDS);
         while (System.nanoTime() < end) {
-            residents.forEach(Resident::awaitActs);
+            Resident.awaitActs(residents);
         }
         assertThat(cluster.alive()).hasSize(3);
         network.heal();

@@ -120,12 +120,12 @@ class ClusterUpgradeIT {
             old.server().process().toHandle().destroy();
             assertThat(old.server().exitCode()).isZero();
             cluster.startAt(place);
-            residents.forEach(Resident::requireAtHome);
+            Resident.requireAtHome(residents);
         }
         cluster.awaitRunning();
         Node asked = cluster.alive().getFirst();
         cluster.await("all nodes have the next version", _ -> isUpgraded(asked));
-        residents.forEach(Resident::requireAtHome);
+        Resident.requireAtHome(residents);
         residents.forEach(Resident::close);
         cluster.requireOneWriter();
         cluster.requireWholeStores();

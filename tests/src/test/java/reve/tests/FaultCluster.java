@@ -462,6 +462,11 @@ final class FaultCluster implements AutoCloseable {
 
     /** Lets an agent join a world through a node that does not have it. */
     Resident resident(String agent, String world) throws IOException {
+        return resident(agent, world, Resident.PAUSE);
+    }
+
+    /** Lets an agent with a pause between its acts join a world, as above. */
+    Resident resident(String agent, String world, Duration pause) throws IOException {
         PostgresStore.World now = worlds().get(world);
         Node other =
                 alive().stream()
@@ -469,7 +474,7 @@ final class FaultCluster implements AutoCloseable {
                         .findFirst()
                         .orElseThrow();
         String[] at = other.agents().split(":");
-        return new Resident(at[0], Integer.parseInt(at[1]), join(agent, world));
+        return new Resident(at[0], Integer.parseInt(at[1]), join(agent, world), pause);
     }
 
     /**

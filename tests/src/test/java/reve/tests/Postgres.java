@@ -30,6 +30,9 @@ final class Postgres implements AutoCloseable {
     private static final long PATIENCE_SECONDS = 60;
     private static final int TRIES = 5;
 
+    /** A node needs two connections for each world that it runs. */
+    private static final int MOST_CONNECTIONS = 200;
+
     private static final String LOOPBACK = "127.0.0.1";
     private static final int PORT = 5432;
 
@@ -161,6 +164,8 @@ final class Postgres implements AutoCloseable {
                                         Integer.toString(at),
                                         "-c",
                                         "listen_addresses=" + host,
+                                        "-c",
+                                        "max_connections=" + MOST_CONNECTIONS,
                                         "-c",
                                         "unix_socket_directories=" + folder))
                         .redirectOutput(log.toFile())

@@ -11,25 +11,32 @@ import reve.agent.AgentException;
 import reve.agent.Join;
 
 import java.io.IOException;
+import java.time.Duration;
+import java.util.List;
 import java.util.Map;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.locks.LockSupport;
 
 /** An agent that acts all the time, and keeps its session wherever its world runs. */
 final class Resident implements AutoCloseable {
-    private static final long BETWEEN_ACTS_NANOSECONDS = 100_000_000;
+    /** Usual pause between two acts. */
+    static final Duration PAUSE = Duration.ofMillis(100);
+
     private static final long PATIENCE_SECONDS = 60;
+    private static final long POLL_NANOSECONDS = 10_000_000;
 
     private final String name;
     private final AgentClient client;
+    private final Duration pause;
     private final Thread thread;
     private volatile int accepted;
     private volatile long lastFrame;
     private volatile boolean ends;
     private volatile @Nullable Exception failure;
 
-    Resident(String host, int port, Join join) throws IOException {
+    Resident(String host, int port, Join join, Duration pause) throws IOException {
         name = join.name();
+        this.pause = pause;
         client = AgentClient.connect(host, port, join);
         thread = Thread.ofVirtual().name("resident " + name).start(this::act);
     }
@@ -43,7 +50,7 @@ final class Resident implements AutoCloseable {
                 }
                 accepted++;
                 lastFrame = result.frame().orElseThrow();
-                LockSupport.parkNanos(BETWEEN_ACTS_NANOSECONDS);
+                LockSupport.parkNanos(pause.toNanos());
             }
         } catch (AgentException | IllegalStateException e) {
             failure = e;
@@ -65,15 +72,24 @@ final class Resident implements AutoCloseable {
         return lastFrame;
     }
 
-    /** Waits until two further acts were accepted, of which the last one began after this call. */
-    void awaitActs() {
-        int before = accepted;
+    /**
+     * Waits until two further acts of each agent were accepted, of which the last one began after
+     * this call.
+     */
+    static void awaitActs(List<Resident> residents) {
+        List<Integer> before = residents.stream().map(Resident::accepted).toList();
         long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(PATIENCE_SECONDS);
-        while (accepted < before + 2 && failure == null && System.nanoTime() < end) {
-            LockSupport.parkNanos(BETWEEN_ACTS_NANOSECONDS / 10);
+        for (int i = 0; i < residents.size(); i++) {
+            residents.get(i).awaitAccepted(before.get(i) + 2, end);
+        }
+    }
+
+    private void awaitAccepted(int count, long end) {
+        while (accepted < count && failure == null && System.nanoTime() < end) {
+            LockSupport.parkNanos(POLL_NANOSECONDS);
         }
         requireSession();
-        assertThat(accepted).as("accepted acts of %s", name).isGreaterThanOrEqualTo(before + 2);
+        assertThat(accepted).as("accepted acts of %s", name).isGreaterThanOrEqualTo(count);
     }
 
     private void requireSession() {
@@ -82,9 +98,13 @@ final class Resident implements AutoCloseable {
         }
     }
 
-    /** Requires that the agent has the session and the body with which it joined. */
-    void requireAtHome() {
-        awaitActs();
+    /** Requires that the agents have the sessions and the bodies with which they joined. */
+    static void requireAtHome(List<Resident> residents) {
+        awaitActs(residents);
+        residents.forEach(Resident::requireBody);
+    }
+
+    private void requireBody() {
         assertThat(client.perceive().find(name)).as("the body of %s", name).isPresent();
         assertThat(client.events())
                 .as("events of %s", name)
