@@ -252,7 +252,7 @@ class CommandLineIT {
                         picture.toString(),
                         "--size",
                         "320x200");
-        assertThat(outcome.err()).isEmpty();
+        assertThat(outcome.messages()).isEmpty();
         assertThat(outcome.out().strip()).isEqualTo(picture.toString());
         var image = javax.imageio.ImageIO.read(picture.toFile());
         assertThat(image.getWidth()).isEqualTo(320);

@@ -257,7 +257,7 @@ class PackedRecordingIT {
         Path pack = folder.resolve(name);
         Outcome made = Reve.run(command(source, pack, options));
         assertThat(made.code()).as(made.err()).isZero();
-        assertThat(made.err()).isEmpty();
+        assertThat(made.messages()).isEmpty();
         return pack;
     }
 

@@ -15,6 +15,7 @@ import java.util.concurrent.FutureTask;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.TimeoutException;
 import java.util.regex.Pattern;
+import java.util.stream.Collectors;
 
 /**
  * The {@code ./reve} command line. A command runs in the JVM of the tests, because the start of
@@ -31,12 +32,26 @@ final class Reve {
     private static final Pattern PATIENCE =
             Pattern.compile("^reading .* \\.\\.\\.\\R", Pattern.MULTILINE);
 
+    /** A line about the progress of a command, such as {@code frame 12, 40 %, about 3 s left}. */
+    private static final Pattern PROGRESS =
+            Pattern.compile("frame \\d+( of \\d+ \\(\\d+ %\\))?, \\d.*");
+
     /**
      * The result of a finished command.
      *
      * @param err without the launcher's message about waiting
      */
-    record Outcome(int code, String out, String err) {}
+    record Outcome(int code, String out, String err) {
+        /**
+         * Returns standard error without the lines about progress, which a command prints if it
+         * takes longer than two seconds.
+         */
+        String messages() {
+            return err.lines()
+                    .filter(line -> !PROGRESS.matcher(line).matches())
+                    .collect(Collectors.joining("\n"));
+        }
+    }
 
     private Reve() {}
 
