@@ -22,6 +22,9 @@ import java.util.stream.Collectors;
 class RuleChangesTest {
     private static final long SEED = 20261130;
 
+    /** Number of series of changes. 200 in a long run. */
+    private static final int SERIES = Integer.getInteger("reve.test.rule.series", 30);
+
     private final List<String> problems = new ArrayList<>();
 
     private static WorldDescription world(String rules) throws WorldFileException {
@@ -48,7 +51,7 @@ class RuleChangesTest {
     @Test
     void anyChangesLeadToTheRulesOfTheWorldInTheirOrder() throws Exception {
         Random random = new Random(SEED);
-        for (int run = 0; run < 200; run++) {
+        for (int run = 0; run < SERIES; run++) {
             WorldDescription file = world("a: '1.0', b: {is: '2.0', doc: Two.}, c: '3.0'");
             Set<String> inFile = symbols(file.rules());
             List<Rule> now = file.rules();
