@@ -564,6 +564,19 @@ class ClusterIT {
     }
 
     @Test
+    void aNodeReportsThatNoSeedLetsItIn() throws Exception {
+        database();
+        Server server = launch("--seed", "127.0.0.1:1");
+        node(server);
+        JsonNode fault = server.events().await("fault", _ -> true);
+        assertThat(fault.path("source").asString()).isEqualTo("cluster");
+        assertThat(fault.path("message").asString())
+                .contains("has not joined the cluster lab for 10 s", "no seed (127.0.0.1:1)");
+        server.process().toHandle().destroy();
+        assertThat(server.exitCode()).isZero();
+    }
+
+    @Test
     void optionsThatDoNotFitAreRefused() throws Exception {
         String world = Project.WORLDS.resolve("spring-orbit").toString();
         Outcome soon = Reve.run("cluster", "move", "w1", "127.0.0.1:1", "--timeout", "-1");

@@ -50,6 +50,7 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.locks.LockSupport;
+import java.util.stream.Collectors;
 
 /**
  * A node of a cluster whose nodes share the worlds of a database. Cluster sharding places each
@@ -75,6 +76,9 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
 
     /** Interval between two checks whether this node is cut off [ns]. */
     private static final long CUT_OFF_NANOSECONDS = 500_000_000L;
+
+    /** Time without a member of the cluster after which a node reports its seeds [ns]. */
+    private static final long SEEDS_NANOSECONDS = 10_000_000_000L;
 
     /** Interval between two checks whether a world can be handed over [ns]. */
     private static final long HAND_OVER_NANOSECONDS = 200_000_000L;
@@ -463,12 +467,30 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
     /**
      * Stops the frames of the worlds of this node while it reaches neither the database nor all
      * other nodes. Another node may then run these worlds, and would lose what their clients did
-     * here. Runs on a thread of its own, because a read from a database that is cut off takes long.
+     * here. Also reports seeds that do not let the node join. Runs on a thread of its own, because a
+     * read from a database that is cut off takes long.
      */
     private void watch() {
         boolean wasCutOff = false;
+        boolean waits = true; // for the first member of the cluster
+        long began = System.nanoTime();
         while (!stops) {
             LockSupport.parkNanos(CUT_OFF_NANOSECONDS);
+            if (waits && !nodes().isEmpty()) {
+                waits = false;
+            } else if (waits && System.nanoTime() - began > SEEDS_NANOSECONDS) {
+                waits = false;
+                fault(
+                        "this node has not joined the cluster "
+                                + settings.cluster()
+                                + " for 10 s, so it runs no worlds: no seed ("
+                                + settings.seeds().stream()
+                                        .map(NodeAddress::toString)
+                                        .collect(Collectors.joining(", "))
+                                + ") lets it in; start a node of this cluster at one of these"
+                                + " addresses, and give all nodes certificates of one authority;"
+                                + " this node tries again");
+            }
             boolean isCutOff = isCutOff();
             host.suspend(isCutOff);
             if (isCutOff != wasCutOff) {
