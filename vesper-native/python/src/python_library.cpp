@@ -113,6 +113,13 @@ class Instance {
             source_);
   }
 
+  double PotentialEnergy() {
+    const Turn turn;
+    const Object energy = Checked(PyObject_CallMethod(instance_.get(), "potential_energy", nullptr),
+                                  VESPER_LAW_FAILED, source_);
+    return PyFloat_AsDouble(energy.get());
+  }
+
   void Advance(const vesper_step& step) {
     const Turn turn;
     Checked(PyObject_CallFunction(advance_.get(), "ddI", step.dt, step.time, step.stage),
@@ -170,6 +177,10 @@ vesper_status Advance(vesper_law* law, const vesper_step* step, vesper_error* er
   return Guarded(error, [&] { InstanceOf(law).Advance(*step); });
 }
 
+vesper_status PotentialEnergy(vesper_law* law, double* out, vesper_error* error) {
+  return Guarded(error, [&] { *out = InstanceOf(law).PotentialEnergy(); });
+}
+
 void Destroy(vesper_law* law) { delete &InstanceOf(law); }
 
 /// Returns the prototype as a list of (name, kind, scalar type, components, access, unit).
@@ -194,10 +205,11 @@ Object Properties(const vesper_prototype& prototype) {
 void Library::Read(PyObject* law, Declared& to, vesper_scalar_type real_type) {
   const char *name, *version, *doc;
   PyObject *uses, *parameters;
+  int has_energy;
   vesper_law_desc& desc = to.desc;
-  if (!PyArg_ParseTuple(law, "sssIIIIO!O!O", &name, &version, &doc, &desc.phase, &desc.claims,
+  if (!PyArg_ParseTuple(law, "sssIIIIO!O!Op", &name, &version, &doc, &desc.phase, &desc.claims,
                         &desc.stages, &desc.first_stage, &PyList_Type, &uses, &PyList_Type,
-                        &parameters, &to.law)) {
+                        &parameters, &to.law, &has_energy)) {
     throw Raised(VESPER_INTERNAL, source_);
   }
   Py_INCREF(to.law);
@@ -246,6 +258,7 @@ void Library::Read(PyObject* law, Declared& to, vesper_scalar_type real_type) {
   desc.bind = python::Bind;
   desc.advance = python::Advance;
   desc.destroy = python::Destroy;
+  if (has_energy != 0) desc.potential_energy = python::PotentialEnergy;
 }
 
 Library::Library(const vesper_prototype& prototype, std::string source, const char* text,

@@ -18,13 +18,14 @@ _READ, _WRITE, _READ_WRITE, _ACCUMULATE, _SCRATCH = 1, 2, 3, 4, 8
 _TYPES = {1: numpy.float32, 2: numpy.float64, 3: numpy.int32, 4: numpy.uint32}
 _FIELD = 5
 _PHASES = {"force": 1, "integrate": 2, "constrain": 3, "observe": 4}
-_CLAIMS = {"momentum": 1, "angular momentum": 2, "translation": 4, "rotation": 8}
+_CLAIMS = {"momentum": 1, "angular momentum": 2, "translation": 4, "rotation": 8, "energy": 16}
 _STEP = ("dt", "time")
 _SHORT_NAMES = {"force": "externalForce"}
 _LARGEST = sys.float_info.max
 
 _PYTHON = f"Python {sys.version.split()[0]}"
 _declared = []  # the laws that the running file has declared so far
+_energies = []  # (law, energy): functions of the running file so far
 
 
 class _Refused(Exception):
@@ -146,6 +147,23 @@ def law(phase, *, claims=(), version="1.0.0"):
     return declare
 
 
+def energy(law):
+    """Declares the function below as the potential energy [J] of a law above it:
+    @vesper.energy(spring)."""
+    if not any(law is declared[0] for declared in _declared):
+        raise _Refused(f"found @vesper.energy({law!r}), expected a function with @vesper.law above")
+    if any(law is other for other, _ in _energies):
+        raise _Refused(f"{law.__name__} has a second energy, expected one")
+
+    def declare(function):
+        if not isinstance(function, types.FunctionType):
+            raise _Refused(f"found {function!r} behind @vesper.energy, expected a function (def)")
+        _energies.append((law, function))
+        return function
+
+    return declare
+
+
 class _File:
     """The text of the law's file, to find the lines of problems."""
 
@@ -186,6 +204,8 @@ class _Law:
         self.real_type = real_type
         self.properties = {(entry[1], entry[0]): entry for entry in properties}
         self.examine()
+        self.energy = next((e for law, e in _energies if law is self.function), None)
+        self.energy_arguments = self.examined_energy() if self.energy else []
 
     def examine(self):
         node, arguments = self.node, self.node.args
@@ -262,6 +282,24 @@ class _Law:
             )
         return argument.arg, (name, use.kind, scalar_type, components, use.access, use.unit)
 
+    def examined_energy(self):
+        """Returns the names of the arguments of the energy."""
+        node = self.file.of(self.energy)
+        if self.phase != "force":
+            self.file.refuse(node, f"a law of phase {self.phase} has no energy, only force has one")
+        if node.args.vararg or node.args.kwarg or node.args.posonlyargs:
+            self.file.refuse(node, "found *, ** or / among the arguments, expected names only")
+        names = {name for name, use in self.uses if use[4] & _READ or use[4] == _SCRATCH}
+        names.update(name for name, _ in self.parameters)
+        for argument in [*node.args.args, *node.args.kwonlyargs]:
+            if argument.arg not in names:
+                self.file.refuse(
+                    argument,
+                    f"an energy depends on what its law reads; {self.name} reads no"
+                    f" '{argument.arg}'" + (_near(argument.arg, names) if names else ""),
+                )
+        return [argument.arg for argument in [*node.args.args, *node.args.kwonlyargs]]
+
     def forbid_rebinding(self):
         """Refuses an assignment such as `force = …`, because it would make a new array and not
         change the column."""
@@ -290,6 +328,7 @@ class _Law:
             [use for _, use in self.uses],
             [(n, p.doc, p.unit, p.default, p.least, p.most) for n, p in self.parameters],
             self,
+            self.energy is not None,
         )
 
     def rehearse(self):
@@ -303,8 +342,12 @@ class _Law:
             shape = (1,) if components == 1 else (1, components)
             arguments[name] = numpy.zeros(shape, _TYPES[scalar_type])
             arguments[name].flags.writeable = access != _READ  # Numba distinguishes the types
-        with numpy.errstate(all="ignore"), contextlib.suppress(Exception):
-            self.function(**arguments)
+        with numpy.errstate(all="ignore"):
+            with contextlib.suppress(Exception):
+                self.function(**arguments)
+            if self.energy:
+                with contextlib.suppress(Exception):
+                    self.energy(**{name: arguments[name] for name in self.energy_arguments})
 
     def create(self, values):
         return _Instance(self, values)
@@ -348,6 +391,8 @@ class _Instance:
         self.arguments = {name: value for (name, _), value in zip(law.parameters, values)}
         self.has_dt, self.has_time = (name in law.step for name in _STEP)
         self.call = _Call()
+        names = law.energy_arguments
+        self.of_energy = {name: self.arguments[name] for name in names if name in self.arguments}
 
     def bind(self, columns):
         for (name, use), (memory, rows, components) in zip(self.law.uses, columns):
@@ -356,6 +401,24 @@ class _Instance:
                 continue
             shape = (rows,) if components == 1 else (rows, components)
             self.arguments[name] = numpy.ndarray(shape, _TYPES[use[2]], memory)
+        for name in self.law.energy_arguments:
+            self.of_energy[name] = value = self.arguments[name]
+            if isinstance(value, numpy.ndarray):
+                self.of_energy[name] = value = value.view()
+                value.flags.writeable = False
+
+    def potential_energy(self):
+        self.call.inside = True
+        try:
+            result = self.law.energy(**self.of_energy)
+        finally:
+            self.call.inside = False
+        if isinstance(result, bool) or not isinstance(result, (int, float, numpy.number)):
+            raise _Refused(
+                f"{self.law.energy.__name__} returned {type(result).__name__}, expected a number,"
+                " the potential energy in J"
+            )
+        return float(result)
 
     def advance(self, dt, time, stage):
         arguments = self.arguments
@@ -414,6 +477,7 @@ def _remedy():
 def _open(source, text, real_type, properties, most):
     """Runs a law file; returns the descriptions of its laws, and the versions that it uses."""
     _declared.clear()
+    _energies.clear()
     before = set(sys.modules)
     module = types.ModuleType(source.removesuffix(".py"))
     module.__file__ = source
@@ -430,6 +494,7 @@ def _open(source, text, real_type, properties, most):
                 law.rehearse()
     finally:
         _declared.clear()
+        _energies.clear()
     return [law.description() for law in laws], _versions(text, before)
 
 

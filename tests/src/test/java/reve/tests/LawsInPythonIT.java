@@ -82,6 +82,19 @@ class LawsInPythonIT {
         assertThatThrownBy(() -> run("test.sh")).hasMessageContaining("after a rollback");
     }
 
+    @Test
+    void theEnergyOfThePageBelongsToItsForces() throws Exception {
+        Files.writeString(folder.resolve("well.py"), page.titled("well.py").text());
+        assertThat(run("test-energy.sh"))
+                .contains("PASS  potential-energy", "PASS  energy", " 0 failed, ");
+        Files.writeString(
+                folder.resolve("well.py"),
+                page.titled("well.py").text().replace("0.5 * stiffness", "0.4 * stiffness"));
+        assertThatThrownBy(() -> run("test-energy.sh"))
+                .hasMessageContaining("FAIL  potential-energy")
+                .hasMessageContaining("FAIL  energy");
+    }
+
     /** Makes a virtual environment with a distribution of one module, {@code stiff}. */
     private Path environment() throws Exception {
         shell.run(page.titled("environment.sh").text().lines().findFirst().orElseThrow());

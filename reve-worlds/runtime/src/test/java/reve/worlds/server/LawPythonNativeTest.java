@@ -17,6 +17,7 @@ import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Shape;
+import reve.pe.LedgerLine;
 import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
 import reve.pe.Status;
@@ -357,6 +358,120 @@ class LawPythonNativeTest {
                     .isEqualTo(LawFiles.sha256(Files.readAllBytes(folder.resolve("laws/spin.py"))));
             assertThat(faulty.engine().stateHash()).isEqualTo(without.engine().stateHash());
         }
+    }
+
+    /** A spring from the origin to each body, with its energy. */
+    private static final String WELL =
+            """
+            import vesper
+
+
+            @vesper.law(phase="force", claims="energy")
+            def well(
+                position: vesper.Read("body", "m"),
+                force: vesper.Accumulate("body", "N"),
+                stiffness: vesper.Parameter("N/m", default=2, least=0, doc="Pull"),
+            ):
+                "Spring from the origin to each body."
+                force -= stiffness * position
+
+
+            @vesper.energy(well)
+            def well_energy(position, stiffness):
+                return 0.5 * stiffness * (position**2).sum()
+            """;
+
+    /** The stone begins at the origin with 3, 1, 4 m/s, the pebble at 50 m with -1, 0, 2 m/s. */
+    @Test
+    void theLedgerHasThePotentialEnergyOfALaw() throws Exception {
+        write("well.py", WELL);
+        try (Simulation simulation =
+                simulate("[velocity_verlet, {name: well, parameters: {stiffness: 0.3}}]")) {
+            simulation.physics().setLedger(true);
+            int frames = 120;
+            simulation.loop().run(frames);
+            assertThat(simulation.events().faults()).isEmpty();
+            LedgerLine well =
+                    simulation.physics().ledger().stream()
+                            .filter(line -> line.name().equals("well"))
+                            .findFirst()
+                            .orElseThrow();
+            assertThat(well.initialPotentialEnergy())
+                    .isCloseTo(0.5 * 0.3 * 50 * 50, within(1e-12));
+            double time = frames * DT;
+            double energy = 0.5 * 0.3 * (oscillation(2, 0, 26, time) + oscillation(0.3, 50, 5, time));
+            assertThat(well.potentialEnergy())
+                    .as("closed form of two oscillators")
+                    .isCloseTo(energy, within(1e-3 * energy));
+            assertThat(well.energy())
+                    .as("work against the change of the potential energy")
+                    .isCloseTo(0.5 * 0.3 * 50 * 50 - energy, within(1e-3 * energy));
+        }
+    }
+
+    /**
+     * Returns the square of the distance of an oscillator whose stiffness is 0.3 N/m.
+     *
+     * @param along initial place along x [m]
+     * @param speedSquared square of the initial velocity [m^2/s^2]
+     */
+    private static double oscillation(
+            double mass, double along, double speedSquared, double time) {
+        double frequency = Math.sqrt(0.3 / mass);
+        double cosine = Math.cos(frequency * time);
+        double sine = Math.sin(frequency * time) / frequency;
+        double product = along == 0 ? 0 : along * -1; // place times velocity; the stone has none
+        return along * along * cosine * cosine
+                + speedSquared * sine * sine
+                + 2 * product * cosine * sine;
+    }
+
+    @ParameterizedTest
+    @CsvSource(
+            delimiter = '¦',
+            quoteCharacter = '`',
+            textBlock =
+                    """
+                    return 1 / 0                 ¦ LAW_FAILED ¦ law well: well.py:16: ZeroDivisionError
+                    return None                  ¦ LAW_FAILED ¦ well_energy returned NoneType, expected a number, the potential energy in J
+                    position += 1; return 0      ¦ LAW_FAILED ¦ law well: well.py:16: ValueError: output array is read-only
+                    return float('inf')          ¦ LAW_MISBEHAVED ¦ law well: its potential energy is inf
+                    """)
+    void anEnergyThatFailsCostsItsLaw(String line, Status status, String message)
+            throws Exception {
+        write("well.py", WELL.replace("return 0.5 * stiffness * (position**2).sum()", line));
+        try (Simulation simulation = simulate("[velocity_verlet, well]")) {
+            simulation.physics().setLedger(true);
+            simulation.loop().run(3);
+            simulation.physics().ledger();
+            simulation.loop().run(3);
+            assertThat(simulation.physics().laws().quarantined())
+                    .singleElement()
+                    .satisfies(
+                            reason -> {
+                                assertThat(reason.status()).isEqualTo(status);
+                                assertThat(reason.message()).contains(message);
+                            });
+        }
+    }
+
+    @ParameterizedTest
+    @CsvSource(
+            delimiter = '¦',
+            quoteCharacter = '`',
+            textBlock =
+                    """
+                    well_energy(position, stiffness)  ¦ well_energy(position, stiff) ¦ well.py:15: an energy depends on what its law reads; well reads no 'stiff'; did you mean stiffness?
+                    well_energy(position, stiffness)  ¦ well_energy(force)           ¦ well.py:15: an energy depends on what its law reads; well reads no 'force'
+                    well_energy(position, stiffness)  ¦ well_energy(*position)       ¦ well.py:15: found *, ** or / among the arguments
+                    @vesper.energy(well)              ¦ @vesper.energy(vesper)       ¦ expected a function with @vesper.law above
+                    phase="force", claims="energy"    ¦ phase="observe"              ¦ well.py:
+                    @vesper.energy(well)              ¦ `# no energy`                ¦ claims to conserve energy, but computes no potential energy
+                    """)
+    void aMistakeInAnEnergyIsRefused(String text, String wrong, String message) throws Exception {
+        write("well.py", WELL.replace(text, wrong));
+        assertThatThrownBy(() -> simulate("[velocity_verlet, well]").close())
+                .hasMessageContaining(message);
     }
 
     private static final String SAIL =
