@@ -2,7 +2,9 @@
 // The laws of a file in Python as the table of a law library.
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -34,6 +36,9 @@ struct Declared {
   std::vector<vesper_property_use> uses;
   std::vector<vesper_parameter_desc> parameters;
   PyObject* law = nullptr;  // a Python object of class vesper._Law
+  bool is_field = false;
+  vesper_unit field_unit{};
+  uint32_t field_components = 0;
 };
 
 /// The laws of one file. The engine frees this object after the laws.
@@ -53,14 +58,21 @@ class Library {
   /// depend.
   const std::string& versions() const { return versions_; }
   const Declared& law(size_t index) const { return laws_[index]; }
+  size_t size() const { return laws_.size(); }
+  /// Returns the index of the law of a field, counted among the fields.
+  size_t law_of_field(size_t field) const { return law_of_field_[field]; }
 
  private:
+  void FillFields();
+
   void Read(PyObject* law, Declared& to, vesper_scalar_type real_type);
 
   std::string source_;
   std::string versions_;
   std::vector<Declared> laws_;
   std::vector<vesper_law_desc> descs_;
+  std::vector<size_t> law_of_field_;
+  std::vector<vesper_field_desc> fields_;
   vesper_law_library table_{};
 };
 
@@ -113,6 +125,8 @@ class Instance {
             source_);
   }
 
+  PyObject* object() const { return instance_.get(); }
+
   double PotentialEnergy() {
     const Turn turn;
     const Object energy = Checked(PyObject_CallMethod(instance_.get(), "potential_energy", nullptr),
@@ -152,12 +166,126 @@ class Instance {
   size_t columns_ = 0;
 };
 
+/// The fields of a file in one engine. Their functions run while the interpreter's lock is held, so
+/// calls of several threads take turns.
+class Fields {
+ public:
+  explicit Fields(const Library& library) : library_(library), providers_(library.size()) {}
+  ~Fields() {
+    const Turn turn;
+    providers_.clear();
+  }
+  Fields(const Fields&) = delete;
+  Fields& operator=(const Fields&) = delete;
+
+  /// Sets the Python object that evaluates the field of a law.
+  void Set(size_t law, PyObject* provider) {
+    const Turn turn;
+    Py_INCREF(provider);
+    providers_[law] = Object(provider);
+  }
+  void BeginStep(double time) { time_ = time; }
+
+  /// Writes the values of a field [its unit] at positions (count x 3) [m] to `out`. Throws the
+  /// exception of its function.
+  void Evaluate(size_t field, uint64_t count, const double* at, double* out) const {
+    const Turn turn;
+    const size_t law = library_.law_of_field(field);
+    const auto rows = static_cast<Py_ssize_t>(count * sizeof(double));
+    const Object positions = Checked(
+        PyMemoryView_FromMemory(reinterpret_cast<char*>(const_cast<double*>(at)), 3 * rows,
+                                PyBUF_READ),
+        VESPER_LAW_FAILED, library_.source());
+    const Object values = Checked(
+        PyMemoryView_FromMemory(reinterpret_cast<char*>(out),
+                                static_cast<Py_ssize_t>(Components(field)) * rows, PyBUF_WRITE),
+        VESPER_LAW_FAILED, library_.source());
+    Checked(PyObject_CallMethod(providers_[law].get(), "evaluate", "OOd", positions.get(),
+                                values.get(), time_),
+            VESPER_LAW_FAILED, library_.source());
+  }
+
+  /// Like Evaluate; the values are not finite if the function raises an exception.
+  void EvaluateQuietly(size_t field, uint64_t count, const double* at, double* out) const noexcept {
+    vesper_error ignored = BlankError();
+    if (Guarded(&ignored, [&] { Evaluate(field, count, at, out); }) != VESPER_OK) {
+      std::fill_n(out, count * Components(field), std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+
+  /// Describes why a field has no finite value at a position.
+  void Explain(size_t field, const double* at, vesper_error& error) const {
+    std::vector<double> value(Components(field));
+    const Declared& law = library_.law(library_.law_of_field(field));
+    char place[100];
+    std::snprintf(place, sizeof place, " at (%g, %g, %g) m", at[0], at[1], at[2]);
+    std::string what;
+    vesper_error raised = BlankError();
+    if (Guarded(&raised, [&] { Evaluate(field, 1, at, value.data()); }) == VESPER_OK) {
+      what = library_.source() + ": field " + law.name + " has no finite value";
+    } else {
+      what = raised.message;
+    }
+    std::snprintf(error.message, sizeof error.message, "%s%s", what.c_str(), place);
+    error.law_index = static_cast<uint32_t>(library_.law_of_field(field));
+  }
+
+ private:
+  uint32_t Components(size_t field) const {
+    return library_.law(library_.law_of_field(field)).field_components;
+  }
+
+  const Library& library_;
+  std::vector<Object> providers_;  // by law; empty for a law that is no field
+  double time_ = 0;                // at the start of the step [s]
+};
+
+const Fields& FieldsOf(void* suite) { return *static_cast<const Fields*>(suite); }
+
+vesper_status OpenFields(const vesper_host* host, vesper_suite** out, vesper_error* error) {
+  return Guarded(error, [&] {
+    *out = reinterpret_cast<vesper_suite*>(new Fields(*static_cast<const Library*>(host->user)));
+  });
+}
+
+void CloseFields(vesper_suite* suite) { delete reinterpret_cast<Fields*>(suite); }
+
+void BeginStep(void* suite, const vesper_step* step) {
+  static_cast<Fields*>(suite)->BeginStep(step->time);
+}
+
+template <size_t field>
+void EvaluateField(void* suite, uint64_t count, const double* at, double* out) {
+  FieldsOf(suite).EvaluateQuietly(field, count, at, out);
+}
+
+template <size_t field>
+void ExplainField(void* suite, const double* at, vesper_error* error) {
+  vesper_error ignored = BlankError();
+  Guarded(&ignored, [&] { FieldsOf(suite).Explain(field, at, *error); });
+}
+
+/// The functions of a field of a file, of which each has a number.
+struct FieldFunctions {
+  decltype(vesper_field_desc::evaluate) evaluate;
+  decltype(vesper_field_desc::explain) explain;
+};
+template <size_t... fields>
+constexpr auto FunctionsOfFields(std::index_sequence<fields...>) {
+  return std::array<FieldFunctions, sizeof...(fields)>{
+      FieldFunctions{EvaluateField<fields>, ExplainField<fields>}...};
+}
+
 template <size_t index>
-vesper_status Create(const vesper_host* host, vesper_suite*, const double* parameters,
+vesper_status Create(const vesper_host* host, vesper_suite* suite, const double* parameters,
                      vesper_law** out, vesper_error* error) {
   return Guarded(error, [&] {
     const auto& library = *static_cast<const Library*>(host->user);
-    *out = reinterpret_cast<vesper_law*>(new Instance(library, library.law(index), parameters));
+    auto instance = std::make_unique<Instance>(library, library.law(index), parameters);
+    if (library.law(index).is_field) {
+      reinterpret_cast<Fields*>(suite)->Set(index, instance->object());
+    }
+    *out = reinterpret_cast<vesper_law*>(instance.release());
     if (index == 0) host->log(host->context, VESPER_LOG_INFO, library.versions().c_str());
   });
 }
@@ -204,12 +332,12 @@ Object Properties(const vesper_prototype& prototype) {
 
 void Library::Read(PyObject* law, Declared& to, vesper_scalar_type real_type) {
   const char *name, *version, *doc;
-  PyObject *uses, *parameters;
+  PyObject *uses, *parameters, *field;
   int has_energy;
   vesper_law_desc& desc = to.desc;
-  if (!PyArg_ParseTuple(law, "sssIIIIO!O!Op", &name, &version, &doc, &desc.phase, &desc.claims,
+  if (!PyArg_ParseTuple(law, "sssIIIIO!O!OpO", &name, &version, &doc, &desc.phase, &desc.claims,
                         &desc.stages, &desc.first_stage, &PyList_Type, &uses, &PyList_Type,
-                        &parameters, &to.law, &has_energy)) {
+                        &parameters, &to.law, &has_energy, &field)) {
     throw Raised(VESPER_INTERNAL, source_);
   }
   Py_INCREF(to.law);
@@ -259,6 +387,38 @@ void Library::Read(PyObject* law, Declared& to, vesper_scalar_type real_type) {
   desc.advance = python::Advance;
   desc.destroy = python::Destroy;
   if (has_energy != 0) desc.potential_energy = python::PotentialEnergy;
+  to.is_field = field != Py_None;
+  if (!to.is_field) return;
+  PyObject* unit;
+  if (!PyArg_ParseTuple(field, "OI", &unit, &to.field_components)) {
+    throw Raised(VESPER_INTERNAL, source_);
+  }
+  to.field_unit = UnitOf(unit);
+}
+
+/// Describes the fields that the file provides.
+void Library::FillFields() {
+  static constexpr auto kFunctions = FunctionsOfFields(std::make_index_sequence<kMaxLaws>());
+  for (size_t law = 0; law < laws_.size(); ++law) {
+    const Declared& declared = laws_[law];
+    if (!declared.is_field) continue;
+    vesper_field_desc desc{};
+    desc.struct_size = sizeof desc;
+    desc.components = declared.field_components;
+    desc.name = declared.name.c_str();
+    desc.doc = declared.doc.c_str();
+    desc.unit = declared.field_unit;
+    desc.evaluate = kFunctions[fields_.size()].evaluate;
+    desc.explain = kFunctions[fields_.size()].explain;
+    desc.begin_step = BeginStep;
+    law_of_field_.push_back(law);
+    fields_.push_back(desc);
+  }
+  if (fields_.empty()) return;
+  table_.open = OpenFields;
+  table_.close = CloseFields;
+  table_.field_count = static_cast<uint32_t>(fields_.size());
+  table_.fields = fields_.data();
 }
 
 Library::Library(const vesper_prototype& prototype, std::string source, const char* text,
@@ -291,6 +451,7 @@ Library::Library(const vesper_prototype& prototype, std::string source, const ch
   table_.law_count = static_cast<uint32_t>(descs_.size());
   table_.laws = descs_.data();
   table_.user = this;
+  FillFields();
 }
 
 }  // namespace

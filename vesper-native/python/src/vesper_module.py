@@ -20,6 +20,7 @@ _FIELD = 5
 _PHASES = {"force": 1, "integrate": 2, "constrain": 3, "observe": 4}
 _CLAIMS = {"momentum": 1, "angular momentum": 2, "translation": 4, "rotation": 8, "energy": 16}
 _STEP = ("dt", "time")
+_PROVIDES = "field"  # what stands for a phase in the declaration of a field
 _SHORT_NAMES = {"force": "externalForce"}
 _LARGEST = sys.float_info.max
 
@@ -141,7 +142,23 @@ def law(phase, *, claims=(), version="1.0.0"):
     def declare(function):
         if not isinstance(function, types.FunctionType):
             raise _Refused(f"found {function!r} behind @vesper.law, expected a function (def)")
-        _declared.append((function, phase, bits, version))
+        _declared.append((function, phase, bits, version, None))
+        return function
+
+    return declare
+
+
+def field(unit="1", *, version="1.0.0"):
+    """Declares the function below as a field that the file provides: @vesper.field("m/s"). Its
+    first argument are positions (rows, 3) in m, and it returns the values there."""
+    if callable(unit):
+        raise _Refused('found @vesper.field without brackets, expected @vesper.field("m/s")')
+    parsed = _unit(unit)
+
+    def declare(function):
+        if not isinstance(function, types.FunctionType):
+            raise _Refused(f"found {function!r} behind @vesper.field, expected a function (def)")
+        _declared.append((function, _PROVIDES, 0, version, parsed))
         return function
 
     return declare
@@ -150,7 +167,7 @@ def law(phase, *, claims=(), version="1.0.0"):
 def energy(law):
     """Declares the function below as the potential energy [J] of a law above it:
     @vesper.energy(spring)."""
-    if not any(law is declared[0] for declared in _declared):
+    if not any(law is declared[0] and declared[1] != _PROVIDES for declared in _declared):
         raise _Refused(f"found @vesper.energy({law!r}), expected a function with @vesper.law above")
     if any(law is other for other, _ in _energies):
         raise _Refused(f"{law.__name__} has a second energy, expected one")
@@ -194,7 +211,7 @@ class _Law:
     """A law: a function with its declarations, checked against the properties of the world."""
 
     def __init__(self, declared, file, real_type, properties):
-        self.function, self.phase, self.claims, self.version = declared
+        self.function, self.phase, self.claims, self.version, self.unit = declared
         self.name = self.function.__name__
         self.uses = []  # (name of the argument, use, type, components)
         self.parameters = []  # (name, Parameter)
@@ -321,7 +338,7 @@ class _Law:
             self.name,
             self.version,
             doc,
-            _PHASES[self.phase],
+            _PHASES.get(self.phase, _PHASES["observe"]),
             self.claims,
             stages,
             stages,
@@ -329,6 +346,7 @@ class _Law:
             [(n, p.doc, p.unit, p.default, p.least, p.most) for n, p in self.parameters],
             self,
             self.energy is not None,
+            None,
         )
 
     def rehearse(self):
@@ -351,6 +369,93 @@ class _Law:
 
     def create(self, values):
         return _Instance(self, values)
+
+
+class _ProvidedField(_Law):
+    """A field that a file provides. For the engine, it is a law that does nothing, with the
+    parameters of the field."""
+
+    def examine(self):
+        node = self.node
+        if node.args.vararg or node.args.kwarg or node.args.posonlyargs:
+            self.file.refuse(node, "found *, ** or / among the arguments, expected names only")
+        annotations = inspect.get_annotations(self.function, eval_str=True)
+        arguments = [*node.args.args, *node.args.kwonlyargs]
+        first = node.args.args[0].arg if node.args.args else "dt"
+        if first in _STEP or first in annotations:
+            self.file.refuse(
+                node,
+                f"the first argument of the field {self.name} are the positions; expected a name"
+                " without annotation, such as place",
+            )
+        for argument in arguments[1:]:
+            name, use = argument.arg, annotations.get(argument.arg)
+            if use is None and name == "time":
+                self.step.append(name)
+            elif isinstance(use, Parameter):
+                self.parameters.append((name, use))
+            else:
+                self.file.refuse(
+                    argument,
+                    f"a field depends on positions, time and parameters; {name} is none of them:"
+                    " expected vesper.Parameter(…) or the name time",
+                )
+        self.components = self.matched_field()
+
+    def matched_field(self):
+        fields = {name: use for (_, name), use in self.properties.items() if use[2] == _FIELD}
+        found = fields.get(self.name)
+        if found is None:
+            near = _near(self.name, fields) if fields else "; it has none"
+            self.file.refuse(self.node, f"the world has no field '{self.name}'" + near)
+        if self.unit[:7] != found[5][:7]:
+            self.file.refuse(
+                self.node,
+                f"the unit of '{self.name}' is {_symbol(found[5])}, @vesper.field says"
+                f" {_symbol(self.unit)}",
+            )
+        return found[3]
+
+    def description(self):
+        (*law, _, _) = super().description()
+        return (*law, False, (self.unit, self.components))
+
+    def rehearse(self):
+        arguments = {name: parameter.default for name, parameter in self.parameters}
+        arguments.update((name, 0.0) for name in self.step)
+        with numpy.errstate(all="ignore"), contextlib.suppress(Exception):
+            self.function(numpy.zeros((1, 3)), **arguments)
+
+    def create(self, values):
+        return _Provider(self, values)
+
+
+class _Provider:
+    """A loaded field: its function with the parameters as arguments."""
+
+    def __init__(self, law, values):
+        self.law = law
+        self.arguments = {name: value for (name, _), value in zip(law.parameters, values)}
+
+    def bind(self, columns):
+        pass
+
+    def advance(self, dt, time, stage):
+        pass
+
+    def evaluate(self, positions, values, time):
+        """Writes the values at positions (rows x 3) to the memory of `values`."""
+        at = numpy.frombuffer(positions, numpy.float64).reshape(-1, 3)
+        components = self.law.components
+        shape = (len(at),) if components == 1 else (len(at), components)
+        given = {"time": time} if self.law.step else {}
+        result = numpy.asarray(self.law.function(at, **given, **self.arguments), numpy.float64)
+        if result.shape not in (shape, shape[1:]):
+            raise _Refused(
+                f"{self.law.name} returned the shape {result.shape} for {len(at)} positions,"
+                f" expected {shape}"
+            )
+        numpy.frombuffer(values, numpy.float64).reshape(shape)[...] = result
 
 
 class _Call:
@@ -485,10 +590,16 @@ def _open(source, text, real_type, properties, most):
         exec(compile(text, source, "exec", dont_inherit=True), module.__dict__)
         if not 1 <= len(_declared) <= most:
             raise _Refused(
-                f"{source}: has {len(_declared)} functions with @vesper.law, expected 1 to {most}"
+                f"{source}: has {len(_declared)} functions with @vesper.law or @vesper.field,"
+                f" expected 1 to {most}"
             )
         file = _File(source, text)
-        laws = [_Law(declared, file, real_type, properties) for declared in _declared]
+        laws = [
+            (_ProvidedField if declared[1] == _PROVIDES else _Law)(
+                declared, file, real_type, properties
+            )
+            for declared in _declared
+        ]
         if "numba" in _imports(text):
             for law in laws:
                 law.rehearse()

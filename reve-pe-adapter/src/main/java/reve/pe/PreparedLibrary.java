@@ -2,6 +2,7 @@
 package reve.pe;
 
 import java.nio.charset.StandardCharsets;
+import java.util.List;
 
 /**
  * A law library that is opened and checked, and can be activated quickly. The caller owns it until
@@ -25,14 +26,14 @@ public interface PreparedLibrary extends AutoCloseable {
     String PYTHON_ENDING = ".py";
 
     /**
-     * Beginning of a line that every file with laws in Python contains. No law as text contains
-     * such a line.
+     * Beginnings of lines, of which every file with laws in Python contains one: before the function
+     * of a law, and before the function of a field. No law as text contains such a line.
      */
-    String PYTHON_SIGN = "@vesper.law";
+    List<String> PYTHON_SIGNS = List.of("@vesper.law", "@vesper.field");
 
     /**
      * Returns whether a library is a law as text, which cannot harm the process. Native code begins
-     * with the magic bytes of ELF; Python code contains {@link #PYTHON_SIGN}.
+     * with the magic bytes of ELF; Python code contains one of {@link #PYTHON_SIGNS}.
      */
     static boolean isText(byte[] library) {
         return !isNative(library) && !isPython(library);
@@ -44,9 +45,12 @@ public interface PreparedLibrary extends AutoCloseable {
             return false;
         }
         String text = new String(library, StandardCharsets.ISO_8859_1);
-        return text.startsWith(PYTHON_SIGN)
-                || text.contains("\n" + PYTHON_SIGN)
-                || text.contains("\r" + PYTHON_SIGN);
+        return PYTHON_SIGNS.stream()
+                .anyMatch(
+                        sign ->
+                                text.startsWith(sign)
+                                        || text.contains("\n" + sign)
+                                        || text.contains("\r" + sign));
     }
 
     private static boolean isNative(byte[] library) {

@@ -9,12 +9,13 @@ import java.util.regex.Pattern;
 public final class PythonLaw {
     private static final Pattern FIRST =
             Pattern.compile(
-                    "^@vesper\\.law\\b.*?^def\\s+(\\w{1,47})", Pattern.DOTALL | Pattern.MULTILINE);
+                    "^@vesper\\.(?:law|field)\\b.*?^def\\s+(\\w{1,47})",
+                    Pattern.DOTALL | Pattern.MULTILINE);
 
     private PythonLaw() {}
 
     /**
-     * Returns the name of the first law of a file. It serves as the name of a file whose path is
+     * Returns the name of the first law or field of a file. It serves as the name of a file whose path is
      * unknown.
      */
     public static String nameOf(byte[] file) {
@@ -35,7 +36,7 @@ public final class PythonLaw {
     }
 
     /**
-     * Refuses a file that has no law.
+     * Refuses a file that has neither a law nor a field.
      *
      * @throws PhysicsException naming the file
      */
@@ -45,8 +46,8 @@ public final class PythonLaw {
                     Status.LIBRARY_LOAD_FAILED,
                     file
                             + ": no line begins with "
-                            + PreparedLibrary.PYTHON_SIGN
-                            + ", expected a function of a law behind such a line, see"
+                            + String.join(" or ", PreparedLibrary.PYTHON_SIGNS)
+                            + ", expected a function behind such a line, see"
                             + " docs/laws-in-python.md");
         }
     }

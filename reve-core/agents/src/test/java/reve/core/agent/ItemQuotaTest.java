@@ -14,6 +14,7 @@ import reve.core.access.Subject;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Parameter;
 import reve.core.world.Shape;
+import reve.core.world.SymbolBudget;
 import reve.core.world.SymbolBytes;
 
 import tools.jackson.databind.JsonNode;
@@ -178,22 +179,27 @@ class ItemQuotaTest {
     @Test
     void textsOfActionsMakeNoWorldThatIsTooLargeToPerceive() throws IOException {
         String text = "\\u0001".repeat(1024);
-        try (TestClient ada = room.join("ada")) {
-            int posted = 0;
-            while (act(ada, "board " + posted, "post", "'text':'" + text + "'").isEmpty()) {
-                posted++;
+        int posted = 0;
+        int agents = 0;
+        for (int own = 21; own == 21; agents++) { // until the room of all agents is used up
+            try (TestClient each = room.join("agent " + agents)) {
+                for (own = 0; act(each, "board " + posted, "post", text(text)).isEmpty(); own++) {
+                    posted++;
+                }
             }
-            assertThat(posted).isBetween(330, 345);
-            assertThat(room.world.symbolBytes()).isBetween(14L << 20, SymbolBytes.MOST);
-            assertThat(act(ada, "board 390", "post", "'text':'" + text + "'"))
-                    .isEqualTo("symbols-too-large");
-            assertEditsAreRefused(text);
-            assertThat(act(ada, "board 390", "post", "'text':'short'")).isEmpty();
-            assertThat(act(ada, "board 0", "post", "'text':'short'")).isEmpty();
-            assertThat(act(ada, "board 390", "post", "'text':'" + text + "'")).isEmpty();
+        }
+        assertThat(agents).isEqualTo(16);
+        assertThat(posted).isBetween(310, 320);
+        assertThat(room.world.symbolBytes()).isBetween(14L << 20, SymbolBudget.OF_ALL);
+        try (TestClient ada = room.join("ada")) {
+            assertThat(act(ada, "board 390", "post", text(text))).isEqualTo("symbols-too-large");
+            assertThat(act(ada, "board 390", "post", text("short"))).isEmpty();
+            assertThat(act(ada, "board 0", "post", text("short"))).isEmpty();
+            assertThat(act(ada, "board 390", "post", text(text))).isEmpty();
             assertThat(room.world.symbolBytes())
                     .isEqualTo(room.world.items().stream().mapToLong(SymbolBytes::of).sum());
         }
+        assertEditsAreRefused(text);
         try (TestClient eve =
                 room.connect()
                         .say("{'t':'hello','protocol':1,'name':'eve','role':'observer'}")
@@ -205,9 +211,37 @@ class ItemQuotaTest {
         }
     }
 
+    private static String text(String value) {
+        return "'text':'" + value + "'";
+    }
+
+    @Test
+    void anAgentThatUsesItsRoomUpLeavesThatOfTheOthers() throws IOException {
+        String text = "\\u0001".repeat(1024);
+        try (TestClient ada = room.join("ada");
+                TestClient bob = room.join("bob")) {
+            for (int i = 0; i < 21; i++) {
+                assertThat(act(ada, "board " + i, "post", text(text))).isEmpty();
+            }
+            ada.say(
+                            "{'t':'act','id':999,'item':'board 22','action':'post','arguments':{%s}}"
+                                    .formatted(text(text)))
+                    .sync();
+            room.step();
+            JsonNode refused = ada.skipTo("result");
+            assertThat(refused.path("code").asString()).isEqualTo("symbols-too-large");
+            assertThat(refused.path("reason").asString())
+                    .contains("your actions have taken", "of their 1048576 bytes");
+            assertThat(act(bob, "board 22", "post", text(text))).isEmpty();
+            assertThat(act(ada, "board 1", "post", text("short"))).isEmpty();
+            assertThat(act(ada, "board 23", "post", text(text)))
+                    .as("a shortened text gives room back")
+                    .isEmpty();
+        }
+    }
+
     /** Requires that no message of the role control gives an item 43 long symbols. */
     private void assertEditsAreRefused(String text) throws IOException {
-        long before = room.world.symbolBytes();
         String item =
                 "'semantic':{"
                         + IntStream.range(0, 43)
@@ -219,6 +253,12 @@ class ItemQuotaTest {
                         .say("{'t':'hello','protocol':1,'name':'boss','role':'control'}")
                         .sync()) {
             room.step();
+            int changes = 0;
+            while (code(boss, change(changes, item)).isEmpty()) { // acts leave room for edits
+                changes++;
+            }
+            assertThat(changes).isBetween(18, 22);
+            long before = room.world.symbolBytes();
             int edits = 0;
             String edit =
                     "{'t':'edit','id':%d,'item':'tree','property':'semantic.t%d','value':'%s'}";
@@ -226,8 +266,7 @@ class ItemQuotaTest {
                 edits++;
             }
             assertThat(code(boss, edit.formatted(199, edits, text))).isEqualTo("edit-refused");
-            assertThat(code(boss, "{'t':'change','id':200,'item':'board 30','to':{" + item + "}}"))
-                    .isEqualTo("edit-refused");
+            assertThat(code(boss, change(changes, item))).isEqualTo("edit-refused");
             assertThat(
                             code(
                                     boss,
@@ -261,8 +300,13 @@ class ItemQuotaTest {
                                             + none
                                             + "}}}"))
                     .isEmpty();
+            assertThat(room.world.symbolBytes()).isEqualTo(before);
         }
-        assertThat(room.world.symbolBytes()).isEqualTo(before);
+    }
+
+    private String change(int board, String item) {
+        return "{'t':'change','id':%d,'item':'board %d','to':{%s}}"
+                .formatted(400 + board, board, item);
     }
 
     private String code(TestClient client, String message) throws IOException {

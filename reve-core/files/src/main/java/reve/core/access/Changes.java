@@ -110,9 +110,9 @@ final class Changes {
         }
         changes.requireLevelAlone(effects);
         call.quota().require(call.world(), changes.created.size(), changes.removed);
-        if (call.quota().agent() != null) {
-            SymbolBytes.require(call.world(), changes.symbolGrowth(), "symbols-too-large");
-        }
+        call.symbols()
+                .require(
+                        call.world(), call.quota().agent(), call.frame(), changes.symbolGrowth());
         attempt("cannot-create", () -> call.world().requireAddable(changes.created));
         call.events().require(call.quota().agent(), call.frame(), changes.eventBytes);
         call.forces().require(call.quota().agent(), call.frame(), changes.forces);
@@ -122,6 +122,7 @@ final class Changes {
     /** Applies all prepared changes. Cannot fail. */
     void make() {
         call.events().take(call.quota().agent(), call.frame(), eventBytes);
+        long before = call.world().symbolBytes();
         if (!created.isEmpty()) {
             call.world()
                     .addAll(created, call.quota().agent())
@@ -129,6 +130,11 @@ final class Changes {
         }
         all.forEach(Runnable::run);
         last.forEach(Runnable::run);
+        call.symbols()
+                .take(
+                        call.quota().agent(),
+                        call.frame(),
+                        call.world().symbolBytes() - before);
     }
 
     private Runnable prepare(Effect effect) throws ActionRefused {
@@ -234,7 +240,7 @@ final class Changes {
     private long symbolGrowth() {
         long growth = symbolBytes;
         for (ItemDefinition item : created) {
-            growth += SymbolBytes.of(item.symbols());
+            growth += SymbolBytes.of(call.world(), item);
         }
         for (Item item : removed) {
             growth -= SymbolBytes.of(item);

@@ -108,7 +108,7 @@ public sealed interface WorldEdit {
         for (WorldEdit edit : edits) {
             if (edit instanceof Add add) {
                 for (ItemDefinition item : add.items) {
-                    growth += SymbolBytes.of(item.symbols());
+                    growth += SymbolBytes.of(world, item);
                 }
             } else if (edit instanceof Change change) {
                 Optional<Item> item = world.find(change.item);
@@ -117,7 +117,8 @@ public sealed interface WorldEdit {
                             item.isPresent()
                                     ? SymbolBytes.growth(
                                             item.get(), symbol.getKey(), symbol.getValue())
-                                    : SymbolBytes.of(Map.of(symbol.getKey(), symbol.getValue()));
+                                    : SymbolBytes.of(
+                                            world, Map.of(symbol.getKey(), symbol.getValue()));
                 }
             }
         }

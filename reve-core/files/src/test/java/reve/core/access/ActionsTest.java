@@ -29,6 +29,7 @@ import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
 import reve.core.world.ItemQuota;
 import reve.core.world.OffHeapArena;
+import reve.core.world.SymbolBudget;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 
@@ -325,7 +326,8 @@ class ActionsTest {
                         List.of(),
                         new ItemQuota(agent, 1, 1),
                         EventBudget.unlimited(),
-                        budget)
+                        budget,
+                        new SymbolBudget(60))
                 .perform(blow);
     }
 

@@ -18,7 +18,9 @@ import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Arguments;
 import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
+import reve.core.world.SymbolBytes;
 import reve.core.world.World;
 import reve.core.world.WorldImage;
 
@@ -60,6 +62,24 @@ class ClassesTest {
 
     private World world(String items) throws WorldFileException {
         return parse(CLASSES + items).build(arena);
+    }
+
+    /** Each client that perceives an item receives the symbols of its class. */
+    @Test
+    void inheritedSymbolsCountTowardsTheLimitOfSymbols() throws Exception {
+        World world = world("items: [{name: mug}, {name: stone}]\n");
+        long none = world.symbolBytes();
+        long growth = SymbolBytes.growth(item(world, "mug"), "class", "cup");
+        assertThat(growth).isGreaterThan("cup holds depth fragile liquid vessel container".length());
+        item(world, "mug").semantic().set("class", "cup");
+        assertThat(world.symbolBytes()).isEqualTo(none + growth);
+        assertThat(SymbolBytes.growth(item(world, "stone"), "class", "cup")).isEqualTo(growth);
+        assertThat(SymbolBytes.of(world, ItemDefinition.named("new").symbol("class", "cup").build()))
+                .isEqualTo(growth);
+        item(world, "mug").semantic().set("class", "basket");
+        assertThat(world.symbolBytes()).isBetween(none + 1, none + growth - 1);
+        world.remove(item(world, "mug").id());
+        assertThat(world.symbolBytes()).isEqualTo(none);
     }
 
     private static Item item(World world, String name) {

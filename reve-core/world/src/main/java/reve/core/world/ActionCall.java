@@ -16,6 +16,7 @@ import java.util.Optional;
  * @param quota limit on the number of items that actions create
  * @param events limit on the size of the events that actions raise
  * @param forces limit on the number of forces that act in later frames
+ * @param symbols limit on the bytes by which actions enlarge symbols
  */
 public record ActionCall(
         World world,
@@ -26,7 +27,8 @@ public record ActionCall(
         List<String> capabilities,
         ItemQuota quota,
         EventBudget events,
-        ForceBudget forces) {
+        ForceBudget forces,
+        SymbolBudget symbols) {
 
     /** Creates a call with all capabilities of the actor, and without limits. */
     public ActionCall(
@@ -40,7 +42,8 @@ public record ActionCall(
                 actor.map(item -> item.access().capabilities()).orElse(List.of()),
                 ItemQuota.NONE,
                 EventBudget.unlimited(),
-                ForceBudget.unlimited());
+                ForceBudget.unlimited(),
+                new SymbolBudget(1));
     }
 
     /**

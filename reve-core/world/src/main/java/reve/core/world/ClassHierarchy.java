@@ -33,12 +33,14 @@ public final class ClassHierarchy {
      * A declared class with inherited values.
      *
      * @param lineage the class, the classes above it, nearest first, and the kind
+     * @param bytes size of what an item inherits in messages, see {@link SymbolBytes}
      * @param properties initial values, also of the classes above
      */
     private record Entry(
             ItemClass declared,
             List<String> lineage,
             PMap<String, Object> symbols,
+            long bytes,
             Map<String, List<Double>> properties) {}
 
     /**
@@ -88,7 +90,11 @@ public final class ClassHierarchy {
         }
         lineage.add(name);
         return new Entry(
-                declared, List.copyOf(lineage), TreePMap.from(symbols), Map.copyOf(properties));
+                declared,
+                List.copyOf(lineage),
+                TreePMap.from(symbols),
+                SymbolSizes.of(symbols) + SymbolSizes.of(StandardSymbols.CLASSES, lineage),
+                Map.copyOf(properties));
     }
 
     /**
@@ -155,6 +161,12 @@ public final class ClassHierarchy {
     public PMap<String, Object> symbols(String itemClass) {
         Entry entry = entries.get(itemClass);
         return entry == null ? NO_SYMBOLS : entry.symbols;
+    }
+
+    /** Returns the size in messages of what an item of a class inherits [bytes]. */
+    long symbolBytes(String itemClass) {
+        Entry entry = entries.get(itemClass);
+        return entry == null ? 0 : entry.bytes;
     }
 
     /**

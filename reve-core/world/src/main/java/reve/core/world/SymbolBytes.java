@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
+import org.jspecify.annotations.Nullable;
+
 import java.util.Map;
 
 /**
  * Size of the designer's symbols in messages [bytes], and the limit that changes of a running world
- * keep. Each client that perceives an item receives its symbols, and a perception has at most 64
- * MiB.
+ * keep. Each client that perceives an item receives its symbols, also those that it inherits from
+ * its class, and a perception has at most 64 MiB.
  */
 public final class SymbolBytes {
     /** Maximum size of the symbols of all items of a world after a change that enlarges them. */
@@ -14,14 +16,29 @@ public final class SymbolBytes {
 
     private SymbolBytes() {}
 
-    /** Returns the size of symbols by name. */
-    public static long of(Map<String, Object> symbols) {
-        return SymbolSizes.of(symbols);
+    /** Returns the size of the symbols of an item that is not in the world yet. */
+    public static long of(World world, ItemDefinition item) {
+        return SymbolSizes.of(item.symbols())
+                + inherited(world.prototype().classes(), item.symbols().get(StandardSymbols.CLASS));
     }
 
-    /** Returns the size of the own symbols of an item. */
+    /** Returns the size of symbols that a change adds to an item that is not in the world yet. */
+    public static long of(World world, Map<String, Object> symbols) {
+        return SymbolSizes.of(symbols)
+                + inherited(world.prototype().classes(), symbols.get(StandardSymbols.CLASS));
+    }
+
+    /** Returns the size of the symbols of an item. */
     public static long of(Item item) {
-        return of(item.symbols().given());
+        return of(item.symbols());
+    }
+
+    static long of(ItemSymbols item) {
+        return SymbolSizes.of(item.given()) + item.classes().symbolBytes(item.itemClass());
+    }
+
+    private static long inherited(ClassHierarchy classes, @Nullable Object itemClass) {
+        return itemClass instanceof String name ? classes.symbolBytes(name) : 0;
     }
 
     /**
@@ -33,6 +50,10 @@ public final class SymbolBytes {
         long growth =
                 SymbolSizes.of(symbol, value)
                         - (before == null ? 0 : SymbolSizes.of(symbol, before));
+        if (symbol.equals(StandardSymbols.CLASS)) {
+            ClassHierarchy classes = item.symbols().classes();
+            growth += inherited(classes, value) - classes.symbolBytes(item.symbols().itemClass());
+        }
         return Math.max(0, growth);
     }
 
@@ -43,14 +64,19 @@ public final class SymbolBytes {
      * @param code the code of the refusal
      */
     public static void require(World world, long growth, String code) throws ActionRefused {
-        if (growth > 0 && world.symbolBytes() + growth > MOST) {
+        require(world, growth, MOST, code);
+    }
+
+    static void require(World world, long growth, long most, String code) throws ActionRefused {
+        if (growth > 0 && world.symbolBytes() + growth > most) {
             throw new ActionRefused(
                     code,
                     "the symbols of all items would have "
                             + (world.symbolBytes() + growth)
                             + " bytes in messages, at most "
-                            + MOST
-                            + " are allowed; shorten symbols or remove items first");
+                            + most
+                            + " are allowed; shorten symbols or remove items first, in a message"
+                            + " before this one");
         }
     }
 }

@@ -200,7 +200,7 @@ final class Symbols {
             measured = item.given();
             measuredBytes = SymbolSizes.of(measured);
         }
-        return measuredBytes;
+        return measuredBytes + classes.symbolBytes(item.itemClass());
     }
 
     private void count(ItemSymbols item, int more) {

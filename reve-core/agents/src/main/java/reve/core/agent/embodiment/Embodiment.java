@@ -23,6 +23,7 @@ import reve.core.world.LevelChange;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
 import reve.core.world.Sensor;
+import reve.core.world.SymbolBudget;
 import reve.core.world.Table;
 import reve.core.world.Voice;
 import reve.core.world.World;
@@ -89,6 +90,7 @@ public final class Embodiment {
     private final EventBudget events;
     private final Speech speech;
     private final ForceBudget forces = new ForceBudget();
+    private final SymbolBudget symbols;
     private final StepBudget steps = new StepBudget();
 
     /**
@@ -99,6 +101,7 @@ public final class Embodiment {
         this.policy = policy;
         this.events =
                 new EventBudget(policy.eventBytes(), policy.worldEventBytes(), framesPerSecond);
+        this.symbols = new SymbolBudget(framesPerSecond);
         this.speech = new Speech(events);
     }
 
@@ -393,7 +396,8 @@ public final class Embodiment {
                         actor.map(body::capabilities).orElse(List.of()),
                         new ItemQuota(agent, policy.items(), policy.worldItems()),
                         events,
-                        forces));
+                        forces,
+                        symbols));
     }
 
     /**
