@@ -183,6 +183,35 @@ class FieldsIT {
         assertThat(speed(WorldFile.load(saved), "high")).isCloseTo(6 * (1 - left), within(1e-12));
     }
 
+    /** The wind of the page, and the closed form of a boat that follows it. */
+    @Test
+    void aFileInPythonProvidesTheField() throws Exception {
+        Document page = Document.read(Project.ROOT.resolve("docs/laws-in-python.md"));
+        Path laws = Files.createDirectory(folder.resolve("laws"));
+        for (String law : List.of("wind.py", "sail.py")) {
+            Files.writeString(laws.resolve(law), page.titled(law).text());
+        }
+        Path world = folder.resolve("python.yaml");
+        Files.writeString(world, page.titled("regatta.yaml").text());
+        Outcome check = Reve.run("check", world.toString(), "--trust", "--strict");
+        assertThat(check.code()).as(check.err()).isZero();
+        Path saved = folder.resolve("saved.yaml");
+        JsonNode run =
+                json(
+                        Reve.run(
+                                "run",
+                                world.toString(),
+                                "--trust",
+                                "--seconds",
+                                "1",
+                                "--save",
+                                saved.toString(),
+                                "--json"));
+        assertThat(run.path("faults")).isEmpty();
+        double left = Math.pow(1 - 2.0 / 60, 60); // 2 kg/s on 1 kg at 60 steps a second
+        assertThat(speed(WorldFile.load(saved), "low")).isCloseTo(0.5 * (1 - left), within(1e-12));
+    }
+
     /** A trap with the force -k x: the shipped law reads the field, which a text provides. */
     @Test
     void aCompiledLawReadsTheFieldThatATextProvides() throws Exception {

@@ -11,6 +11,7 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+import org.junit.jupiter.params.provider.ValueSource;
 
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
@@ -20,6 +21,7 @@ import reve.core.world.Shape;
 import reve.pe.LedgerLine;
 import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
+import reve.pe.PythonLaw;
 import reve.pe.Status;
 import reve.pe.adapter.Quarantined;
 import reve.pe.hosted.Hosts;
@@ -505,10 +507,10 @@ class LawPythonNativeTest {
         write("sail.py", sail);
         write("breeze.law", breeze);
         write("twin.law", "law twin\n  each body: force += 2 kg/s (wind - velocity)\n");
-        return sailing("sail");
+        return sailing("breeze", "sail");
     }
 
-    private Simulation sailing(String law) throws Exception {
+    private Simulation sailing(String provider, String reader) throws Exception {
         return new Simulation(
                 WorldFile.load(
                         Files.writeString(
@@ -519,12 +521,12 @@ class LawPythonNativeTest {
                                 properties:
                                   - {name: wind, kind: world, type: field, components: 3, unit: m/s}
                                   - {name: warmth, kind: world, type: field, unit: K}
-                                laws: [breeze, %s, newton_motion]
+                                laws: [%s, %s, newton_motion]
                                 items:
                                   - {name: low, physical: {location: [0, 1, 0]}, physics: {mass: 1}}
                                   - {name: high, physical: {location: [0, 3, 0]}, physics: {mass: 2}}
                                 """
-                                        .formatted(law))),
+                                        .formatted(provider, reader))),
                 Pacing.FAST,
                 path(true));
     }
@@ -532,7 +534,7 @@ class LawPythonNativeTest {
     @Test
     void aFieldHasTheBitsThatALawAsTextReads() throws Exception {
         try (Simulation python = sailing(SAIL, BREEZE);
-                Simulation text = sailing("twin")) {
+                Simulation text = sailing("breeze", "twin")) {
             python.loop().run(90);
             text.loop().run(90);
             assertThat(python.physics().laws().quarantined()).isEmpty();
@@ -542,13 +544,129 @@ class LawPythonNativeTest {
         }
     }
 
+    /** The same fields as BREEZE. */
+    private static final String PYTHON_BREEZE =
+            """
+            import numpy
+            import vesper
+
+
+            @vesper.field("m/s")
+            def wind(place, time, shear: vesper.Parameter("1/s", default=0.5, doc="Growth")):
+                "Wind that grows with the height and the time."
+                zero = numpy.zeros(len(place))
+                return numpy.stack([shear * place[:, 1], zero, zero + time], axis=1)
+
+
+            @vesper.field("K")
+            def warmth(place):
+                "Warmth that grows with the height."
+                return place[:, 1] + 4
+            """;
+
+    private Simulation sailingInPython(String wind, String reader) throws Exception {
+        writeLaws(wind);
+        return sailing("wind", reader);
+    }
+
+    private void writeLaws(String wind) throws Exception {
+        write("sail.py", SAIL);
+        write("twin.law", "law twin\n  each body: force += 2 kg/s (wind - velocity)\n");
+        write("breeze.law", BREEZE);
+        write("wind.py", wind);
+    }
+
+    /** A law as text and a law in Python read it. */
+    @ParameterizedTest
+    @ValueSource(strings = {"twin", "sail"})
+    void aFileInPythonProvidesFieldsLikeAText(String reader) throws Exception {
+        writeLaws(PYTHON_BREEZE);
+        try (Simulation python = sailing("wind", reader);
+                Simulation text = sailing("breeze", reader)) {
+            python.loop().run(90);
+            text.loop().run(90);
+            assertThat(python.events().faults()).isEmpty();
+            assertThat(velocity(python, "high")).isEqualTo(velocity(text, "high"));
+            assertThat(velocity(python, "high")[0]).isGreaterThan(1);
+            assertThat(python.engine().stateHash()).isEqualTo(text.engine().stateHash());
+        }
+    }
+
+    @Test
+    void aParameterOfAFieldIsSetAndChanged() throws Exception {
+        try (Simulation simulation = sailingInPython(PYTHON_BREEZE, "twin")) {
+            simulation.loop().run(30);
+            double slow = velocity(simulation, "high")[0];
+            simulation.physics().laws().setParameters(31, "wind", Map.of("wind.shear", 5.0));
+            simulation.loop().run(30);
+            assertThat(velocity(simulation, "high")[0]).isGreaterThan(4 * slow);
+        }
+    }
+
+    @ParameterizedTest
+    @CsvSource(
+            delimiter = '¦',
+            quoteCharacter = '`',
+            textBlock =
+                    """
+                    raise ValueError('calm')       ¦ wind.py:10: ValueError: calm at (0, 1, 0) m, where law twin reads it
+                    return numpy.log(-place)       ¦ wind.py: field wind has no finite value at (0, 1, 0) m, where law twin reads it
+                    return place[:, 1]             ¦ wind returned the shape (1,) for 1 positions, expected (1, 3) at (0, 1, 0) m
+                    return 3.0                     ¦ wind returned the shape () for 1 positions, expected (1, 3)
+                    place[0] = 1                   ¦ wind.py:10: ValueError: assignment destination is read-only
+                    """)
+    void aFieldThatFailsIsTheFaultOfItsFile(String line, String message) throws Exception {
+        String wrong =
+                PYTHON_BREEZE.replace(
+                        "return numpy.stack([shear * place[:, 1], zero, zero + time], axis=1)",
+                        line);
+        try (Simulation simulation = sailingInPython(wrong, "twin")) {
+            simulation.loop().run(10);
+            assertThat(simulation.physics().laws().quarantined())
+                    .singleElement()
+                    .satisfies(
+                            reason -> {
+                                assertThat(reason.library()).isEqualTo("wind");
+                                assertThat(reason.message()).contains(message);
+                            });
+            assertThat(velocity(simulation, "high")).as("twin rests").isEqualTo(new double[3]);
+        }
+    }
+
+    @ParameterizedTest
+    @CsvSource(
+            delimiter = '¦',
+            quoteCharacter = '`',
+            textBlock =
+                    """
+                    @vesper.field("K")        ¦ @vesper.field("m")          ¦ wind.py:13: the unit of 'warmth' is K, @vesper.field says m
+                    @vesper.field("K")        ¦ @vesper.field               ¦ found @vesper.field without brackets
+                    def warmth(place)         ¦ def warm(place)             ¦ wind.py:13: the world has no field 'warm'; did you mean warmth?
+                    def warmth(place)         ¦ def warmth()                ¦ wind.py:13: the first argument of the field warmth are the positions
+                    def warmth(place)         ¦ def warmth(place, dt)       ¦ wind.py:14: a field depends on positions, time and parameters; dt is none of them
+                    """)
+    void aMistakeInAFieldIsRefused(String text, String wrong, String message) throws Exception {
+        assertThatThrownBy(
+                        () -> sailingInPython(PYTHON_BREEZE.replace(text, wrong), "twin").close())
+                .hasMessageContaining(message);
+    }
+
+    /** The line of a field marks a file as a program, too. */
+    @Test
+    void aFileWithFieldsOnlyNeedsTrust() throws Exception {
+        assertThat(PreparedLibrary.isText(PYTHON_BREEZE.getBytes())).isFalse();
+        assertThat(PythonLaw.nameOf(PYTHON_BREEZE.getBytes())).isEqualTo("wind.py");
+        write("wind.py", PYTHON_BREEZE);
+        assertThat(path(false).needsTrust("wind")).isTrue();
+    }
+
     @Test
     void aFieldIsReadInTheUnitOfTheAnnotation() throws Exception {
         String sail =
                 SAIL.replace("Field(\"world\", \"m/s\")", "Field(\"world\", \"km/h\")")
                         .replace("2 * (wind(position)", "2 * (wind(position) / 3.6");
         try (Simulation python = sailing(sail, BREEZE);
-                Simulation text = sailing("twin")) {
+                Simulation text = sailing("breeze", "twin")) {
             python.loop().run(30);
             text.loop().run(30);
             assertThat(velocity(python, "high")[0])
