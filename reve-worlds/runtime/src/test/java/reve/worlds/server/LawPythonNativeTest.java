@@ -507,10 +507,10 @@ class LawPythonNativeTest {
         write("sail.py", sail);
         write("breeze.law", breeze);
         write("twin.law", "law twin\n  each body: force += 2 kg/s (wind - velocity)\n");
-        return sailing("breeze", "sail");
+        return regatta("breeze", "sail");
     }
 
-    private Simulation sailing(String provider, String reader) throws Exception {
+    private Simulation regatta(String provider, String reader) throws Exception {
         return new Simulation(
                 WorldFile.load(
                         Files.writeString(
@@ -534,7 +534,7 @@ class LawPythonNativeTest {
     @Test
     void aFieldHasTheBitsThatALawAsTextReads() throws Exception {
         try (Simulation python = sailing(SAIL, BREEZE);
-                Simulation text = sailing("breeze", "twin")) {
+                Simulation text = regatta("breeze", "twin")) {
             python.loop().run(90);
             text.loop().run(90);
             assertThat(python.physics().laws().quarantined()).isEmpty();
@@ -566,7 +566,7 @@ class LawPythonNativeTest {
 
     private Simulation sailingInPython(String wind, String reader) throws Exception {
         writeLaws(wind);
-        return sailing("wind", reader);
+        return regatta("wind", reader);
     }
 
     private void writeLaws(String wind) throws Exception {
@@ -581,8 +581,8 @@ class LawPythonNativeTest {
     @ValueSource(strings = {"twin", "sail"})
     void aFileInPythonProvidesFieldsLikeAText(String reader) throws Exception {
         writeLaws(PYTHON_BREEZE);
-        try (Simulation python = sailing("wind", reader);
-                Simulation text = sailing("breeze", reader)) {
+        try (Simulation python = regatta("wind", reader);
+                Simulation text = regatta("breeze", reader)) {
             python.loop().run(90);
             text.loop().run(90);
             assertThat(python.events().faults()).isEmpty();
@@ -666,7 +666,7 @@ class LawPythonNativeTest {
                 SAIL.replace("Field(\"world\", \"m/s\")", "Field(\"world\", \"km/h\")")
                         .replace("2 * (wind(position)", "2 * (wind(position) / 3.6");
         try (Simulation python = sailing(sail, BREEZE);
-                Simulation text = sailing("breeze", "twin")) {
+                Simulation text = regatta("breeze", "twin")) {
             python.loop().run(30);
             text.loop().run(30);
             assertThat(velocity(python, "high")[0])
