@@ -110,7 +110,8 @@ def _open(
     answer: Callable[[_Wire], _T],
 ) -> Tuple[_Wire, _T]:
     """Connects, sends the greeting and waits for its answer, at most for `patience` [s]."""
-    plain = _dial(address, timeout)
+    end = clock.monotonic() + patience
+    plain = _dial(address, max(0.01, min(timeout, patience)))
     connection: Union[socket.socket, TlsSocket] = plain
     late = threading.Event()
 
@@ -121,7 +122,7 @@ def _open(
         except OSError:
             pass  # the connection has already ended
 
-    timer = threading.Timer(max(0.0, patience), give_up)
+    timer = threading.Timer(max(0.0, end - clock.monotonic()), give_up)
     timer.daemon = True
     timer.start()
     try:

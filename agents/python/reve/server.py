@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import numbers
 import os
 import subprocess
 import tempfile
@@ -153,7 +154,10 @@ def pack(
 
 
 def _text(value: Union[float, "os.PathLike[str]"]) -> str:
-    return repr(value) if isinstance(value, (int, float)) else os.fspath(value)
+    # NumPy's numbers have another repr.
+    if isinstance(value, numbers.Integral):
+        return str(int(value))
+    return repr(float(value)) if isinstance(value, numbers.Real) else os.fspath(value)
 
 
 def _event(line: str) -> Dict[str, Any]:

@@ -196,7 +196,7 @@ class GymTest(unittest.TestCase):
             port = int(killed.stdout.readline())
             reve.connect("127.0.0.1", port, name="eye").close()
             killed.kill()
-        end = time.monotonic() + 20
+        end = time.monotonic() + 120
         while True:
             try:
                 socket.create_connection(("127.0.0.1", port), timeout=5).close()

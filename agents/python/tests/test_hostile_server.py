@@ -299,13 +299,13 @@ class HostileServerTest(unittest.TestCase):
     def tearDown(self):
         self.assertLess(time.monotonic() - self.began, PATIENCE)
 
-    def joins(self, server):
+    def joins(self, server, timeout=30):
         """Yields two functions that join: one for a blocking client and one for asyncio."""
-        yield lambda **more: reve.connect(port=server.port, name="ada", timeout=0.5, **more)
+        yield lambda **more: reve.connect(port=server.port, name="ada", timeout=timeout, **more)
 
         def join(**more):
             async def run():
-                await reve.aio.connect(port=server.port, name="ada", timeout=0.5, **more)
+                await reve.aio.connect(port=server.port, name="ada", timeout=timeout, **more)
 
             asyncio.run(run())
 
@@ -314,7 +314,7 @@ class HostileServerTest(unittest.TestCase):
     def test_the_timeout_limits_joining_whatever_the_server_sends(self):
         for talk in (drip(line({"t": "ping"})), drip(b" "), lambda _, ends: ends.wait()):
             with FakeServer(talk) as server:
-                for join in self.joins(server):
+                for join in self.joins(server, 0.5):
                     with self.assertRaises(reve.ReveError) as refused:
                         join()
                     self.assertEqual(refused.exception.code, "no-answer")
@@ -372,7 +372,7 @@ class HostileServerTest(unittest.TestCase):
                 drip(line({"t": "ping"}))(connection, ends)
 
         with FakeServer(talk) as server:
-            ada = reve.connect(port=server.port, name="ada", grace=60, timeout=0.5)
+            ada = reve.connect(port=server.port, name="ada", grace=60, timeout=10)
             self.assertTrue(resumes.wait(PATIENCE))
             ada.close()
 

@@ -25,6 +25,7 @@ import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.ExecutionException;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.TimeoutException;
+import java.util.concurrent.locks.LockSupport;
 
 /**
  * A headless Chromium with one page, driven over the DevTools protocol. It keeps the requests and
@@ -32,7 +33,7 @@ import java.util.concurrent.TimeoutException;
  */
 final class Browser implements AutoCloseable, WebSocket.Listener {
     private static final JsonMapper JSON = new JsonMapper();
-    private static final long PATIENCE_SECONDS = 120;
+    private static final long PATIENCE_SECONDS = 300;
     private static final int CLICKS = 5;
     private static final String LISTENING = "DevTools listening on ";
 
@@ -74,20 +75,10 @@ final class Browser implements AutoCloseable, WebSocket.Listener {
         builder.environment().put("TMPDIR", profile.toString()); // it leaves folders there
         process = builder.start();
         String address = address(process.errorReader());
-        HttpResponse<String> targets =
-                http.send(
-                        HttpRequest.newBuilder(
-                                        URI.create(
-                                                "http://"
-                                                        + URI.create(address).getAuthority()
-                                                        + "/json"))
-                                .build(),
-                        HttpResponse.BodyHandlers.ofString());
         String page = "";
-        for (JsonNode target : JSON.readTree(targets.body())) {
-            if (target.get("type").asString().equals("page")) {
-                page = target.get("webSocketDebuggerUrl").asString();
-            }
+        for (int i = 0; i < 600 && page.isEmpty(); i++) { // until the first tab is open
+            page = page(address);
+            LockSupport.parkNanos(100_000_000);
         }
         socket = http.newWebSocketBuilder().buildAsync(URI.create(page), this).join();
         send("Runtime.enable", JSON.createObjectNode());
@@ -95,6 +86,25 @@ final class Browser implements AutoCloseable, WebSocket.Listener {
         send("Network.enable", JSON.createObjectNode());
         send("Page.enable", JSON.createObjectNode());
         size(width, height);
+    }
+
+    /** Returns the address of the first tab; empty if none is open. */
+    private String page(String browser) throws IOException, InterruptedException {
+        HttpResponse<String> targets =
+                http.send(
+                        HttpRequest.newBuilder(
+                                        URI.create(
+                                                "http://"
+                                                        + URI.create(browser).getAuthority()
+                                                        + "/json"))
+                                .build(),
+                        HttpResponse.BodyHandlers.ofString());
+        for (JsonNode target : JSON.readTree(targets.body())) {
+            if (target.get("type").asString().equals("page")) {
+                return target.get("webSocketDebuggerUrl").asString();
+            }
+        }
+        return "";
     }
 
     private static String address(BufferedReader output) throws IOException {

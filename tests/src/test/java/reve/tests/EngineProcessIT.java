@@ -205,12 +205,15 @@ class EngineProcessIT {
     void aStoreDoesNotRepeatACrash() throws Exception {
         String store = folder.resolve("stones.db").toString();
         drop("segfault");
-        try (Server server = world.serve("--store", store, "--seconds", "8")) {
+        try (Server server = world.serve("--store", store)) {
             server.events()
                     .await("fault", fault -> fault.path("status").asString().equals("LAW_CRASHED"));
+            server.process().toHandle().destroy();
             server.events().await("end", event -> true);
         }
-        try (Server server = world.serve("--store", store, "--seconds", "3")) {
+        try (Server server = world.serve("--store", store)) {
+            server.events().await("fault", event -> true);
+            server.process().toHandle().destroy();
             List<JsonNode> events = server.events().untilEnd();
             assertThat(events)
                     .filteredOn(event -> event.path("event").asString().equals("fault"))

@@ -171,7 +171,7 @@ class ExperimentIT {
         Outcome outcome = experiment("sinking.yaml", "r");
 
         assertThat(outcome.code()).isEqualTo(1);
-        assertThat(outcome.err())
+        assertThat(outcome.messages())
                 .contains("reve: run 3 failed: " + file + ":9:28: mass: ")
                 .hasLineCount(1);
         assertThat(rows("r/runs.csv"))

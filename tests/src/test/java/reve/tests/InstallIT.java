@@ -23,7 +23,7 @@ import java.util.stream.Stream;
  * An installed folder runs without the checkout and without tools for building. It is read-only. If
  * the tests run as root, another user runs it.
  */
-@Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class InstallIT {
     private static final String NOBODY = "65534";

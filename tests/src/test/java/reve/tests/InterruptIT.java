@@ -55,7 +55,15 @@ class InterruptIT {
     @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
     void aSignalEndsALongRunWithItsReport() throws Exception {
         Process run =
-                new ProcessBuilder(Reve.command("run", WORLD, "--seconds", "1e6", "--real-time"))
+                new ProcessBuilder(
+                                Reve.command(
+                                        "run",
+                                        WORLD,
+                                        "--seconds",
+                                        "1e6",
+                                        "--real-time",
+                                        "--save",
+                                        folder.resolve("saved.yaml").toString()))
                         .start();
         BufferedReader errors = run.errorReader();
         String line = errors.readLine();
@@ -68,6 +76,8 @@ class InterruptIT {
         assertThat(run.waitFor()).isEqualTo(130);
         assertThat(errors.lines()).anyMatch(said -> said.startsWith("reve: cut short after "));
         assertThat(out).contains("spring-orbit:").contains("state hash");
+        assertThat(Reve.run("check", folder.resolve("saved.yaml").toString()).code()).isZero();
+        assertThat(folder).isDirectoryNotContaining("glob:**.part*");
     }
 
     @Test

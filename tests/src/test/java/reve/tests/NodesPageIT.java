@@ -9,12 +9,16 @@ import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import reve.agent.AgentClient;
+import reve.agent.Join;
+
 import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.net.URI;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 
@@ -37,8 +41,9 @@ class NodesPageIT {
     /**
      * @param address where other nodes reach it
      * @param web address of its page of the nodes
+     * @param agents its port for agents
      */
-    private record Node(Server server, String address, String web) {}
+    private record Node(Server server, String address, String web, int agents) {}
 
     @BeforeEach
     void start() throws Exception {
@@ -81,7 +86,11 @@ class NodesPageIT {
                         .await(
                                 "cluster",
                                 event -> event.path("status").asString().equals("starts"));
-        return new Node(server, starts.path("node").asString(), starts.path("web").asString());
+        return new Node(
+                server,
+                starts.path("node").asString(),
+                starts.path("web").asString(),
+                starts.path("agentPort").asInt());
     }
 
     private Path world(String name) throws IOException {
@@ -102,6 +111,16 @@ class NodesPageIT {
                 + "\"]')?.textContent ?? '')";
     }
 
+    private static AgentClient watcher(Node node, String world) throws IOException {
+        return AgentClient.connect(
+                "127.0.0.1",
+                node.agents(),
+                Join.as("watcher of " + world)
+                        .withRole("observer")
+                        .withWorld(world)
+                        .withPatience(Duration.ofSeconds(60)));
+    }
+
     private static String logged(String text) {
         return "[...document.querySelectorAll('#moves li')].some(line => line.textContent.includes('"
                 + text
@@ -117,21 +136,24 @@ class NodesPageIT {
         Node first = node();
         Node second =
                 node("--seed", first.address(), world("w1").toString(), world("w2").toString());
-        assertThat(first.web()).endsWith("/nodes");
-        browser.open(first.web());
-        browser.await("document.body.dataset.state === 'open'");
-        browser.await("document.querySelectorAll('#nodes tr').length === 2");
-        browser.await(row("node", first.address()) + ".includes('(this one)')");
-        browser.await(row("node", second.address()) + ".includes('up')");
-        browser.await("document.querySelectorAll('#worlds .chip.good').length === 2");
-        assertThat(browser.text("#cluster")).isEqualTo("lab");
-        assertThat(browser.text("#totals")).contains("2 nodes", "2 worlds: 2 run, 0 sleep");
-        browser.await(
-                "nodes.state.nodes.every(node => node.memory > 0 && node.memory < 1 && node.cpu >= 0"
-                        + " && node.cpu <= 1 && node.clients >= 0)");
-        JsonNode frame = browser.ask("nodes.state.worlds[0].frame");
-        browser.await("nodes.state.worlds[0].frame > " + frame.asLong());
-        browser.picture(PICTURES.resolve("nodes.png"));
+        try (AgentClient _ = watcher(second, "w1");
+                AgentClient _ = watcher(second, "w2")) { // they keep the worlds awake
+            assertThat(first.web()).endsWith("/nodes");
+            browser.open(first.web());
+            browser.await("document.body.dataset.state === 'open'");
+            browser.await("document.querySelectorAll('#nodes tr').length === 2");
+            browser.await(row("node", first.address()) + ".includes('(this one)')");
+            browser.await(row("node", second.address()) + ".includes('up')");
+            browser.await("document.querySelectorAll('#worlds .chip.good').length === 2");
+            assertThat(browser.text("#cluster")).isEqualTo("lab");
+            assertThat(browser.text("#totals")).contains("2 nodes", "2 worlds: 2 run, 0 sleep");
+            browser.await(
+                    "nodes.state.nodes.every(node => node.memory > 0 && node.memory < 1 && node.cpu >= 0"
+                            + " && node.cpu <= 1 && node.clients >= 0)");
+            JsonNode frame = browser.ask("nodes.state.worlds[0].frame");
+            browser.await("nodes.state.worlds[0].frame > " + frame.asLong());
+            browser.picture(PICTURES.resolve("nodes.png"));
+        }
 
         // Moves w1 to the other node with the list in its row.
         String place = "nodes.state.worlds.find(world => world.world === 'w1').node";

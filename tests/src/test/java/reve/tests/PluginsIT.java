@@ -434,8 +434,9 @@ class PluginsIT {
                         "0.5",
                         "--plugins",
                         plugins.toString())) {
-            JsonNode stalled = server.events().await("stalled", event -> true);
-            assertThat(stalled.path("frame").asLong()).isEqualTo(3);
+            JsonNode stalled =
+                    server.events()
+                            .await("stalled", event -> event.path("frame").asLong() == 3);
             assertThat(stalled.path("phase").asString()).isEqualTo("ACT");
             assertThat(stalled.path("activity").asString()).isEqualTo("listener test.slow");
             assertThat(stalled.path("stack").toString()).contains("plug.Slow");

@@ -167,6 +167,8 @@ final class Postgres implements AutoCloseable {
                                         "-c",
                                         "max_connections=" + MOST_CONNECTIONS,
                                         "-c",
+                                        "fsync=off", // the machine does not end
+                                        "-c",
                                         "unix_socket_directories=" + folder))
                         .redirectOutput(log.toFile())
                         .start();

@@ -25,7 +25,7 @@ import java.util.stream.Stream;
  * that the real build has made. It packs one source file into a jar of the project, so that each
  * change of the source makes another jar.
  */
-@Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 class ReleasesIT {
     private static final String BUILD =
             """

@@ -23,7 +23,7 @@ import java.util.stream.Collectors;
  * release where the process matters: its environment, its limits, its launcher, how it ends.
  */
 final class Reve {
-    private static final long PATIENCE_SECONDS = 120;
+    private static final long PATIENCE_SECONDS = 600;
 
     /**
      * The launcher's message while the user waits for a slow machine. It does not matter for the
@@ -34,7 +34,7 @@ final class Reve {
 
     /** A line about the progress of a command, such as {@code frame 12, 40 %, about 3 s left}. */
     private static final Pattern PROGRESS =
-            Pattern.compile("frame \\d+( of \\d+ \\(\\d+ %\\))?, \\d.*");
+            Pattern.compile("(frame \\d+( of \\d+ \\(\\d+ %\\))?, \\d|\\d+ of \\d+ runs, ).*");
 
     /**
      * The result of a finished command.

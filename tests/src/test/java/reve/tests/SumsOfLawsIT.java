@@ -233,7 +233,7 @@ class SumsOfLawsIT {
             double before = heating(server, "stove");
             assertThat(control(server, "change", "item=stove", "physics.power=1000").code())
                     .isZero();
-            assertThat(heating(server, "stove")).isGreaterThan(before + 900);
+            assertThat(heating(server, "stove")).isGreaterThan(before + 400);
             assertThat(control(server, "unload-law", "library=stove").code()).isZero();
             assertThat(heating(server, "stove")).as("begins at 0 in each step").isLessThan(0);
             assertThat(control(server, "unload-law", "library=conduction").code()).isZero();

@@ -7,11 +7,17 @@ public final class Seed {
     private Seed() {}
 
     /**
-     * Returns {@code -Dreve.test.seed=N}, or a new seed; prints it, so that a failure can be
-     * repeated.
+     * Returns {@code -Dreve.test.seed=N}, a new seed with {@code -Dreve.test.seed=new}, or a seed
+     * that depends on the name only; prints it, so that a failure can be repeated.
      */
     public static long of(String what) {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        String given = System.getProperty("reve.test.seed", "");
+        long seed =
+                switch (given) {
+                    case "" -> what.hashCode();
+                    case "new" -> System.nanoTime();
+                    default -> Long.parseLong(given);
+                };
         System.out.println("seed of " + what + ": -Dreve.test.seed=" + seed);
         return seed;
     }

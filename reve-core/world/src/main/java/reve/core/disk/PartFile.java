@@ -19,12 +19,26 @@ public final class PartFile {
     /** Incomplete files of this process. They are removed if a signal ends the process. */
     private static final Set<Path> UNFINISHED = ConcurrentHashMap.newKeySet();
 
+    /** Whether the program removes incomplete files itself if a signal ends the process. */
+    private static volatile boolean isLeft;
+
     static {
         Runtime.getRuntime()
-                .addShutdownHook(new Thread(PartFile::removeUnfinished, "incomplete files"));
+                .addShutdownHook(new Thread(PartFile::removeUnlessLeft, "incomplete files"));
     }
 
     private PartFile() {}
+
+    /**
+     * Leaves incomplete files to the caller if a signal ends the process, because the caller still
+     * completes them. The caller then calls {@link #removeUnfinished} before the process ends. Must
+     * be called before the end of the process begins.
+     *
+     * @param isCallers false: a signal removes the files at once, as by default
+     */
+    public static void leave(boolean isCallers) {
+        isLeft = isCallers;
+    }
 
     /**
      * Creates an empty file beside {@code place}, with the ending {@code .part}. Uses {@code
@@ -65,7 +79,14 @@ public final class PartFile {
         Files.deleteIfExists(part);
     }
 
-    private static void removeUnfinished() {
+    private static void removeUnlessLeft() {
+        if (!isLeft) {
+            removeUnfinished();
+        }
+    }
+
+    /** Removes all incomplete files of this process. */
+    public static void removeUnfinished() {
         for (Path part : UNFINISHED) {
             try {
                 Files.deleteIfExists(part);

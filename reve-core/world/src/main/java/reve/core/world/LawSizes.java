@@ -88,7 +88,9 @@ final class LawSizes {
                     isLength(x) && isLength(y) && isLength(z) ? Shape.ellipsoid(x, y, z) : null;
             case Shape.Plane _ -> isLength(x) && isLength(z) ? Shape.plane(x, z) : null;
             case Shape.Capsule _ ->
-                    isLength(x / 2) && isLength(y) ? Shape.capsule(x / 2, Math.max(x, y)) : null;
+                    isLength(x) && isLength(x / 2) && isLength(y)
+                            ? Shape.capsule(x / 2, Math.max(x, y))
+                            : null;
             case Shape.Cylinder _ ->
                     isLength(x / 2) && isLength(y) ? Shape.cylinder(x / 2, y) : null;
         };

@@ -222,6 +222,7 @@ public final class ExportCommand implements Callable<Integer> {
         WorldDescription description = world.load(spec.commandLine().getErr());
         long frames = Frames.of(spec, "--at", at.orElse(0.0), description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST, lawPath)) {
+            simulation.usePluginListeners();
             Progress progress = new Progress(System.err, frames);
             simulation.onPublish(
                     "progress", event -> progress.at(event.frame(), event.timeSeconds()));

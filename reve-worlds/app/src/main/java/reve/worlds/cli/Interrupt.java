@@ -5,6 +5,8 @@ import org.jspecify.annotations.Nullable;
 
 import picocli.CommandLine.Model.CommandSpec;
 
+import reve.core.disk.PartFile;
+
 import java.time.Duration;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
@@ -33,6 +35,7 @@ final class Interrupt implements AutoCloseable {
     Interrupt(CommandSpec spec, int codeBefore) {
         this.spec = spec;
         this.codeBefore = codeBefore;
+        PartFile.leave(true);
         hook = new Thread(this::end, "interrupt");
         Runtime.getRuntime().addShutdownHook(hook);
     }
@@ -88,7 +91,7 @@ final class Interrupt implements AutoCloseable {
         Runnable asks = stop;
         if (asks == null) {
             // The command was still starting, so no frame was made.
-            Runtime.getRuntime().halt(codeBefore);
+            halt(codeBefore);
             return;
         }
         asked = true;
@@ -100,20 +103,26 @@ final class Interrupt implements AutoCloseable {
                                 + patience.toSeconds()
                                 + " s ago and still busy, perhaps with a law that never returns, or"
                                 + " with a disk that does not answer; ended without a report");
-                Runtime.getRuntime().halt(ExitCode.FAILURE);
+                halt(ExitCode.FAILURE);
             }
         } catch (InterruptedException impatient) {
             Thread.currentThread().interrupt();
         }
         // The process exits with the command's code, not with 128 + signal, because the command
         // ended as the user requested.
-        Runtime.getRuntime().halt(code);
+        halt(code);
+    }
+
+    private static void halt(int with) {
+        PartFile.removeUnfinished();
+        Runtime.getRuntime().halt(with);
     }
 
     @Override
     public void close() {
         System.err.flush();
         reported.countDown();
+        PartFile.leave(false);
         try {
             Runtime.getRuntime().removeShutdownHook(hook);
         } catch (IllegalStateException ending) {

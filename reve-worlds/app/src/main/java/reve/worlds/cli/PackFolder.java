@@ -26,10 +26,10 @@ import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
 
 /**
- * The private folder into which a pack (a world in one file) is unpacked. Only this account can
+ * The private folder into which a process unpacks packs (worlds in one file). Only this account can
  * read the folder. The process removes it when it ends. The process holds a lock while it uses the
  * folder. A later process recognizes the folders of killed processes by the missing lock, and
- * removes them.
+ * removes them. For any thread.
  */
 final class PackFolder {
     private static final String PREFIX = "reve-pack-";
@@ -51,10 +51,27 @@ final class PackFolder {
      */
     private static final Set<Path> OWN = ConcurrentHashMap.newKeySet();
 
+    /** The folder of this process that it uses now. Guarded by the lock of this class. */
+    private static @Nullable Path current;
+
     private PackFolder() {}
 
     /** Unpacks a pack, and returns the folder of its world. */
     static Path open(Path pack) throws IOException {
+        Path folder = Files.createTempDirectory(folderOfProcess(pack), WORLD);
+        WorldPack.unpack(pack, folder);
+        return folder;
+    }
+
+    /** Returns the folder of this process; a new one if a program has removed it. */
+    private static synchronized Path folderOfProcess(Path pack) throws IOException {
+        if (current == null || !Files.isDirectory(current)) {
+            current = create(pack);
+        }
+        return current;
+    }
+
+    private static Path create(Path pack) throws IOException {
         Path place = Files.createTempDirectory(PREFIX);
         OWN.add(place);
         removeAbandoned(place.getParent(), Files.getOwner(place), Instant.now().minus(YOUNG));
@@ -74,9 +91,7 @@ final class PackFolder {
             remove(place);
             throw new IOException(pack + ": was not opened, because the program ends", ending);
         }
-        Path folder = Files.createDirectory(place.resolve(WORLD));
-        WorldPack.unpack(pack, folder);
-        return folder;
+        return place;
     }
 
     /** Removes the folders of {@code owner} that no process has locked since {@code before}. */

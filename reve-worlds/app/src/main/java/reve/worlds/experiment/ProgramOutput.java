@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.experiment;
 
+import reve.core.text.Visible;
+
 import java.io.IOException;
 import java.io.InputStream;
 import java.io.OutputStream;
@@ -42,10 +44,22 @@ final class ProgramOutput {
     }
 
     private void copy() {
-        try (InputStream in = from;
-                OutputStream out = Files.newOutputStream(file)) {
+        try (InputStream in = from) {
+            copyTo(in);
             byte[] buffer = new byte[BUFFER_BYTES];
-            long total = 0;
+            while (in.read(buffer) >= 0) {
+                // Further output is read and dropped, because the program would otherwise block.
+            }
+        } catch (IOException ended) {
+            // The exception is ignored. It means that the program ended.
+        }
+    }
+
+    /** Copies output until it ends, or the file has enough, or cannot be written. */
+    private void copyTo(InputStream in) throws IOException {
+        byte[] buffer = new byte[BUFFER_BYTES];
+        long total = 0;
+        try (OutputStream out = Files.newOutputStream(file)) {
             for (int read = in.read(buffer); read >= 0; read = in.read(buffer)) {
                 int kept = (int) Math.min(read, Math.max(0, most - total));
                 out.write(buffer, 0, kept);
@@ -53,14 +67,13 @@ final class ProgramOutput {
                 if (kept < read) {
                     String end = "\n(further output is dropped: the file has " + most + " bytes)\n";
                     out.write(end.getBytes(StandardCharsets.UTF_8));
-                    break;
+                    return;
                 }
             }
-            while (in.read(buffer) >= 0) {
-                // Further output is read and dropped, because the program would otherwise block.
-            }
-        } catch (IOException ended) {
-            // The program ended, or the disk is full. The experiment continues without the output.
+        } catch (IOException full) {
+            // The program continues without its output, like the rest of the experiment.
+            System.err.println(
+                    Visible.line("reve: the output of a program is lost: " + file + ": " + full));
         }
     }
 }

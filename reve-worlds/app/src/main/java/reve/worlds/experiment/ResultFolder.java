@@ -4,6 +4,7 @@ package reve.worlds.experiment;
 import reve.core.disk.Reason;
 import reve.core.disk.WholeFile;
 import reve.core.file.Experiment;
+import reve.core.plugin.Plugins;
 import reve.pe.posix.RegularFile;
 import reve.worlds.Product;
 
@@ -219,6 +220,7 @@ public final class ResultFolder {
         }
         changed("file", meta.path("files"), files(experiment), since);
         changed("law", meta.path("laws"), laws(results), since);
+        changed("plugin", meta.path("plugins"), plugins(), since);
         return since;
     }
 
@@ -303,6 +305,7 @@ public final class ResultFolder {
         fields.put("machine", machine());
         fields.put("files", files(experiment));
         fields.put("laws", laws(results));
+        fields.put("plugins", plugins());
         fields.put("units", units(experiment));
         fields.put("runs", results.stream().map(run -> runFields(experiment, run)).toList());
         return fields;
@@ -359,6 +362,13 @@ public final class ResultFolder {
         Map<String, String> laws = new TreeMap<>();
         results.forEach(run -> laws.putAll(run.laws()));
         return laws;
+    }
+
+    /** Returns the hashes of the plugins by the names of their files. */
+    static Map<String, String> plugins() {
+        Map<String, String> hashes = new TreeMap<>();
+        Plugins.current().infos().forEach(plugin -> hashes.put(plugin.file(), plugin.sha256()));
+        return hashes;
     }
 
     private static Map<String, String> files(Experiment experiment) throws IOException {

@@ -265,6 +265,7 @@ public final class RunJournal implements AutoCloseable {
         header.put("experiment", experiment.name());
         header.put("version", Product.version());
         header.put("machine", ResultFolder.machine());
+        header.put("plugins", ResultFolder.plugins().toString());
         return header;
     }
 

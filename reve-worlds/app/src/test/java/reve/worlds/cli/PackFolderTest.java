@@ -51,21 +51,27 @@ class PackFolderTest {
                 .isDirectoryContaining(path -> path.equals(link));
     }
 
-    /** A process keeps the locks of all its folders while it opens further packs. */
+    /**
+     * A process has one folder for all packs, so that it needs one descriptor for its lock. It keeps
+     * the lock while it opens further packs.
+     */
     @Test
     void aProcessKeepsItsOwnFoldersAndTheirLocks() throws Exception {
         Path pack = folder.resolve("world.reve");
         Path world = Files.writeString(folder.resolve("w.yaml"), "reve: 1\nname: w\n");
         WorldPack.write(pack, new TreeMap<>(Map.of(WorldFile.NAME, world)));
-        Path first = PackFolder.open(pack).getParent();
+        Path unpacked = PackFolder.open(pack);
+        Path first = unpacked.getParent();
         Path lock = first.resolve("in-use");
         // In another process, because Java opens and closes the file to set its time.
         var old = new ProcessBuilder("touch", "-d", "2 minutes ago", lock.toString());
         assertThat(old.start().waitFor()).isZero();
 
-        PackFolder.open(pack);
+        Path again = PackFolder.open(pack);
 
-        assertThat(first.resolve("world").resolve(WorldFile.NAME)).exists();
+        assertThat(again).isNotEqualTo(unpacked).hasParent(first);
+        assertThat(again.resolve(WorldFile.NAME)).exists();
+        assertThat(unpacked.resolve(WorldFile.NAME)).exists();
         String tryLock =
                 "import fcntl, sys; fcntl.lockf(open(sys.argv[1], 'r+'), fcntl.LOCK_EX |"
                         + " fcntl.LOCK_NB)";

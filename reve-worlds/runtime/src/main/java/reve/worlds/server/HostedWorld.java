@@ -388,6 +388,10 @@ final class HostedWorld implements AutoCloseable {
     /** Ends {@link #run} after the current frame. For any thread. */
     void stop() {
         simulation.loop().stop();
+    }
+
+    /** Limits the time of the last writes, because the process ends. For any thread. */
+    void hurry() {
         stored.ifPresent(world -> world.store().hurry(LAST_WRITES));
     }
 

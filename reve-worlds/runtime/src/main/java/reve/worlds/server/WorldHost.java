@@ -200,6 +200,11 @@ public final class WorldHost implements AutoCloseable {
             } else {
                 stop();
             }
+            synchronized (this) {
+                if (hosted != null) {
+                    hosted.hurry();
+                }
+            }
         }
 
         private void sleepIfUnused(Duration time) {

@@ -214,6 +214,7 @@ public final class WorldServer implements AutoCloseable {
     /** Ends {@link #run} after the worlds' current frames. For any thread. */
     public void stop() {
         worlds.forEach(HostedWorld::stop);
+        worlds.forEach(HostedWorld::hurry);
     }
 
     /**

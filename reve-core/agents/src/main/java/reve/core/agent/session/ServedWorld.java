@@ -253,7 +253,8 @@ public final class ServedWorld implements AutoCloseable {
                                                     granted,
                                                     rights));
             if (!isPermitted) {
-                joined.ifPresent(_ -> leave(each.client(), "token-revoked"));
+                String why = state.isPresent() ? "token-revoked" : "lost";
+                joined.ifPresent(_ -> leave(each.client(), why));
             } else if (state.get().role() != Role.AGENT || joined.isPresent()) {
                 var session =
                         new Session(

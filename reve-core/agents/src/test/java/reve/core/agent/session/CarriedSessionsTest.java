@@ -271,11 +271,11 @@ class CarriedSessionsTest {
             ada.skipTo("welcome");
             carried = room.server.remove("pond", Optional.of(NEXT));
         }
-        long end = System.nanoTime() + 3_000_000_000L;
+        long end = System.nanoTime() + 60_000_000_000L;
         int moves = 0;
         while (room.has("ada") && System.nanoTime() < end) {
             second.add(room.port, carried);
-            for (int i = 0; i < 10; i++) {
+            for (int i = 0; i < 2; i++) {
                 Thread.sleep(50);
                 room.step();
             }
