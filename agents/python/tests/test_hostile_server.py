@@ -31,7 +31,7 @@ WELCOME = {
 }
 SESSION = {"session": {"token": "0" * 32, "graceSeconds": 60}}
 DEEP = b"[" * 100_000 + b"\n"
-PATIENCE = 60  # seconds after which a test fails; the clients' own limits are below 6 s
+PATIENCE = 60  # seconds after which a test fails; the clients' own limits are at most 30 s
 
 
 def line(message):

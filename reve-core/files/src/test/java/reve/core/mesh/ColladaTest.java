@@ -384,6 +384,20 @@ class ColladaTest {
                 .hasMessageContaining("200000 elements");
     }
 
+    /** The time of reading would be the product of two long lists. */
+    @Test
+    void listsThatAreReadForEachElementOfAnotherListAreRefused() {
+        String twice = BOX.replace("</polylist>", "<p/></polylist>");
+        assertThatThrownBy(() -> read(file("", twice, SCENE)))
+                .hasMessageContaining("<p>: found a second <p> in a <polylist>, expected one");
+        String many = "<input semantic=\"COLOR\" source=\"#out\" offset=\"1\"/>".repeat(62);
+        assertThatThrownBy(() -> read(file("", BOX.replace("<vcount>", many + "<vcount>"), SCENE)))
+                .hasMessageContaining("found 65 inputs, expected at most 64");
+        String none = BOX.replace("<vcount>4", "<vcount>" + "0 ".repeat(1_048_577) + "4");
+        assertThatThrownBy(() -> read(file("", none, SCENE)))
+                .hasMessageContaining("more than 1048576 triangles");
+    }
+
     @Test
     void aLongListOfNumbersIsReadInPieces() throws Exception {
         var corners = new StringBuilder();

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.control;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+
+import reve.core.world.ClassHierarchy;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemId;
+import reve.core.world.ItemSymbols;
+
+import java.lang.management.ManagementFactory;
+import java.lang.management.ThreadMXBean;
+import java.util.Collections;
+import java.util.List;
+import java.util.Map;
+import java.util.Random;
+
+/** A search compared with one that tries all places. */
+class ItemSearchTest {
+    private static final String LETTERS = "aAbBäÄßıI ";
+
+    private static ItemSymbols item(String name, Map<String, Object> symbols) {
+        ItemDefinition.Builder item = ItemDefinition.named(name);
+        symbols.forEach(item::symbol);
+        return new ItemSymbols(new ItemId(1), item.build(), ClassHierarchy.NONE);
+    }
+
+    private static String text(Random random, int most) {
+        StringBuilder text = new StringBuilder();
+        for (int i = random.nextInt(most + 1); i > 0; i--) {
+            text.append(LETTERS.charAt(random.nextInt(LETTERS.length())));
+        }
+        return text.toString();
+    }
+
+    private static boolean contains(String text, String wanted) {
+        for (int i = 0; i <= text.length() - wanted.length(); i++) {
+            if (text.regionMatches(true, i, wanted, 0, wanted.length())) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    @Test
+    void findsWhatIsInATextInLettersOfAnyCase() {
+        Random random = new Random(1);
+        int found = 0;
+        for (int i = 0; i < 20_000; i++) {
+            String value = text(random, 12);
+            String wanted = text(random, 4);
+            var search = new ItemSearch(List.of(item("z", Map.of("q", value))), wanted);
+            assertThat(search.step()).isFalse();
+            boolean expected =
+                    contains(value, wanted) || contains("q", wanted) || contains("body", wanted);
+            assertThat(search.result().get("count"))
+                    .as("'%s' in '%s'", wanted, value)
+                    .isEqualTo(expected || contains("z", wanted) ? 1 : 0);
+            found += expected ? 1 : 0;
+        }
+        assertThat(found).isBetween(1_000, 19_000);
+    }
+
+    /** All places of these texts begin like the wanted one. */
+    @Test
+    void itsTimeIsThatOfTheTextsLength() {
+        List<ItemSymbols> items =
+                List.of(item("z", Map.of("q", Collections.nCopies(64, "a".repeat(4096)))));
+        var search = new ItemSearch(items, "a".repeat(999) + "b");
+        ThreadMXBean threads = ManagementFactory.getThreadMXBean();
+        long start = threads.getCurrentThreadCpuTime();
+        search.step();
+        assertThat(threads.getCurrentThreadCpuTime() - start)
+                .as("processor time [ns]")
+                .isLessThan(200_000_000);
+        assertThat(search.result().get("count")).isEqualTo(0);
+    }
+
+    /** A search pauses after a number of characters, and not of items. */
+    @Test
+    void itPausesBetweenItemsWithLongTexts() {
+        ItemSymbols large = item("z", Map.of("q", Collections.nCopies(17, "a".repeat(4096))));
+        var search = new ItemSearch(Collections.nCopies(3, large), "b");
+        assertThat(search.step()).isTrue();
+        assertThat(search.step()).isTrue();
+        assertThat(search.step()).isFalse();
+    }
+}
