@@ -192,10 +192,10 @@ class Fields {
     const Turn turn;
     const size_t law = library_.law_of_field(field);
     const auto rows = static_cast<Py_ssize_t>(count * sizeof(double));
-    const Object positions = Checked(
-        PyMemoryView_FromMemory(reinterpret_cast<char*>(const_cast<double*>(at)), 3 * rows,
-                                PyBUF_READ),
-        VESPER_LAW_FAILED, library_.source());
+    const Object positions =
+        Checked(PyMemoryView_FromMemory(reinterpret_cast<char*>(const_cast<double*>(at)), 3 * rows,
+                                        PyBUF_READ),
+                VESPER_LAW_FAILED, library_.source());
     const Object values = Checked(
         PyMemoryView_FromMemory(reinterpret_cast<char*>(out),
                                 static_cast<Py_ssize_t>(Components(field)) * rows, PyBUF_WRITE),

@@ -26,8 +26,8 @@ public interface PreparedLibrary extends AutoCloseable {
     String PYTHON_ENDING = ".py";
 
     /**
-     * Beginnings of lines, of which every file with laws in Python contains one: before the function
-     * of a law, and before the function of a field. No law as text contains such a line.
+     * Beginnings of lines, of which every file with laws in Python contains one: before the
+     * function of a law, and before the function of a field. No law as text contains such a line.
      */
     List<String> PYTHON_SIGNS = List.of("@vesper.law", "@vesper.field");
 

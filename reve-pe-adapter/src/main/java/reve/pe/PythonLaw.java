@@ -15,8 +15,8 @@ public final class PythonLaw {
     private PythonLaw() {}
 
     /**
-     * Returns the name of the first law or field of a file. It serves as the name of a file whose path is
-     * unknown.
+     * Returns the name of the first law or field of a file. It serves as the name of a file whose
+     * path is unknown.
      */
     public static String nameOf(byte[] file) {
         Matcher first = FIRST.matcher(new String(file, StandardCharsets.UTF_8));

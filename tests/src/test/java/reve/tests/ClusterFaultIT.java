@@ -134,8 +134,7 @@ class ClusterFaultIT {
             victim.server().process().destroyForcibly().onExit().join();
             LockSupport.parkNanos(TimeUnit.SECONDS.toNanos(1)); // results may still be read
             Map<String, Long> published = new HashMap<>();
-            residents.forEach(
-                    each -> published.merge(each.world(), each.lastFrame(), Math::max));
+            residents.forEach(each -> published.merge(each.world(), each.lastFrame(), Math::max));
             Map<String, PostgresStore.World> after = awaitElsewhere(lost, before, began, seconds);
             for (String world : WORLDS) {
                 boolean isLost = lost.contains(world);
@@ -269,10 +268,7 @@ class ClusterFaultIT {
         String[] at = node.agents().split(":");
         residents.add(
                 new Resident(
-                        at[0],
-                        Integer.parseInt(at[1]),
-                        cluster.join("ada", "w1"),
-                        Resident.PAUSE));
+                        at[0], Integer.parseInt(at[1]), cluster.join("ada", "w1"), Resident.PAUSE));
         Resident.requireAtHome(residents);
         node.server().process().destroyForcibly().onExit().join();
         Server alone = cluster.alone(node.place(), "w1");

@@ -435,8 +435,7 @@ class PluginsIT {
                         "--plugins",
                         plugins.toString())) {
             JsonNode stalled =
-                    server.events()
-                            .await("stalled", event -> event.path("frame").asLong() == 3);
+                    server.events().await("stalled", event -> event.path("frame").asLong() == 3);
             assertThat(stalled.path("phase").asString()).isEqualTo("ACT");
             assertThat(stalled.path("activity").asString()).isEqualTo("listener test.slow");
             assertThat(stalled.path("stack").toString()).contains("plug.Slow");

@@ -111,8 +111,7 @@ final class Changes {
         changes.requireLevelAlone(effects);
         call.quota().require(call.world(), changes.created.size(), changes.removed);
         call.symbols()
-                .require(
-                        call.world(), call.quota().agent(), call.frame(), changes.symbolGrowth());
+                .require(call.world(), call.quota().agent(), call.frame(), changes.symbolGrowth());
         attempt("cannot-create", () -> call.world().requireAddable(changes.created));
         call.events().require(call.quota().agent(), call.frame(), changes.eventBytes);
         call.forces().require(call.quota().agent(), call.frame(), changes.forces);
@@ -131,10 +130,7 @@ final class Changes {
         all.forEach(Runnable::run);
         last.forEach(Runnable::run);
         call.symbols()
-                .take(
-                        call.quota().agent(),
-                        call.frame(),
-                        call.world().symbolBytes() - before);
+                .take(call.quota().agent(), call.frame(), call.world().symbolBytes() - before);
     }
 
     private Runnable prepare(Effect effect) throws ActionRefused {

@@ -111,8 +111,7 @@ final class ColladaPrimitive {
     private static List<ColladaElement> inputs(ColladaElement of) throws AssetException {
         List<ColladaElement> inputs = of.all("input");
         if (inputs.size() > MAX_INPUTS) {
-            throw of.refuse(
-                    "found " + inputs.size() + " inputs, expected at most " + MAX_INPUTS);
+            throw of.refuse("found " + inputs.size() + " inputs, expected at most " + MAX_INPUTS);
         }
         return inputs;
     }

@@ -70,11 +70,14 @@ class ClassesTest {
         World world = world("items: [{name: mug}, {name: stone}]\n");
         long none = world.symbolBytes();
         long growth = SymbolBytes.growth(item(world, "mug"), "class", "cup");
-        assertThat(growth).isGreaterThan("cup holds depth fragile liquid vessel container".length());
+        assertThat(growth)
+                .isGreaterThan("cup holds depth fragile liquid vessel container".length());
         item(world, "mug").semantic().set("class", "cup");
         assertThat(world.symbolBytes()).isEqualTo(none + growth);
         assertThat(SymbolBytes.growth(item(world, "stone"), "class", "cup")).isEqualTo(growth);
-        assertThat(SymbolBytes.of(world, ItemDefinition.named("new").symbol("class", "cup").build()))
+        assertThat(
+                        SymbolBytes.of(
+                                world, ItemDefinition.named("new").symbol("class", "cup").build()))
                 .isEqualTo(growth);
         item(world, "mug").semantic().set("class", "basket");
         assertThat(world.symbolBytes()).isBetween(none + 1, none + growth - 1);

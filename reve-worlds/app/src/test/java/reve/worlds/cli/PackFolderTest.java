@@ -52,8 +52,8 @@ class PackFolderTest {
     }
 
     /**
-     * A process has one folder for all packs, so that it needs one descriptor for its lock. It keeps
-     * the lock while it opens further packs.
+     * A process has one folder for all packs, so that it needs one descriptor for its lock. It
+     * keeps the lock while it opens further packs.
      */
     @Test
     void aProcessKeepsItsOwnFoldersAndTheirLocks() throws Exception {

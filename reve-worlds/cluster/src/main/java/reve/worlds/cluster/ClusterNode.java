@@ -467,8 +467,8 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
     /**
      * Stops the frames of the worlds of this node while it reaches neither the database nor all
      * other nodes. Another node may then run these worlds, and would lose what their clients did
-     * here. Also reports seeds that do not let the node join. Runs on a thread of its own, because a
-     * read from a database that is cut off takes long.
+     * here. Also reports seeds that do not let the node join. Runs on a thread of its own, because
+     * a read from a database that is cut off takes long.
      */
     private void watch() {
         boolean wasCutOff = false;

@@ -398,10 +398,10 @@ class LawPythonNativeTest {
                             .filter(line -> line.name().equals("well"))
                             .findFirst()
                             .orElseThrow();
-            assertThat(well.initialPotentialEnergy())
-                    .isCloseTo(0.5 * 0.3 * 50 * 50, within(1e-12));
+            assertThat(well.initialPotentialEnergy()).isCloseTo(0.5 * 0.3 * 50 * 50, within(1e-12));
             double time = frames * DT;
-            double energy = 0.5 * 0.3 * (oscillation(2, 0, 26, time) + oscillation(0.3, 50, 5, time));
+            double energy =
+                    0.5 * 0.3 * (oscillation(2, 0, 26, time) + oscillation(0.3, 50, 5, time));
             assertThat(well.potentialEnergy())
                     .as("closed form of two oscillators")
                     .isCloseTo(energy, within(1e-3 * energy));
@@ -417,8 +417,7 @@ class LawPythonNativeTest {
      * @param along initial place along x [m]
      * @param speedSquared square of the initial velocity [m^2/s^2]
      */
-    private static double oscillation(
-            double mass, double along, double speedSquared, double time) {
+    private static double oscillation(double mass, double along, double speedSquared, double time) {
         double frequency = Math.sqrt(0.3 / mass);
         double cosine = Math.cos(frequency * time);
         double sine = Math.sin(frequency * time) / frequency;
@@ -439,8 +438,7 @@ class LawPythonNativeTest {
                     position += 1; return 0      ¦ LAW_FAILED ¦ law well: well.py:16: ValueError: output array is read-only
                     return float('inf')          ¦ LAW_MISBEHAVED ¦ law well: its potential energy is inf
                     """)
-    void anEnergyThatFailsCostsItsLaw(String line, Status status, String message)
-            throws Exception {
+    void anEnergyThatFailsCostsItsLaw(String line, Status status, String message) throws Exception {
         write("well.py", WELL.replace("return 0.5 * stiffness * (position**2).sum()", line));
         try (Simulation simulation = simulate("[velocity_verlet, well]")) {
             simulation.physics().setLedger(true);

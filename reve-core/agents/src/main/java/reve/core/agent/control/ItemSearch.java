@@ -30,9 +30,9 @@ final class ItemSearch {
     private final char[] wanted;
 
     /**
-     * For each length of a beginning of the wanted text: the length of the longest shorter beginning
-     * with which it ends, as in the algorithm of Knuth, Morris and Pratt. The time of a search is
-     * therefore proportional to the length of the searched text.
+     * For each length of a beginning of the wanted text: the length of the longest shorter
+     * beginning with which it ends, as in the algorithm of Knuth, Morris and Pratt. The time of a
+     * search is therefore proportional to the length of the searched text.
      */
     private final int[] borders;
 
