@@ -30,8 +30,10 @@ final class Speech {
 
     /**
      * Number of evaluation steps that an utterance costs its speaker for each agent that hears it.
+     * The server encodes and sends an event for each of them. The number limits these events to
+     * some hundreds in a frame, so that agents of other worlds receive their perceptions.
      */
-    private static final int OF_HEARER = 40;
+    static final int OF_HEARER = 400;
 
     /**
      * Maximum number of bodies that the lines of sight of all hearers to one speaker may pass. The
