@@ -138,7 +138,8 @@ public final class PerceptionEncoder {
             super(
                     "a perception of this world has more than "
                             + (MOST_BYTES >> 20)
-                            + " MiB; shorten the symbols of its items, or perceive fewer items",
+                            + " MiB; shorten the symbols and actions of its items, or perceive"
+                            + " fewer items",
                     null,
                     false,
                     false);
