@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import numbers
 import os
 import subprocess
 import tempfile
@@ -154,10 +153,10 @@ def pack(
 
 
 def _text(value: Union[float, "os.PathLike[str]"]) -> str:
-    # NumPy's numbers have another repr.
-    if isinstance(value, numbers.Integral):
-        return str(int(value))
-    return repr(float(value)) if isinstance(value, numbers.Real) else os.fspath(value)
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    number = float(value)  # NumPy's numbers have another repr
+    return str(int(number)) if number.is_integer() else repr(number)
 
 
 def _event(line: str) -> Dict[str, Any]:
