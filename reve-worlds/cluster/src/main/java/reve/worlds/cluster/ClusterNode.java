@@ -356,17 +356,20 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
                         () -> {
                             while (!stops
                                     && !hosting.isStopped()
-                                    && !(hosting.isKept() && isReached())) {
+                                    && !(hosting.isKept() && readPlaces())) {
                                 LockSupport.parkNanos(HAND_OVER_NANOSECONDS);
                             }
                             hosting.handOver();
                         });
     }
 
-    /** Returns whether the database answers now. */
-    private boolean isReached() {
+    /**
+     * Reads the orders about the places of worlds, so that the agents of a world are sent to the
+     * node that was ordered just now. Returns false if the database does not answer.
+     */
+    private boolean readPlaces() {
         try {
-            catalog.worlds();
+            places = catalog.places();
             return true;
         } catch (IOException away) {
             return false;
