@@ -182,7 +182,7 @@ class ItemQuotaTest {
         int posted = 0;
         int agents = 0;
         for (int own = 21; own == 21; agents++) { // until the room of all agents is used up
-            try (TestClient each = room.join("agent " + agents)) {
+            try (TestClient each = room.join("agent-" + agents)) {
                 for (own = 0; act(each, "board " + posted, "post", text(text)).isEmpty(); own++) {
                     posted++;
                 }
