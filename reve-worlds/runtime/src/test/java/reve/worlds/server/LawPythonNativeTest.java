@@ -607,11 +607,11 @@ class LawPythonNativeTest {
             quoteCharacter = '`',
             textBlock =
                     """
-                    raise ValueError('calm')       ¦ wind.py:10: ValueError: calm at (0, 1, 0) m, where law twin reads it
+                    raise ValueError('calm')       ¦ wind.py:9: ValueError: calm at (0, 1, 0) m, where law twin reads it
                     return numpy.log(-place)       ¦ wind.py: field wind has no finite value at (0, 1, 0) m, where law twin reads it
                     return place[:, 1]             ¦ wind returned the shape (1,) for 1 positions, expected (1, 3) at (0, 1, 0) m
                     return 3.0                     ¦ wind returned the shape () for 1 positions, expected (1, 3)
-                    place[0] = 1                   ¦ wind.py:10: ValueError: assignment destination is read-only
+                    place[0] = 1                   ¦ wind.py:9: ValueError: assignment destination is read-only
                     """)
     void aFieldThatFailsIsTheFaultOfItsFile(String line, String message) throws Exception {
         String wrong =
@@ -641,7 +641,7 @@ class LawPythonNativeTest {
                     @vesper.field("K")        ¦ @vesper.field               ¦ found @vesper.field without brackets
                     def warmth(place)         ¦ def warm(place)             ¦ wind.py:13: the world has no field 'warm'; did you mean warmth?
                     def warmth(place)         ¦ def warmth()                ¦ wind.py:13: the first argument of the field warmth are the positions
-                    def warmth(place)         ¦ def warmth(place, dt)       ¦ wind.py:14: a field depends on positions, time and parameters; dt is none of them
+                    def warmth(place)         ¦ def warmth(place, dt)       ¦ wind.py:13: a field depends on positions, time and parameters; dt is none of them
                     """)
     void aMistakeInAFieldIsRefused(String text, String wrong, String message) throws Exception {
         assertThatThrownBy(
