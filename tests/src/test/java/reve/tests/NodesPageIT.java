@@ -115,7 +115,7 @@ class NodesPageIT {
         return AgentClient.connect(
                 "127.0.0.1",
                 node.agents(),
-                Join.as("watcher of " + world)
+                Join.as("watcher-of-" + world)
                         .withRole("observer")
                         .withWorld(world)
                         .withPatience(Duration.ofSeconds(60)));
