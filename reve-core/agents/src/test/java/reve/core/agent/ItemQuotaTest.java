@@ -53,6 +53,9 @@ class ItemQuotaTest {
 
     private static final int BOARDS = 400;
 
+    /** Long texts cost more steps than a frame has for one of many agents. */
+    private static final int FRAMES_OF_POST = 8;
+
     private AgentRoom room;
     private int id;
 
@@ -119,7 +122,10 @@ class ItemQuotaTest {
                         "{'t':'act','id':%d,'item':'%s','action':'%s','arguments':{%s}}"
                                 .formatted(++id, item, action, arguments))
                 .sync();
-        room.step();
+        int frames = action.equals("post") ? FRAMES_OF_POST : 1;
+        for (int i = 0; i < frames; i++) {
+            room.step();
+        }
         JsonNode result = client.skipTo("result");
         return result.path("code").asString("");
     }
@@ -227,7 +233,9 @@ class ItemQuotaTest {
                             "{'t':'act','id':999,'item':'board 22','action':'post','arguments':{%s}}"
                                     .formatted(text(text)))
                     .sync();
-            room.step();
+            for (int i = 0; i < FRAMES_OF_POST; i++) {
+                room.step();
+            }
             JsonNode refused = ada.skipTo("result");
             assertThat(refused.path("code").asString()).isEqualTo("symbols-too-large");
             assertThat(refused.path("reason").asString())
