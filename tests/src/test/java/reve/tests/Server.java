@@ -124,6 +124,14 @@ record Server(Process process, Events events) implements AutoCloseable {
         return new Server(process, new Events(process, errors));
     }
 
+    /** Returns whether an event reports a fault, other than that a busy machine writes slowly. */
+    static boolean isFault(JsonNode event) {
+        String message = event.path("message").asString("");
+        return event.path("event").asString("").equals("fault")
+                && !message.startsWith("the disk is slow: ")
+                && !message.startsWith("the disk is too slow: ");
+    }
+
     /** Returns the port for agents. */
     String port() throws IOException {
         return events.await("ready", ready -> true).get("agentPort").asString();
