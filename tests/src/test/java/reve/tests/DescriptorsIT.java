@@ -54,8 +54,7 @@ class DescriptorsIT {
                 ada.perceive();
             }
             server.process().toHandle().destroy();
-            assertThat(server.events().untilEnd())
-                    .noneMatch(Server::isFault);
+            assertThat(server.events().untilEnd()).noneMatch(Server::isFault);
             assertThat(server.exitCode()).isZero();
         } finally {
             for (Socket socket : sockets) {

@@ -132,8 +132,7 @@ class ShadowIT {
             assertThat(boss.report("laws", Map.of()).content().get("loaded").toString())
                     .contains("wind");
             server.process().toHandle().destroy();
-            assertThat(server.events().untilEnd())
-                    .noneMatch(Server::isFault);
+            assertThat(server.events().untilEnd()).noneMatch(Server::isFault);
         }
     }
 

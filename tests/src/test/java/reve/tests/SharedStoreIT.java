@@ -369,8 +369,7 @@ class SharedStoreIT {
                             ", process " + first.process().pid() + " (epoch 1)");
             first.process().toHandle().destroy();
             assertThat(first.exitCode()).isZero();
-            assertThat(first.events().untilEnd())
-                    .noneMatch(Server::isFault);
+            assertThat(first.events().untilEnd()).noneMatch(Server::isFault);
         }
     }
 
