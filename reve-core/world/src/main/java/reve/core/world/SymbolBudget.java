@@ -27,6 +27,10 @@ public final class SymbolBudget {
     private final int framesPerSecond;
     private final Map<String, Taken> byAgent = new HashMap<>();
 
+    /**
+     * @param bytes room that is taken
+     * @param frame frame from which the next second counts
+     */
     private record Taken(long bytes, long frame) {}
 
     /**
@@ -49,7 +53,7 @@ public final class SymbolBudget {
             return;
         }
         SymbolBytes.require(world, growth, OF_ALL, "symbols-too-large");
-        long taken = taken(agent, frame);
+        long taken = taken(agent, frame).bytes;
         if (taken + growth > OF_AGENT) {
             throw new ActionRefused(
                     "symbols-too-large",
@@ -74,17 +78,20 @@ public final class SymbolBudget {
             return;
         }
         if (byAgent.size() > MANY) {
-            byAgent.keySet().removeIf(each -> taken(each, frame) == 0);
+            byAgent.keySet().removeIf(each -> taken(each, frame).bytes == 0);
         }
-        byAgent.put(agent, new Taken(Math.max(0, taken(agent, frame) + growth), frame));
+        Taken taken = taken(agent, frame);
+        byAgent.put(agent, new Taken(Math.max(0, taken.bytes + growth), taken.frame));
     }
 
-    private long taken(String agent, long frame) {
+    private Taken taken(String agent, long frame) {
         Taken taken = byAgent.get(agent);
         if (taken == null) {
-            return 0;
+            return new Taken(0, frame);
         }
         long seconds = Math.max(0, frame - taken.frame) / framesPerSecond;
-        return Math.max(0, taken.bytes - PER_SECOND * seconds);
+        return new Taken(
+                Math.max(0, taken.bytes - PER_SECOND * seconds),
+                taken.frame + seconds * framesPerSecond);
     }
 }

@@ -62,6 +62,16 @@ class SymbolBudgetTest {
         take("ada", 5 + FRAMES_PER_SECOND + all, MOST);
     }
 
+    @Test
+    void anAgentThatActsInEachFrameGetsItsRoomBackToo() throws Exception {
+        take("ada", 0, MOST / 2);
+        for (int frame = 1; frame <= 100 * FRAMES_PER_SECOND; frame++) {
+            take("ada", frame, 1);
+        }
+        long taken = MOST / 2 + 100 * FRAMES_PER_SECOND - 100 * SymbolBudget.PER_SECOND;
+        assertRefused("ada", 100 * FRAMES_PER_SECOND, MOST, "have taken " + taken + " of");
+    }
+
     /** Agents without tokens have any number of names. */
     @Test
     void manyNamesAreForgottenWhenTheyHaveTheirRoomAgain() throws Exception {
