@@ -60,8 +60,7 @@ class CameraIT {
     }
 
     private static AgentClient join(Server server, Encoding encoding) throws Exception {
-        return AgentClient.connect(
-                "127.0.0.1",
+        return Agents.join(
                 Integer.parseInt(server.port()),
                 Join.as("ada")
                         .withEncoding(encoding)
@@ -109,8 +108,7 @@ class CameraIT {
         try (Server server = serve();
                 AgentClient ada = join(server, encoding);
                 AgentClient boss =
-                        AgentClient.connect(
-                                "127.0.0.1",
+                        Agents.join(
                                 Integer.parseInt(server.port()),
                                 Join.as("boss").withRole("control"))) {
             assertThat(boss.command("rewind", Map.of()).accepted()).isTrue();
@@ -171,8 +169,7 @@ class CameraIT {
         try (Server server =
                         Server.start(folder, "serve", still.toString(), "--port", "0", "--json");
                 AgentClient ada =
-                        AgentClient.connect(
-                                "127.0.0.1",
+                        Agents.join(
                                 Integer.parseInt(server.port()),
                                 Join.as("ada").withEncoding(Encoding.MESSAGEPACK))) {
             Image image = ada.look("eye");

@@ -49,8 +49,7 @@ class ClassesIT {
 
     private static AgentClient join(Server server, String name, Encoding encoding)
             throws Exception {
-        return AgentClient.connect(
-                "127.0.0.1",
+        return Agents.join(
                 Integer.parseInt(server.port()),
                 Join.as(name)
                         .withBody(name)

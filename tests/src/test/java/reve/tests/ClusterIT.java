@@ -375,13 +375,10 @@ class ClusterIT {
     private AgentClient resident(Node node, String world) throws IOException {
         String[] at = node.agents().split(":");
         AgentClient resident =
-                AgentClient.connect(
+                Agents.join(
                         at[0],
                         Integer.parseInt(at[1]),
-                        Join.as("resident")
-                                .withWorld(world)
-                                .withGrace(Duration.ofSeconds(60))
-                                .withPatience(Duration.ofSeconds(60)));
+                        Join.as("resident").withWorld(world).withGrace(Duration.ofSeconds(60)));
         requireAtHome(resident);
         return resident;
     }
@@ -445,7 +442,7 @@ class ClusterIT {
 
     private static AgentClient watch(Node node, String world) throws IOException {
         String[] at = node.agents().split(":");
-        return AgentClient.connect(
+        return Agents.join(
                 at[0],
                 Integer.parseInt(at[1]),
                 Join.as("watcher").withRole("observer").withWorld(world));
@@ -542,8 +539,7 @@ class ClusterIT {
         String acted = WORLDS.getFirst();
         String[] at = stays.agents().split(":");
         try (AgentClient agent =
-                AgentClient.connect(
-                        at[0], Integer.parseInt(at[1]), Join.as("ada").withWorld(acted))) {
+                Agents.join(at[0], Integer.parseInt(at[1]), Join.as("ada").withWorld(acted))) {
             assertThat(agent.act("red", "paint", Map.of("colour", "#00ff00")).accepted()).isTrue();
         }
         stays.server().process().toHandle().destroy();

@@ -21,7 +21,6 @@ import tools.jackson.databind.json.JsonMapper;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
-import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
@@ -122,10 +121,7 @@ class ClusterSleepIT {
     }
 
     private static AgentClient join(Node node, Join join, String world) throws IOException {
-        return AgentClient.connect(
-                "127.0.0.1",
-                node.agents(),
-                join.withWorld(world).withPatience(Duration.ofSeconds(60)));
+        return Agents.join(node.agents(), join.withWorld(world));
     }
 
     private static AgentClient watch(Node node, String world) throws IOException {

@@ -388,7 +388,7 @@ class ControlIT {
     void theBodyOfAnAgentIsNotRemoved() throws Exception {
         serve(
                 boss -> {
-                    try (AgentClient ada = AgentClient.connect("127.0.0.1", port, "ada")) {
+                    try (AgentClient ada = Agents.join(port, "ada")) {
                         ActResult refused = boss.command("remove", Map.of("item", "ada"));
                         assertThat(refused.code()).contains("cannot-remove");
                         assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 3))))
@@ -446,7 +446,7 @@ class ControlIT {
     void aSavedWorldGoesOnAsThisOneAndHasNoBodiesThatWereMadeForAgents() throws Exception {
         serve(
                 boss -> {
-                    try (AgentClient ada = AgentClient.connect("127.0.0.1", port, "ada")) {
+                    try (AgentClient ada = Agents.join(port, "ada")) {
                         assertThat(
                                         ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 3)))
                                                 .accepted())
@@ -500,7 +500,7 @@ class ControlIT {
         after(boss, 7);
         accepted(boss, "snapshot", Map.of("image", "early"));
         accepted(boss, "run", Map.of());
-        try (AgentClient ada = AgentClient.connect("127.0.0.1", port, "ada")) {
+        try (AgentClient ada = Agents.join(port, "ada")) {
             for (int i = 0; i < 3; i++) {
                 assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, i))).accepted())
                         .isTrue();
@@ -553,10 +553,7 @@ class ControlIT {
                     CompletableFuture.runAsync(
                             () -> {
                                 try (AgentClient boss =
-                                        AgentClient.connect(
-                                                "127.0.0.1",
-                                                port,
-                                                Join.as("boss").withRole("control"))) {
+                                        Agents.join(port, Join.as("boss").withRole("control"))) {
                                     boss.perceiveEvery(1);
                                     script.run(boss);
                                     boss.command("pause", Map.of());

@@ -115,7 +115,7 @@ class DescriptorsIT {
     }
 
     private static AgentClient join(Server server, String name) throws Exception {
-        return AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), Join.as(name));
+        return Agents.join(Integer.parseInt(server.port()), Join.as(name));
     }
 
     /** Joins as soon as the server has noticed that the connections before this one are closed. */

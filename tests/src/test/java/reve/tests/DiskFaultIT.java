@@ -308,7 +308,7 @@ class DiskFaultIT {
                 Server.start(
                         folder, "serve", WORLD, "--port", "0", "--json", "--audit", "/dev/full")) {
             int port = Integer.parseInt(server.port());
-            try (AgentClient ada = AgentClient.connect("127.0.0.1", port, Join.as("ada"))) {
+            try (AgentClient ada = Agents.join(port, Join.as("ada"))) {
                 assertThat(ada.perceive().items()).isNotEmpty();
             }
             JsonNode fault = server.events().await("fault", event -> true);

@@ -3,6 +3,7 @@ package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import org.jspecify.annotations.Nullable;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
@@ -13,6 +14,7 @@ import reve.agent.AgentClient;
 
 import tools.jackson.databind.JsonNode;
 
+import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
@@ -20,7 +22,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.concurrent.TimeUnit;
-import java.util.concurrent.atomic.AtomicLong;
 import java.util.stream.Stream;
 
 /** Servers whose laws harm the process that they run in (reve-pe-adapter/src/test/native). */
@@ -60,18 +61,35 @@ class EngineProcessIT {
     private static final int AGENTS = 100;
 
     /** An agent that perceives each frame on a thread of its own, until the connection ends. */
-    private static Thread perceiving(AgentClient agent, AtomicLong frame) {
-        return Thread.ofVirtual()
-                .start(
-                        () -> {
-                            try {
-                                while (true) {
-                                    frame.set(agent.perceive().frame());
-                                }
-                            } catch (RuntimeException closed) {
-                                // the test compares the last frame with that of the server
-                            }
-                        });
+    private static final class Watcher {
+        private final AgentClient client;
+        private volatile long frame;
+        private volatile @Nullable RuntimeException failure;
+
+        Watcher(int port, String name) throws IOException {
+            client = Agents.join(port, name);
+            Thread.ofVirtual().start(this::perceive);
+        }
+
+        private void perceive() {
+            try {
+                while (true) {
+                    frame = client.perceive().frame();
+                }
+            } catch (RuntimeException e) {
+                failure = e;
+            }
+        }
+
+        void awaitFrame(long wanted) throws InterruptedException {
+            while (frame < wanted) {
+                RuntimeException lost = failure;
+                if (lost != null) {
+                    throw new AssertionError("an agent perceived nothing after " + frame, lost);
+                }
+                Thread.sleep(5);
+            }
+        }
     }
 
     /**
@@ -92,15 +110,12 @@ class EngineProcessIT {
         kinds.put("_exit_in_destroy", "LIBRARY_LOAD_FAILED");
         JsonNode end;
         try (Server server = world.serve()) {
-            List<AgentClient> others = new ArrayList<>();
-            List<AtomicLong> frames = new ArrayList<>();
+            List<Watcher> watchers = new ArrayList<>();
             int port = Integer.parseInt(server.port());
             for (int i = 0; i < AGENTS; i++) {
-                others.add(AgentClient.connect("127.0.0.1", port, "agent" + i));
-                frames.add(new AtomicLong());
-                perceiving(others.get(i), frames.get(i));
+                watchers.add(new Watcher(port, "agent" + i));
             }
-            try (AgentClient agent = AgentClient.connect("127.0.0.1", port, "ada")) {
+            try (AgentClient agent = Agents.join(port, "ada")) {
                 while (agent.perceive().frame() <= StoneWorld.HARMLESS_STEPS) {}
                 for (Map.Entry<String, String> kind : kinds.entrySet()) {
                     Path file = drop(kind.getKey());
@@ -119,14 +134,12 @@ class EngineProcessIT {
                     Files.delete(file);
                 }
                 long now = agent.perceive().frame();
-                for (AtomicLong frame : frames) {
-                    while (frame.get() < now) { // all agents are still connected
-                        Thread.sleep(5);
-                    }
+                for (Watcher watcher : watchers) {
+                    watcher.awaitFrame(now); // all agents are still connected
                 }
             }
-            for (AgentClient other : others) {
-                other.close();
+            for (Watcher watcher : watchers) {
+                watcher.client.close();
             }
             for (int i = 0; i < AGENTS; i++) { // the bodies are items of the world
                 String name = "\"agent" + i + "\"";

@@ -162,9 +162,7 @@ class ExportIT {
                         store.toString(),
                         "--store-every",
                         "1000")) {
-            try (AgentClient ada =
-                    AgentClient.connect(
-                            "127.0.0.1", Integer.parseInt(server.port()), Join.as("ada"))) {
+            try (AgentClient ada = Agents.join(Integer.parseInt(server.port()), Join.as("ada"))) {
                 ada.perceive();
             }
             server.events().await("left", any -> true);

@@ -32,7 +32,7 @@ class InstrumentsIT {
     }
 
     private static AgentClient join(Server server, Join join) throws Exception {
-        return AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), join);
+        return Agents.join(Integer.parseInt(server.port()), join);
     }
 
     private static Join inLockStep(Encoding encoding) {

@@ -86,7 +86,7 @@ class ItemFloodIT {
     }
 
     private static AgentClient join(Server server, String name) throws IOException {
-        return AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), name);
+        return Agents.join(Integer.parseInt(server.port()), name);
     }
 
     private static int madeAgain(Path log) throws IOException {

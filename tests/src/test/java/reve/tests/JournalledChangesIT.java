@@ -357,10 +357,7 @@ class JournalledChangesIT {
 
     private static AgentClient control(Server server) throws Exception {
         AgentClient boss =
-                AgentClient.connect(
-                        "127.0.0.1",
-                        Integer.parseInt(server.port()),
-                        Join.as("boss").withRole("control"));
+                Agents.join(Integer.parseInt(server.port()), Join.as("boss").withRole("control"));
         server.events().await("ready", any -> true);
         return boss;
     }

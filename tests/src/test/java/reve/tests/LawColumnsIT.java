@@ -257,8 +257,7 @@ class LawColumnsIT {
     }
 
     private static AgentClient client(Server server) throws Exception {
-        return AgentClient.connect(
-                "127.0.0.1", Integer.parseInt(server.port()), Join.as("boss").withRole("control"));
+        return Agents.join(Integer.parseInt(server.port()), Join.as("boss").withRole("control"));
     }
 
     private static Map<String, Object> inspect(AgentClient boss, String item) {

@@ -27,8 +27,7 @@ class NativeLawsOverTcpIT {
     @TempDir private Path folder;
 
     private static AgentClient boss(Server server) throws Exception {
-        return AgentClient.connect(
-                "127.0.0.1", Integer.parseInt(server.port()), Join.as("boss").withRole("control"));
+        return Agents.join(Integer.parseInt(server.port()), Join.as("boss").withRole("control"));
     }
 
     private static void awaitLoaded(Server server, int seen) throws Exception {

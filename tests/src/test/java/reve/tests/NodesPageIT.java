@@ -18,7 +18,6 @@ import java.io.IOException;
 import java.net.URI;
 import java.nio.file.Files;
 import java.nio.file.Path;
-import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 
@@ -112,13 +111,9 @@ class NodesPageIT {
     }
 
     private static AgentClient watcher(Node node, String world) throws IOException {
-        return AgentClient.connect(
-                "127.0.0.1",
+        return Agents.join(
                 node.agents(),
-                Join.as("watcher-of-" + world)
-                        .withRole("observer")
-                        .withWorld(world)
-                        .withPatience(Duration.ofSeconds(60)));
+                Join.as("watcher-of-" + world).withRole("observer").withWorld(world));
     }
 
     private static String logged(String text) {

@@ -107,7 +107,7 @@ class OutputIT {
             int port = Integer.parseInt(server.port());
             server.process().getInputStream().close();
             for (int i = 0; i < 2; i++) {
-                try (AgentClient ada = AgentClient.connect("127.0.0.1", port, Join.as("ada"))) {
+                try (AgentClient ada = Agents.join(port, Join.as("ada"))) {
                     assertThat(ada.perceive().items()).isNotEmpty();
                 }
             }

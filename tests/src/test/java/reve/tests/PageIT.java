@@ -484,9 +484,7 @@ class PageIT {
                                 "--json",
                                 "--audit",
                                 folder.resolve("audit.jsonl").toString());
-                AgentClient dan =
-                        AgentClient.connect(
-                                "127.0.0.1", Integer.parseInt(server.port()), Join.as("dan"))) {
+                AgentClient dan = Agents.join(Integer.parseInt(server.port()), Join.as("dan"))) {
             assertThat(dan.welcome().cameras()).containsExactly("eye");
             open(server);
             browser.await(OPEN);

@@ -346,8 +346,7 @@ class PluginsIT {
             fault(server, "listener test.failing", "plug.Failing", "no more; it is not called");
             fault(server, "rule half", "plug.Half", "not b; b has no half");
             fault(server, "sensor test.odd", "plug.Odd", "it measured NaN, expected finite");
-            try (AgentClient agent =
-                    AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
+            try (AgentClient agent = Agents.join(Integer.parseInt(server.port()), "ada")) {
                 ActResult result = agent.act("a", "fall", Map.of());
                 assertThat(result.code()).contains("action-failed");
                 JsonNode fell = fault(server, "action test.fall", "plug.Fall", "fell; the act was");

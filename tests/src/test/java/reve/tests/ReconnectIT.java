@@ -102,7 +102,7 @@ class ReconnectIT {
     }
 
     private static AgentClient join(int port, Join join) throws IOException {
-        return AgentClient.connect("127.0.0.1", port, join);
+        return Agents.join(port, join);
     }
 
     private static List<Long> numbers(List<WorldEvent> events) {

@@ -52,8 +52,7 @@ class RecordingFilesIT {
 
     /** Changes the world, so that a recording contains more than its image. */
     private static void join(Server server) throws Exception {
-        try (AgentClient ada =
-                AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), Join.as("ada"))) {
+        try (AgentClient ada = Agents.join(Integer.parseInt(server.port()), Join.as("ada"))) {
             ada.perceive();
         }
     }

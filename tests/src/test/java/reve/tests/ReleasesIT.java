@@ -128,8 +128,7 @@ class ReleasesIT {
             String second = current();
             assertThat(second).isNotEqualTo(first);
             assertThat(releases()).containsExactlyInAnyOrder(first, second);
-            try (AgentClient agent =
-                    AgentClient.connect("127.0.0.1", Integer.parseInt(port), "ada")) {
+            try (AgentClient agent = Agents.join(Integer.parseInt(port), "ada")) {
                 assertThat(agent.perceive().items()).isNotEmpty();
             }
 

@@ -161,8 +161,7 @@ class RunningWorldsIT {
                                 "--snapshots",
                                 folder.toString());
                 AgentClient boss =
-                        AgentClient.connect(
-                                "127.0.0.1",
+                        Agents.join(
                                 Integer.parseInt(server.port()),
                                 Join.as("boss").withRole("control"))) {
             server.events().await("fault", fault -> true);

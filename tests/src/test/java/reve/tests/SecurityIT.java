@@ -90,7 +90,7 @@ class SecurityIT {
                 ada.withTls(Trust.file(trusted)).withToken(read("ada.token")).withRole("control"),
                 "not-permitted");
         try (AgentClient client =
-                AgentClient.connect(
+                Agents.join(
                         "localhost",
                         port,
                         ada.withTls(Trust.file(trusted)).withToken(read("ada.token")))) {
@@ -110,7 +110,7 @@ class SecurityIT {
 
     private static void refused(int port, Join join, String code) {
         assertThatExceptionOfType(DisconnectedException.class)
-                .isThrownBy(() -> AgentClient.connect("localhost", port, join).close())
+                .isThrownBy(() -> Agents.join("localhost", port, join).close())
                 .satisfies(e -> assertThat(e.code()).isEqualTo(code));
     }
 

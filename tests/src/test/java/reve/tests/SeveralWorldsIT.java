@@ -191,7 +191,7 @@ class SeveralWorldsIT {
     }
 
     private static AgentClient join(int port, String world) throws Exception {
-        return AgentClient.connect("127.0.0.1", port, Join.as("someone").withWorld(world));
+        return Agents.join(port, Join.as("someone").withWorld(world));
     }
 
     private static void assertFramesAreMade(AgentClient agent) {

@@ -61,8 +61,7 @@ class ShadowIT {
     void aVersionThatHarmsItsProcessNeverReachesTheWorld() throws Exception {
         Path log = folder.resolve("run.log");
         try (Server server = world.serve("--record", log.toString())) {
-            try (AgentClient agent =
-                    AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
+            try (AgentClient agent = Agents.join(Integer.parseInt(server.port()), "ada")) {
                 drop("wind");
                 server.events()
                         .await(
@@ -125,8 +124,7 @@ class ShadowIT {
         }
         try (Server server = world.serve("--store", store);
                 AgentClient boss =
-                        AgentClient.connect(
-                                "127.0.0.1",
+                        Agents.join(
                                 Integer.parseInt(server.port()),
                                 Join.as("boss").withRole("control"))) {
             assertThat(boss.report("laws", Map.of()).content().get("loaded").toString())
@@ -141,8 +139,7 @@ class ShadowIT {
         String text = "law push\n  each body: force += %s N (1, 0, 0)\n";
         try (Server server = world.serve("--shadow-seconds", "3");
                 AgentClient boss =
-                        AgentClient.connect(
-                                "127.0.0.1",
+                        Agents.join(
                                 Integer.parseInt(server.port()),
                                 Join.as("boss").withRole("control"))) {
             Map<String, Object> first = Map.of("library", "push.law", "text", text.formatted("1"));
@@ -193,10 +190,8 @@ class ShadowIT {
                         "--record",
                         log.toString())) {
             try (AgentClient boss =
-                    AgentClient.connect(
-                            "127.0.0.1",
-                            Integer.parseInt(server.port()),
-                            Join.as("boss").withRole("control"))) {
+                    Agents.join(
+                            Integer.parseInt(server.port()), Join.as("boss").withRole("control"))) {
                 server.events()
                         .await(
                                 "law-loaded",

@@ -106,8 +106,7 @@ class SharedStoreIT {
     private static long act(JsonNode ready, Random random) throws IOException {
         long announced = ready.path("frame").asLong();
         long end = System.nanoTime() + TimeUnit.MILLISECONDS.toNanos(300 + random.nextInt(900));
-        try (AgentClient agent =
-                AgentClient.connect("127.0.0.1", ready.path("agentPort").asInt(), "ada")) {
+        try (AgentClient agent = Agents.join(ready.path("agentPort").asInt(), "ada")) {
             do {
                 String colour = String.format("#%06x", random.nextInt(1 << 24));
                 announced =

@@ -77,9 +77,7 @@ class StandstillIT {
         return Thread.ofVirtual()
                 .start(
                         () -> {
-                            try (AgentClient agent =
-                                    AgentClient.connect(
-                                            "127.0.0.1", Integer.parseInt(port), "ada")) {
+                            try (AgentClient agent = Agents.join(Integer.parseInt(port), "ada")) {
                                 agent.act("stone", action, Map.of());
                             } catch (AgentException | IOException gone) {
                                 // the server ended meanwhile

@@ -179,8 +179,7 @@ class StoreIT {
             JsonNode ready = server.events().await("ready", event -> true);
             String port = ready.path("agentPort").asString();
             Process python = curious(port);
-            try (AgentClient agent =
-                    AgentClient.connect("127.0.0.1", Integer.parseInt(port), "ada")) {
+            try (AgentClient agent = Agents.join(Integer.parseInt(port), "ada")) {
                 Random random = new Random(SEED);
                 for (int i = 0; i < 100; i++) {
                     act(agent, random);
@@ -217,8 +216,7 @@ class StoreIT {
         builder.environment().put("JDK_JAVA_OPTIONS", "-Djava.io.tmpdir=" + temporary);
         Process process = builder.start();
         try (Server server = new Server(process, new Server.Events(process, errors))) {
-            try (AgentClient agent =
-                    AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
+            try (AgentClient agent = Agents.join(Integer.parseInt(server.port()), "ada")) {
                 act(agent, new Random(SEED));
             }
             server.process().destroyForcibly().onExit().join();
@@ -439,8 +437,7 @@ class StoreIT {
                                 "--json",
                                 "--store",
                                 store.toString());
-                AgentClient agent =
-                        AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
+                AgentClient agent = Agents.join(Integer.parseInt(server.port()), "ada")) {
             for (int i = 0; i < 10; i++) {
                 act(agent, new Random(SEED + i));
             }
@@ -499,7 +496,7 @@ class StoreIT {
         var announced = new AtomicLong(ready.path("frame").asLong());
         int port = ready.path("agentPort").asInt();
         Thread watcher = Thread.ofVirtual().start(() -> watch(port, announced));
-        try (AgentClient agent = AgentClient.connect("127.0.0.1", port, "ada")) {
+        try (AgentClient agent = Agents.join(port, "ada")) {
             while (System.nanoTime() < moment) {
                 act(agent, random)
                         .frame()
@@ -529,8 +526,7 @@ class StoreIT {
         var perceived = new AtomicLong(ready.path("frame").asLong());
         int port = ready.path("agentPort").asInt();
         Thread watcher = Thread.ofVirtual().start(() -> watch(port, perceived));
-        try (AgentClient boss =
-                AgentClient.connect("127.0.0.1", port, Join.as("boss").withRole("control"))) {
+        try (AgentClient boss = Agents.join(port, Join.as("boss").withRole("control"))) {
             long back = 0;
             for (int left = 10 + random.nextInt(10); left > 0; left--) {
                 boss.command(
@@ -557,7 +553,7 @@ class StoreIT {
 
     /** Keeps the newest perceived frame until the server ends. */
     private static void watch(int port, AtomicLong newest) {
-        try (AgentClient agent = AgentClient.connect("127.0.0.1", port, "eve")) {
+        try (AgentClient agent = Agents.join(port, "eve")) {
             agent.perceiveEvery(1);
             while (true) {
                 long frame = agent.nextPerception().frame();

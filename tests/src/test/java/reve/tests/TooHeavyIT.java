@@ -65,8 +65,7 @@ class TooHeavyIT {
     private static AgentClient join(Server server, String name, boolean relations)
             throws Exception {
         LockStep pace = LockStep.every(1).withDeadline(Duration.ofSeconds(10));
-        return AgentClient.connect(
-                "127.0.0.1",
+        return Agents.join(
                 Integer.parseInt(server.port()),
                 Join.as(name)
                         .withBody(name)

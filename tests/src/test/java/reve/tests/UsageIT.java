@@ -349,10 +349,8 @@ class UsageIT {
                         "--saves",
                         saves.toString())) {
             try (AgentClient boss =
-                    AgentClient.connect(
-                            "127.0.0.1",
-                            Integer.parseInt(server.port()),
-                            Join.as("boss").withRole("control"))) {
+                    Agents.join(
+                            Integer.parseInt(server.port()), Join.as("boss").withRole("control"))) {
                 Files.delete(saves);
                 ActResult save = boss.command("save", Map.of("file", "later"));
                 assertThat(save.code()).contains("save-refused");

@@ -67,8 +67,7 @@ class WrongTextsIT {
     }
 
     private static AgentClient boss(Server server, String world) throws Exception {
-        return AgentClient.connect(
-                "127.0.0.1",
+        return Agents.join(
                 Integer.parseInt(server.port()),
                 Join.as("boss").withRole("control").withWorld(world));
     }
