@@ -55,8 +55,8 @@ final class CarriedSessions {
 
     /**
      * Returns the sessions that continue. If the previous server ended regularly, these are the
-     * sessions that it has handed over. If it was lost, they are the sessions of its last frame.
-     * Sessions that cannot be read are lost, and reported.
+     * sessions that it has handed over. If it was lost, or what it handed over cannot be read, they
+     * are the sessions of its last frame. What cannot be read is reported.
      *
      * @param epoch the epoch of the server that continues the world
      * @param areNoted whether the database has notes about sessions
@@ -69,20 +69,24 @@ final class CarriedSessions {
             boolean areNoted,
             Consumer<String> problems)
             throws SQLException {
+        List<CarriedSession> handedOver = List.of();
         try {
-            List<CarriedSession> handedOver = take(connection, world, epoch - 1, frame);
-            return handedOver.isEmpty() && areNoted
-                    ? NotedSessions.read(connection, world, frame, problems)
-                    : handedOver;
+            handedOver = take(connection, world, epoch - 1, frame);
         } catch (JacksonException | IllegalArgumentException otherForm) {
             problems.accept(
-                    "the sessions of agents at frame "
+                    "the sessions that the previous server handed over at frame "
                             + frame
-                            + " are damaged, or were written by another version: "
+                            + " are damaged, or were written by another version ("
                             + NotedSessions.reason(otherForm)
-                            + "; the world continues without them, and its agents join again");
-            return List.of();
+                            + "); "
+                            + (areNoted
+                                    ? "they continue without the events that were not sent yet"
+                                    : "the world continues without them, and its agents join"
+                                            + " again"));
         }
+        return handedOver.isEmpty() && areNoted
+                ? NotedSessions.read(connection, world, frame, problems)
+                : handedOver;
     }
 
     /**

@@ -11,6 +11,7 @@ import tools.jackson.databind.json.JsonMapper;
 import tools.jackson.databind.node.ArrayNode;
 import tools.jackson.databind.node.ObjectNode;
 
+import java.nio.charset.StandardCharsets;
 import java.sql.Connection;
 import java.sql.SQLException;
 import java.util.ArrayDeque;
@@ -21,6 +22,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.TreeMap;
+import java.util.TreeSet;
 import java.util.function.Consumer;
 
 /**
@@ -38,6 +40,12 @@ final class NotedSessions {
             "CREATE TABLE IF NOT EXISTS reve.session_note (world text, epoch bigint, frame bigint,"
                     + " whole boolean NOT NULL, notes text NOT NULL,"
                     + " PRIMARY KEY (world, epoch, frame))";
+
+    /** SQL condition: the database has the table, and the columns for {@link #reference}. */
+    static final String ARE_KEPT =
+            "to_regclass('reve.session_note') IS NOT NULL AND (SELECT count(*) FROM pg_attribute"
+                    + " WHERE attrelid IN (to_regclass('reve.image'), to_regclass('reve.frame'))"
+                    + " AND attname = 'notes' AND NOT attisdropped) = 2";
 
     /**
      * Maximum number of results that are kept for each session. A client may wait for at most 64
@@ -187,12 +195,21 @@ final class NotedSessions {
                 parts.path(3).stringValue(""));
     }
 
-    /** Returns whether the database has the table. */
+    /** Returns whether the database has the table and the columns. */
     static boolean areKept(Connection connection) throws SQLException {
         return PostgresSession.query(
-                connection,
-                "SELECT to_regclass('reve.session_note') IS NOT NULL",
-                rows -> rows.next() && rows.getBoolean(1));
+                connection, "SELECT " + ARE_KEPT, rows -> rows.next() && rows.getBoolean(1));
+    }
+
+    /**
+     * Returns a checksum of a row of notes. The row of its frame or image has the same number in
+     * its column {@code notes}, so that missing and moved rows are noticed.
+     *
+     * @param text the notes; empty if an image has no row
+     */
+    static long reference(String text, long epoch, long frame, boolean isWhole) {
+        return StoreDatabase.checksum(
+                text.getBytes(StandardCharsets.UTF_8), epoch, frame, isWhole ? 1 : 0);
     }
 
     /**
@@ -200,52 +217,111 @@ final class NotedSessions {
      * stores no notes, the result is empty.
      *
      * @param frame the last frame of the world
-     * @param problems receives a message about each row that cannot be read. The sessions of the
-     *     rows before such a row are lost, because the row may have changed them.
+     * @param problems receives a message about each row that is missing or cannot be read. The
+     *     sessions of the rows before such a row are lost, because the row may have changed them.
      */
     static List<CarriedSession> read(
             Connection connection, String world, long frame, Consumer<String> problems)
             throws SQLException {
-        List<Row> rows =
+        long epoch =
                 PostgresSession.query(
                         connection,
-                        "SELECT frame, whole, notes FROM reve.session_note WHERE world = ? AND"
-                                + " frame <= ? AND epoch = (SELECT max(epoch) FROM (SELECT epoch"
-                                + " FROM reve.image WHERE world = ? UNION ALL SELECT epoch FROM"
-                                + " reve.frame WHERE world = ?) AS written) ORDER BY frame",
-                        found -> {
-                            List<Row> all = new ArrayList<>();
-                            while (found.next()) {
-                                if (found.getBoolean(2)) {
-                                    all.clear();
-                                }
-                                all.add(new Row(found.getLong(1), found.getString(3)));
-                            }
-                            return all;
-                        },
-                        world,
-                        frame,
+                        "SELECT max(epoch) FROM (SELECT epoch FROM reve.image WHERE world = ? UNION"
+                                + " ALL SELECT epoch FROM reve.frame WHERE world = ?) AS written",
+                        rows -> rows.next() ? rows.getLong(1) : 0L,
                         world,
                         world);
+        TreeMap<Long, Row> rows = rows(connection, world, epoch, frame);
+        TreeMap<Long, Long> references = references(connection, world, epoch, frame);
+        boolean isChecked = !references.isEmpty(); // earlier versions wrote no references
+        TreeSet<Long> noted = new TreeSet<>(references.keySet());
+        noted.addAll(isChecked ? rows.tailMap(references.firstKey()).keySet() : rows.keySet());
         NotedSessions sessions = new NotedSessions();
-        for (Row row : rows) {
+        String problem = "";
+        for (long each : noted) {
+            Row row = rows.getOrDefault(each, new Row(true, ""));
             try {
-                sessions.apply(parse(row.notes));
+                if (isChecked && row.reference(epoch, each) != references.getOrDefault(each, -1L)) {
+                    throw new IllegalArgumentException(
+                            rows.containsKey(each)
+                                    ? "they do not belong to this frame"
+                                    : "the row is missing");
+                }
+                if (row.isWhole) {
+                    sessions.sessions.clear();
+                }
+                if (rows.containsKey(each)) {
+                    sessions.apply(parse(row.notes));
+                }
             } catch (JacksonException | IllegalArgumentException unreadable) {
                 sessions.sessions.clear();
-                problems.accept(
+                problem =
                         "the notes about sessions of frame "
-                                + row.frame
+                                + each
                                 + " are damaged, or were written by another version ("
                                 + reason(unreadable)
                                 + "); the agents whose sessions began before this frame join"
-                                + " again");
+                                + " again";
             }
+        }
+        if (!problem.isEmpty()) {
+            problems.accept(problem);
         }
         return sessions.all();
     }
 
-    private record Row(long frame, String notes) {}
+    private record Row(boolean isWhole, String notes) {
+        long reference(long epoch, long frame) {
+            return NotedSessions.reference(notes, epoch, frame, isWhole);
+        }
+    }
+
+    private static TreeMap<Long, Row> rows(
+            Connection connection, String world, long epoch, long frame) throws SQLException {
+        return PostgresSession.query(
+                connection,
+                "SELECT frame, whole, notes FROM reve.session_note WHERE world = ? AND epoch = ?"
+                        + " AND frame <= ?",
+                found -> {
+                    TreeMap<Long, Row> rows = new TreeMap<>();
+                    while (found.next()) {
+                        rows.put(
+                                found.getLong(1), new Row(found.getBoolean(2), found.getString(3)));
+                    }
+                    return rows;
+                },
+                world,
+                epoch,
+                frame);
+    }
+
+    /**
+     * Returns the references of the newest image and of the frames after it, by frame. Empty if an
+     * earlier version wrote the image.
+     */
+    private static TreeMap<Long, Long> references(
+            Connection connection, String world, long epoch, long frame) throws SQLException {
+        return PostgresSession.query(
+                connection,
+                "WITH newest AS (SELECT frame, notes FROM reve.image WHERE world = ? AND epoch = ?"
+                        + " AND frame <= ? ORDER BY number DESC LIMIT 1) SELECT frame, notes FROM"
+                        + " newest WHERE notes IS NOT NULL UNION ALL SELECT frame, notes FROM"
+                        + " reve.frame WHERE world = ? AND epoch = ? AND frame <= ? AND notes IS NOT"
+                        + " NULL AND frame > (SELECT frame FROM newest WHERE notes IS NOT NULL)",
+                found -> {
+                    TreeMap<Long, Long> references = new TreeMap<>();
+                    while (found.next()) {
+                        references.put(found.getLong(1), found.getLong(2));
+                    }
+                    return references;
+                },
+                world,
+                epoch,
+                frame,
+                world,
+                epoch,
+                frame);
+    }
 
     static String reason(RuntimeException unreadable) {
         return unreadable instanceof JacksonException json
@@ -254,11 +330,14 @@ final class NotedSessions {
     }
 
     /**
-     * Replaces the rows of a world up to a frame.
+     * Replaces the rows of a world up to the frame of an image.
      *
+     * @param image number of the image
+     * @param frame its frame
      * @param whole the sessions after this frame, as {@link #whole} returned them
      */
-    static void replace(Connection connection, String world, long epoch, long frame, String whole)
+    static void replace(
+            Connection connection, String world, long epoch, long image, long frame, String whole)
             throws SQLException {
         PostgresSession.update(
                 connection,
@@ -266,6 +345,13 @@ final class NotedSessions {
                 world,
                 epoch,
                 frame);
+        PostgresSession.update(
+                connection,
+                "UPDATE reve.image SET notes = ? WHERE world = ? AND epoch = ? AND number = ?",
+                reference(whole, epoch, frame, true),
+                world,
+                epoch,
+                image);
         if (!whole.isEmpty()) {
             PostgresSession.update(
                     connection,

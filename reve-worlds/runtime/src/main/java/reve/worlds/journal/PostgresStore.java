@@ -80,8 +80,9 @@ public final class PostgresStore implements JournalSink {
             "WITH owned AS ("
                     + OWNED
                     + " AND frame = ? RETURNING name, epoch), added AS (INSERT INTO reve.frame"
-                    + " SELECT name, ?, ?, epoch, ?, ? FROM owned) INSERT INTO reve.session_note"
-                    + " SELECT name, epoch, ?, false, ? FROM owned";
+                    + " (world, image, frame, epoch, bytes, crc32c, notes)"
+                    + " SELECT name, ?, ?, epoch, ?, ?, ? FROM owned) INSERT INTO"
+                    + " reve.session_note SELECT name, epoch, ?, false, ? FROM owned";
 
     private static final String ADD_LIBRARY =
             "WITH owned AS ("
@@ -120,7 +121,7 @@ public final class PostgresStore implements JournalSink {
     private volatile @Nullable PostgresContents contents;
     private volatile List<CarriedSession> sessions = List.of();
 
-    /** Whether the database has the table for notes about sessions. */
+    /** Whether the database has the table and the columns for notes about sessions. */
     private volatile boolean keepsSessions;
 
     /** The sessions after the last frame that was written. For the thread that writes frames. */
@@ -667,8 +668,10 @@ public final class PostgresStore implements JournalSink {
                                 frame.json(),
                                 StoreDatabase.checksum(frame.json(), image, frame.frame())));
         if (!notes.isEmpty()) {
+            String text = NotedSessions.write(notes);
+            values.add(NotedSessions.reference(text, epoch, frame.frame(), false));
             values.add(frame.frame());
-            values.add(NotedSessions.write(notes));
+            values.add(text);
         }
         return frames.run(
                 "written",
@@ -765,7 +768,8 @@ public final class PostgresStore implements JournalSink {
                             state.bytes(),
                             StoreDatabase.checksum(state.bytes(), number, state.frame()));
                     if (keepsSessions) {
-                        NotedSessions.replace(connection, world, epoch, state.frame(), whole);
+                        NotedSessions.replace(
+                                connection, world, epoch, number, state.frame(), whole);
                     }
                     dropOld(connection);
                     return state.frame();

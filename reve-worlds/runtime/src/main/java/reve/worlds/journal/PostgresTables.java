@@ -12,8 +12,8 @@ import java.util.Optional;
 
 /**
  * The tables of a database that several servers share, and their version. Servers create them. The
- * version changes if earlier programs cannot use the tables any more. A table that earlier programs
- * do not need is added without a new version.
+ * version changes if earlier programs cannot use the tables any more. A table or column that
+ * earlier programs do not need is added without a new version.
  */
 final class PostgresTables {
     /** Version of the tables that this program reads and writes. */
@@ -79,15 +79,18 @@ final class PostgresTables {
                         clients bigint NOT NULL, reported timestamptz NOT NULL)
                     """,
                     CarriedSessions.TABLE,
-                    NotedSessions.TABLE);
+                    NotedSessions.TABLE,
+                    // images first, as in the transactions of images, which would wait otherwise
+                    "ALTER TABLE reve.image ADD COLUMN IF NOT EXISTS notes bigint",
+                    "ALTER TABLE reve.frame ADD COLUMN IF NOT EXISTS notes bigint");
 
     private static final String HAS_TABLES_OF_CLUSTERS =
             "SELECT to_regclass('reve.lease') IS NOT NULL AND to_regclass('reve.place') IS NOT NULL"
                     + " AND to_regclass('reve.drained') IS NOT NULL"
                     + " AND to_regclass('reve.asleep') IS NOT NULL"
                     + " AND to_regclass('reve.node') IS NOT NULL"
-                    + " AND to_regclass('reve.session') IS NOT NULL"
-                    + " AND to_regclass('reve.session_note') IS NOT NULL";
+                    + " AND to_regclass('reve.session') IS NOT NULL AND "
+                    + NotedSessions.ARE_KEPT;
 
     private PostgresTables() {}
 
