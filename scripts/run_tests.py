@@ -17,10 +17,12 @@ import os
 import queue
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import threading
 import time
+import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -76,6 +78,11 @@ FIRST_COMPILER = {"reve-core/world", "reve-core/files", "reve-core/agents"}
 AT_ONCE = 4
 PROGRESS_SECONDS = 20
 
+# A process that a test left behind may hold the pipe of a suite's output. After the end of the suite
+# itself, its output is read for this time at most.
+DRAIN_SECONDS = 60
+LAST_LINES = 20  # of the output of a suite that ended badly
+
 BUILD = "build of the tests"  # named in the summary if it failed
 
 # Pattern of a line that reports a finished test. It matches the lines of ctest, GoogleTest, JUnit's
@@ -91,10 +98,12 @@ GOOD = {"Passed", "OK", "SUCCESSFUL", "PASSED", "SKIPPED", "***Skipped"}
 
 @dataclass
 class Suite:
-    """One test program: its command, the file of its output, and its finished tests so far."""
+    """One test program: its command, the report that it writes, the file of its output, and its
+    finished tests so far."""
 
     name: str
     command: list
+    report: Path
     log: Path
     environment: dict = field(default_factory=dict)
     ended: int = 0
@@ -131,22 +140,24 @@ class Plan:
                         "--report",
                         self.reports / room / "format.xml",
                     ],
+                    self.reports / room / "format.xml",
                 )
             ]
         return list(self.java(room, parts))
 
-    def suite(self, room, name, command, **environment):
+    def suite(self, room, name, command, report, **environment):
         log = self.reports / room / f"{name}.log"
-        return Suite(name, [str(c) for c in command], log, environment)
+        return Suite(name, [str(c) for c in command], report, log, environment)
 
     def native(self, room, parts):
+        report = self.reports / room / "ctest.xml"
         command = [
             "ctest",
             "--test-dir",
             self.root / NATIVE_ROOMS[room],
             "--output-on-failure",
             "--output-junit",
-            self.reports / room / "ctest.xml",
+            report,
         ]
         if parts:
             command += ["-R", "|".join(map(re.escape, native_names(parts)))]
@@ -154,23 +165,25 @@ class Plan:
         if self.quick:
             excluded.append(SLOW_NATIVE)
         command += ["-E", "|".join(excluded)]
-        return self.suite(room, room, command)
+        return self.suite(room, room, command, report)
 
     def contract(self, parts):
         """The contract of all laws. One process runs all its checks, because the start of a process
         for each check, as in ctest, takes about 10 ms."""
         chosen = [f"*{name}*" for name in native_names(parts)] or ["*"]
         left_out = [f"*{name}*" for name in SLOW_CONTRACT] if self.quick else []
+        report = self.reports / "laws/contract.xml"
         command = [
             self.root / NATIVE_ROOMS["laws"] / "law-contract/law_contract_test",
             "--gtest_color=no",
-            f"--gtest_output=xml:{self.reports}/laws/contract.xml",
+            f"--gtest_output=xml:{report}",
             f"--gtest_filter={':'.join(chosen)}-{':'.join(left_out)}",
         ]
-        return self.suite("laws", "law-contract", command)
+        return self.suite("laws", "law-contract", command, report)
 
     def python(self, parts):
         tests = self.root / "agents/python/tests"
+        report = self.reports / "python/pytest.xml"
         command = [
             os.environ["REVE_TEST_PYTHON"],
             "-m",
@@ -180,7 +193,7 @@ class Plan:
             "-p",
             "no:cacheprovider",
             "--color=no",
-            f"--junitxml={self.reports}/python/pytest.xml",
+            f"--junitxml={report}",
             "-o",
             "junit_family=xunit1",
             "-o",
@@ -196,6 +209,7 @@ class Plan:
             "python",
             "python",
             command,
+            report,
             REVE_ROOT=str(self.root),
             REVE_TEST_CLASSPATH=f"{self.root}/build/stage/lib/*",
             **SHORT_LIVES,
@@ -261,6 +275,7 @@ class Plan:
         for number in range(count):
             batches[base if count == 1 else f"{base}-{number + 1}"] = others[number::count]
         for name, batch in batches.items():
+            report = self.reports / place / name / "TEST-junit-jupiter.xml"
             command = [
                 os.environ["REVE_JAVA_HOME"] + "/bin/java",
                 "-XX:+UseSerialGC",  # as in a release; needs less processor time than G1
@@ -280,15 +295,27 @@ class Plan:
                 "--disable-banner",
                 "--disable-ansi-colors",
                 "--details=testfeed",
-                "--fail-if-no-tests",
-                f"--reports-dir={self.reports / place / name}",
+                f"--reports-dir={report.parent}",
             ]
             if any("#" in part for part in parts):
                 command += [f"--include-methodname={method_pattern(part)}" for part in parts]
             if self.quick:
                 command.append("--exclude-tag=slow")
             command += [f"--select-class={c}" for c in batch]
-            yield self.suite(place, name, command, **(SHORT_LIVES if place in BATCHED else {}))
+            more = SHORT_LIVES | patient_python(self.root) if place in BATCHED else {}
+            yield self.suite(place, name, command, report, **more)
+
+
+def patient_python(root):
+    """Makes a program `python3` that lets clients of `reve` wait longer, see the folder `patient`
+    of the tests in Python. Returns the environment in which tests and their programs find it."""
+    patient = root / "agents/python/tests/patient"
+    program = root / "build/patient/python3"
+    program.parent.mkdir(exist_ok=True)
+    path = f'"{patient}${{PYTHONPATH:+:$PYTHONPATH}}"'
+    program.write_text(f'#!/bin/sh\nPYTHONPATH={path} exec "{sys.executable}" "$@"\n')
+    program.chmod(0o755)
+    return {"PATH": f"{program.parent}{os.pathsep}{os.environ['PATH']}"}
 
 
 def native_names(parts):
@@ -348,31 +375,40 @@ class Runner:
             with self.lock:
                 self.running.append(suite.name)
             started = time.monotonic()
-            with suite.log.open("w") as log:
-                process = subprocess.Popen(
-                    suite.command,
-                    stdout=subprocess.PIPE,
-                    stderr=subprocess.STDOUT,
-                    stdin=subprocess.DEVNULL,
-                    text=True,
-                    errors="replace",
-                    env=os.environ | suite.environment,
-                )
-                for line in process.stdout:
-                    log.write(line)
-                    ended = ENDED.search(line)
-                    # ctest repeats the lines of a test that failed.
-                    if ended and (ended.lastgroup != "googletest" or suite.name == "law-contract"):
-                        suite.ended += 1
-                        if ended[ended.lastgroup] not in GOOD:
-                            suite.failed += 1
-                            print(f"reve: FAILED {suite.name}: {line.strip()}", file=sys.stderr)
-                _, status, usage = os.wait4(process.pid, 0)
-                process.returncode = os.waitstatus_to_exitcode(status)
+            try:
+                end = self.execute(suite)
+            except OSError as error:  # for example, its program was not built
+                end = f"cannot be started: {error}"
             suite.seconds = time.monotonic() - started
-            suite.processor_seconds = usage.ru_utime + usage.ru_stime
+            report_end(suite, end)
             with self.lock:
                 self.running.remove(suite.name)
+
+    def execute(self, suite):
+        """Runs a suite to its end; returns how it ended, or "" for exit status 0."""
+        process = subprocess.Popen(
+            suite.command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            text=True,
+            errors="replace",
+            env=os.environ | suite.environment,
+        )
+        reader = threading.Thread(target=read_output, args=(suite, process.stdout), daemon=True)
+        reader.start()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        suite.processor_seconds = usage.ru_utime + usage.ru_stime
+        reader.join(DRAIN_SECONDS)
+        if reader.is_alive():
+            with suite.log.open("a") as log:
+                for one in holders(process.stdout):
+                    print(f"reve: left behind by {suite.name}: {one}", file=log)
+        code = process.returncode
+        if code < 0:
+            return f"ended by signal {-code} ({signal.strsignal(-code)})"
+        return f"ended with exit status {code}" if code else ""
 
     def tell(self):
         seconds = int(time.monotonic() - self.started)
@@ -385,6 +421,61 @@ class Runner:
             + (f"; running {rooms}" if rooms else ""),
             file=sys.stderr,
         )
+
+
+def read_output(suite, output):
+    """Copies the output of a suite to its log and counts its finished tests."""
+    with suite.log.open("a", buffering=1) as log:
+        for line in output:
+            log.write(line)
+            ended = ENDED.search(line)
+            # ctest repeats the lines of a test that failed.
+            if ended and (ended.lastgroup != "googletest" or suite.name == "law-contract"):
+                suite.ended += 1
+                if ended[ended.lastgroup] not in GOOD:
+                    suite.failed += 1
+                    print(f"reve: FAILED {suite.name}: {line.strip()}", file=sys.stderr)
+
+
+def holders(pipe):
+    """Returns the numbers and commands of the other processes that can write to a pipe."""
+    wanted = os.readlink(f"/proc/self/fd/{pipe.fileno()}")
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if int(process.name) != os.getpid() and any(
+                os.readlink(file) == wanted for file in (process / "fd").iterdir()
+            ):
+                command = (process / "cmdline").read_bytes().replace(b"\0", b" ")
+                found.append(f"process {process.name}: {command.decode(errors='replace')}")
+        except OSError:
+            pass  # it has ended, or belongs to another account
+    return found
+
+
+def report_end(suite, end):
+    """Writes a report with one failed test, named after the suite, if the suite ended badly although
+    no test in its own report failed, or if it has no complete report."""
+    failed = [case for case in test_summary.cases(suite.report) if case.outcome == "failed"]
+    if any(case.part for case in failed):
+        return
+    if failed:
+        suite.report.rename(suite.report.with_suffix(".cut"))  # so that it does not count as well
+        end = f"{end or 'ended'} with a report that is cut"
+    elif not suite.report.exists():
+        end = f"{end or 'ended'} without a report"
+    elif end:
+        end += ", although no test in its report failed"
+    else:
+        return
+    lines = suite.log.read_text(errors="replace").splitlines() if suite.log.exists() else []
+    text = "\n".join([f"The suite {suite.name} {end}.", *lines[-LAST_LINES:]])
+    print(f"reve: FAILED {suite.name}: {end}", file=sys.stderr)
+    root = ET.Element("testsuite", name=suite.name)
+    failed = ET.SubElement(root, "testcase", name=suite.name, part="")
+    # XML cannot contain all characters that a program may write.
+    ET.SubElement(failed, "failure").text = re.sub(r"[^\t\n\x20-\ud7ff\ue000-\ufffd]", "?", text)
+    ET.ElementTree(root).write(suite.log.with_suffix(".end.xml"), encoding="utf-8")
 
 
 def write_times(suites, file):
@@ -407,6 +498,8 @@ def failed_parts(reports):
                 cases = list(test_summary.cases(place))
                 parts = sorted({case.part for case in cases if case.outcome == "failed"})
                 if parts or not cases:
+                    if "" in parts:  # a suite ended badly
+                        parts = []
                     named = [f"{project}/{part}" for part in parts] or [project]
                     failed.setdefault(room, []).extend(named if project else parts)
     return failed

@@ -4,7 +4,8 @@
     test_summary.py FOLDER ROOM...
 
 Each ROOM is a report FOLDER/ROOM.xml or a folder of reports FOLDER/ROOM/. A room without any test
-in a report counts as one failure, because a failed build must not count as passed.
+in a report counts as one failure, because a failed build must not count as passed. So does a report
+that is cut.
 """
 
 import sys
@@ -15,7 +16,8 @@ from pathlib import Path
 
 @dataclass
 class Case:
-    """One test case; `part` is the argument of `./reve test ROOM/PART` that runs it alone."""
+    """One test case; `part` is the argument of `./reve test ROOM/PART` that runs it alone. It is
+    empty if only the whole room can be run again."""
 
     name: str
     part: str
@@ -24,12 +26,16 @@ class Case:
 
 
 def cases(room):
-    """Yields the test cases in a room's reports."""
+    """Yields the test cases in a room's reports, and a failed one for each report that is cut."""
     reports = sorted(room.rglob("*.xml")) if room.is_dir() else [room.with_suffix(".xml")]
     for report in reports:
         if report.exists():
-            for element in ET.parse(report).getroot().iter("testcase"):
-                yield case(element)
+            try:
+                for _, element in ET.iterparse(report):
+                    if element.tag == "testcase":
+                        yield case(element)
+            except ET.ParseError as error:
+                yield Case(report.name, "", "failed", f"{report} is cut: {error}")
 
 
 def case(element):
@@ -45,6 +51,7 @@ def case(element):
     else:  # JUnit: CLASS and METHOD(PARAMETERS)[NUMBER]
         full = f"{owner}.{name}"
         part = f"{owner.split('.')[-1].split('$')[0]}#{name.split('(')[0]}"
+    part = element.get("part", part)  # of a suite that ended badly, see run_tests.py
     bad = [child for child in element if child.tag in ("failure", "error")]
     if bad:
         # ctest reports only that a test failed; the output of the test contains the reason.
@@ -66,7 +73,8 @@ def report(folder, rooms):
             if test.outcome == "failed":
                 print(f"\nFAILED {room}: {test.name}")
                 print("\n".join("    " + line for line in test.text.splitlines()[:30]))
-                print(f"    To run it alone: ./reve test '{room}/{test.part}'")
+                again = f"{room}/{test.part}" if test.part else room
+                print(f"    To run it alone: ./reve test '{again}'")
         if count["passed"] + count["failed"] == 0:
             print(f"\nFAILED {room}: no test ran (see the output above)")
             count["failed"] = 1

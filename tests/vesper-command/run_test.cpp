@@ -370,12 +370,18 @@ TEST(RunTest, SigtermEndsARunInTheMiddleOfALongFrame) {
       folder.Write("s.vesper",
                    "scene 1\ndt 1e-9\nsteps 1000000000\nlaw newton_motion\nrows body 1\nmass 1\n"
                    "position (0 0 0)\nvelocity (0 0 0)\n");
-  const Outcome outcome =
-      RunProgram("/usr/bin/timeout", {"--preserve-status", "--kill-after=60", "1", VESPER_COMMAND,
-                                      "run", scene, "--laws", VESPER_LAW_PATH});
+  // The signal must arrive when the frame has begun, which may take long on a busy machine.
+  Outcome outcome;
+  bool cut = false;
+  for (const char* seconds : {"1", "5", "30", "60"}) {
+    outcome =
+        RunProgram("/usr/bin/timeout", {"--preserve-status", "--kill-after=600", seconds,
+                                        VESPER_COMMAND, "run", scene, "--laws", VESPER_LAW_PATH});
+    cut = outcome.errors.find("cut short in the middle of a frame") != std::string::npos;
+    if (outcome.exit_code == 143 && cut) break;
+  }
   EXPECT_EQ(outcome.exit_code, 143) << outcome.errors;
-  EXPECT_NE(outcome.errors.find("cut short in the middle of a frame"), std::string::npos)
-      << outcome.errors;
+  EXPECT_TRUE(cut) << outcome.errors;
 }
 
 }  // namespace

@@ -36,7 +36,6 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-constexpr milliseconds kStartLimit{2000};
 constexpr milliseconds kRequestLimit{2000};  // time limit of calls outside of frames
 constexpr nanoseconds kLook = milliseconds(1);
 constexpr nanoseconds kAwake = std::chrono::microseconds(50);
@@ -216,7 +215,7 @@ void Sandbox::Start(const Options& options, int library_fd, const std::string& f
   }
   other.Close();
   for (Descriptor& descriptor : raised) descriptor.Close();
-  AwaitStart(own.get());
+  AwaitStart(own.get(), options.start);
   int status = 0;
   WaitFor(starter, status);
   const std::string path = "/proc/" + std::to_string(pid_) + "/stat";
@@ -230,8 +229,8 @@ void Sandbox::Start(const Options& options, int library_fd, const std::string& f
 
 /// Waits until the process that starts the sandbox has reported the sandbox's process id, and the
 /// sandbox has reported which layers of protection are active.
-void Sandbox::AwaitStart(int report) {
-  const auto deadline = Clock::now() + kStartLimit;
+void Sandbox::AwaitStart(int report, milliseconds limit) {
+  const auto deadline = Clock::now() + limit;
   for (bool confined = false; pid_ < 0 || !confined;) {
     const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now()).count();
     pollfd poll_fd{report, POLLIN, 0};
@@ -241,7 +240,7 @@ void Sandbox::AwaitStart(int report) {
     if (ready <= 0 || recv(report, &message, sizeof message, 0) != sizeof message ||
         message.process < 0) {
       throw Failure(VESPER_INTERNAL, "the sandbox did not start within %d ms",
-                    static_cast<int>(kStartLimit.count()));
+                    static_cast<int>(limit.count()));
     }
     if (message.process > 0) {
       pid_ = message.process;

@@ -20,6 +20,7 @@ struct Options {
   std::string program;  ///< path of vesper-sandbox
   uint64_t memory;      ///< limit of the private memory of each sandbox [bytes]
   bool incomplete;      ///< true: start it even if the system lacks a layer of protection
+  std::chrono::milliseconds start{2000};  ///< limit of the time in which a sandbox starts
 };
 
 /// Memory that this process shares with a sandbox. This process can write to it; `seals` limit the
@@ -85,7 +86,7 @@ class Sandbox {
 
   void Start(const Options& options, int library_fd, const std::string& file,
              const std::string& library);
-  void AwaitStart(int report);
+  void AwaitStart(int report, std::chrono::milliseconds limit);
   Nanoseconds Allowed(bool limited);
   void RequireRest();
   /// Waits for the reply. `limit` is the time in the message of LAW_TIMED_OUT.

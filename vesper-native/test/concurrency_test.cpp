@@ -26,7 +26,7 @@ class Pipe {
   std::array<int, 2> ends_{};
 };
 
-constexpr double kLong = 20;    // [s], maximum wait of laws that must run concurrently
+constexpr double kLong = 60;    // [s], maximum wait of laws that must run concurrently
 constexpr double kShort = 0.1;  // [s], maximum wait of laws that must not
 
 class ConcurrencyTest : public BothModes {

@@ -99,7 +99,13 @@ def main() -> int:
     passed: List[int] = []
     rounds = 0
     way = 0.0
-    with reve.connect(given.host, given.port, name="drive", time=reve.LockStep()) as agent:
+    with reve.connect(
+        given.host,
+        given.port,
+        name="drive",
+        time=reve.LockStep(deadline=600),
+        timeout=60,
+    ) as agent:
         perception = agent.observe()
         goals = gates(perception)
         last = None

@@ -115,7 +115,13 @@ def main() -> int:
     parser.add_argument("--port", type=int, default=7777)
     given = parser.parse_args()
     pushed: List[str] = []
-    with reve.connect(given.host, given.port, name="reach", time=reve.LockStep()) as agent:
+    with reve.connect(
+        given.host,
+        given.port,
+        name="reach",
+        time=reve.LockStep(deadline=600),
+        timeout=60,
+    ) as agent:
         perception = agent.observe()
         goals = {
             item.name: item.location

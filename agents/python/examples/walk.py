@@ -94,7 +94,13 @@ def main() -> int:
     given = parser.parse_args()
     lowest = math.inf
     most = 0.0
-    with reve.connect(given.host, given.port, name="walk", time=reve.LockStep()) as agent:
+    with reve.connect(
+        given.host,
+        given.port,
+        name="walk",
+        time=reve.LockStep(deadline=600),
+        timeout=60,
+    ) as agent:
         perception = agent.observe()
         rounds = round(given.seconds * _FRAMES)
         for frame in range(rounds):

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import reve.core.agent.AgentServerConfig;
+import reve.core.agent.protocol.AgentTimeouts;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.worlds.journal.SqliteStore;
@@ -41,7 +42,7 @@ final class PondServer {
                 new WorldServer(
                         List.of(plan),
                         Pacing.REAL_TIME,
-                        AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(10)),
+                        patient(AgentServerConfig.onPort(0)),
                         Optional.empty(),
                         (event, fields) -> {})) {
             System.out.println(server.port());
@@ -56,6 +57,27 @@ final class PondServer {
                             });
             server.run();
         }
+    }
+
+    /** Returns settings for clients on a busy machine, which may be silent for minutes. */
+    private static AgentServerConfig patient(AgentServerConfig usual) {
+        AgentTimeouts t = usual.timeouts();
+        Duration patience = Duration.ofMinutes(10);
+        return new AgentServerConfig(
+                usual.address(),
+                usual.limits(),
+                new AgentTimeouts(
+                        patience,
+                        patience,
+                        patience,
+                        t.flood(),
+                        patience,
+                        patience,
+                        patience,
+                        Optional.empty(),
+                        t.linger()),
+                usual.audit(),
+                usual.security());
     }
 
     private static int readByte() {

@@ -16,6 +16,11 @@ from typing import Any, Iterator, List
 HERE = pathlib.Path(__file__).resolve().parent
 PACKAGE = HERE.parent
 PROTOCOL = PACKAGE.parent / "protocol"
+PATIENT = HERE / "patient"
+
+PATIENCE = 1800  # seconds for a program to end; other tests may occupy the machine for minutes
+# The environment of programs in Python that use the client: they are patient, too.
+ENVIRONMENT = {**os.environ, "PYTHONPATH": f"{PATIENT}{os.pathsep}{PACKAGE}"}
 
 sys.path.insert(0, str(PACKAGE))
 
@@ -67,7 +72,7 @@ def launched(*arguments: str) -> Iterator[int]:
         yield next(event["agentPort"] for event in events if event["event"] == "ready")
     finally:
         server.terminate()
-        server.communicate(timeout=30)
+        server.communicate(timeout=PATIENCE)
 
 
 @contextlib.contextmanager
@@ -85,4 +90,4 @@ def pond() -> Iterator[int]:
     finally:
         server.stdin.close()
         server.stdout.close()
-        server.wait(timeout=30)
+        server.wait(timeout=PATIENCE)

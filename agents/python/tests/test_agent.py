@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the client with a real server in a separate process that makes 240 frames per second."""
 
+import concurrent.futures
 import contextlib
 import importlib.util
 import itertools
@@ -15,7 +16,7 @@ import unittest
 
 import reve
 from cutter import Cutter
-from support import PACKAGE, java, pond
+from support import ENVIRONMENT, PACKAGE, PATIENCE, java, pond
 
 
 class AgentTest(unittest.TestCase):
@@ -188,7 +189,7 @@ class AgentTest(unittest.TestCase):
             import msgpack  # noqa: F401
         except ImportError:
             self.skipTest("needs the package msgpack")
-        with self.join("mia", encoding="msgpack", grace=20.0) as mia:
+        with self.join("mia", encoding="msgpack", grace=600.0) as mia:
             self.assertEqual(mia.welcome.encoding, "msgpack")
             perceptions = mia.perceptions()
             before = next(perceptions).find("duck")
@@ -243,7 +244,7 @@ class AgentTest(unittest.TestCase):
                 boss.audit("ada", most=5)
             self.assertEqual(refused.exception.code, "unsupported")
             boss.state(round_trips=True)
-            end = time.monotonic() + 60
+            end = time.monotonic() + PATIENCE
             while "roundTripSeconds" not in boss.state().content["clients"][0]:
                 self.assertLess(time.monotonic(), end, "the client answers pings by itself")
             duck = boss.inspect("duck").content
@@ -309,7 +310,7 @@ class AgentTest(unittest.TestCase):
             self.assertEqual(boss.save("elsewhere").code, "unsupported")
 
     def test_an_agent_whose_connection_breaks_goes_on_as_if_nothing_had_happened(self):
-        with self.join("pam", grace=20.0) as pam, self.join("quy") as quy:
+        with self.join("pam", grace=600.0) as pam, self.join("quy") as quy:
             perceptions = pam.perceptions()
             before = next(perceptions)
             for number in range(5):
@@ -321,8 +322,8 @@ class AgentTest(unittest.TestCase):
             self.assertEqual(len(acted), 5)
 
     def test_an_agent_in_lock_step_perceives_what_its_acts_made_of_the_next_frame(self):
-        with self.join("una", time=reve.LockStep(deadline=5.0)) as una:
-            self.assertEqual(una.welcome.time.deadline, 5.0)
+        with self.join("una", time=reve.LockStep(deadline=600.0)) as una:
+            self.assertEqual(una.welcome.time.deadline, 600.0)
             before = una.observe()
             self.assertEqual(before.frame, una.welcome.frame)
             for number in range(20):
@@ -337,7 +338,7 @@ class AgentTest(unittest.TestCase):
 
     def test_rounds_of_several_frames_and_several_agents(self):
         with self.join("wim", time=reve.LockStep(deadline=0.0)) as wim:
-            with self.join("vic", time=reve.LockStep(every=3, deadline=5.0)) as vic:
+            with self.join("vic", time=reve.LockStep(every=3, deadline=600.0)) as vic:
                 frame = vic.observe().frame
                 wim.ready(reve.Act("duck", "push", {"impulse": [0.0, 0.0, 0.0]}))
                 self.assertEqual(vic.step().frame, frame + 3)
@@ -358,16 +359,15 @@ class AgentTest(unittest.TestCase):
             self.assertEqual(counts[:3], [1, 2, 3])
 
     def test_an_edit_is_answered_while_the_world_waits_for_a_silent_agent(self):
-        with self.join("zoe", time=reve.LockStep(deadline=10.0)) as zoe:
+        with self.join("zoe", time=reve.LockStep(deadline=600.0)) as zoe:
             with reve.control("127.0.0.1", self.port) as boss:
                 frame = zoe.observe().frame
-                begun = time.monotonic()
                 self.assertEqual(boss.edit("duck", "semantic.colour", "grey").frame, frame + 1)
-                self.assertLess(time.monotonic() - begun, 5)
                 self.assertEqual(zoe.step().find("duck").symbols["colour"], "grey")
+                self.assertEqual([e for e in zoe.events() if e.type == "late"], [])
 
     def test_an_agent_in_lock_step_goes_on_after_a_break(self):
-        with self.join("yan", time=reve.LockStep(deadline=5.0), grace=20.0) as yan:
+        with self.join("yan", time=reve.LockStep(deadline=600.0), grace=600.0) as yan:
             perception = yan.observe()
             for number in range(5):
                 yan._wire.socket.shutdown(socket.SHUT_RDWR)
@@ -384,7 +384,7 @@ class AgentTest(unittest.TestCase):
         encodings = ("json", "msgpack") if importlib.util.find_spec("msgpack") else ("json",)
         paint = reve.Act("duck", "paint", {"colour": "red"})
         with self.join("eye", role="observer") as eye:
-            rhythms = (None, reve.LockStep(deadline=5.0))
+            rhythms = (None, reve.LockStep(deadline=600.0))
             for encoding, lock_step in itertools.product(encodings, rhythms):
                 name = f"cut-{encoding}-{'step' if lock_step else 'free'}"
                 cutter = Cutter(self.port, seed, 3000)
@@ -392,7 +392,7 @@ class AgentTest(unittest.TestCase):
                     self.subTest(name, seed=seed),
                     cutter as way,
                     reve.connect(
-                        port=way.port, name=name, encoding=encoding, time=lock_step, grace=20.0
+                        port=way.port, name=name, encoding=encoding, time=lock_step, grace=600.0
                     ) as agent,
                 ):
                     for _ in range(30):
@@ -402,7 +402,12 @@ class AgentTest(unittest.TestCase):
                             self.assertTrue(agent.act("duck", "paint", colour="red"))
                     # The call below returns after the events of the last act have arrived.
                     agent.step() if lock_step else agent.perceive()
-                    eye.perceive()
+                    with concurrent.futures.ThreadPoolExecutor(1) as others:
+                        seen = others.submit(eye.perceive)
+                        # The world makes a frame for the other one only if this agent steps.
+                        while lock_step and not seen.done():
+                            agent.step()
+                        seen.result()
                     self.assertGreater(way.cuts, 0)
                     for client in (agent, eye):
                         acted = [
@@ -435,10 +440,10 @@ class AgentTest(unittest.TestCase):
                 "--push-every",
                 "0.1",
             ],
-            env={"PYTHONPATH": str(PACKAGE)},
+            env={"PYTHONPATH": ENVIRONMENT["PYTHONPATH"]},
             stdout=subprocess.PIPE,
             text=True,
-            timeout=60,
+            timeout=PATIENCE,
             check=True,
         )
         summary = json.loads(example.stdout.splitlines()[-1])
@@ -454,7 +459,7 @@ class AgentTest(unittest.TestCase):
             java("reve.agent.examples.Painter", "--port", str(self.port), "--seconds", "0.5"),
             stdout=subprocess.PIPE,
             text=True,
-            timeout=60,
+            timeout=PATIENCE,
             check=True,
         )
         summary = json.loads(example.stdout.splitlines()[-1])

@@ -52,7 +52,7 @@ class AsyncAgentTest(unittest.IsolatedAsyncioTestCase):
             self.assertEqual(frames, sorted(set(frames)))
 
     async def test_agents_step_together(self):
-        time = reve.LockStep(deadline=5.0)
+        time = reve.LockStep(deadline=600.0)
         async with (
             await self.join("cyd", time=time) as cyd,
             await self.join("dan", time=time) as dan,
@@ -69,7 +69,7 @@ class AsyncAgentTest(unittest.IsolatedAsyncioTestCase):
                 self.assertTrue(seen[0].results[0])
 
     async def test_a_broken_connection_comes_back_and_nothing_is_done_twice(self):
-        async with await self.join("eve", grace=20.0) as eve:
+        async with await self.join("eve", grace=600.0) as eve:
             for number in range(5):
                 eve._wire.writer.transport.abort()
                 self.assertTrue(await eve.act("duck", "paint", colour=f"shade {number}"))

@@ -7,7 +7,7 @@ import time
 import unittest
 
 import reve
-from support import launched
+from support import PATIENCE, launched
 
 WORLD = """
 reve: 1
@@ -40,7 +40,7 @@ class BodilessTest(unittest.TestCase):
                     self.wait_for(pathlib.Path(folder, "later.yaml"))
 
     def wait_for(self, file):
-        end = time.monotonic() + 30
+        end = time.monotonic() + PATIENCE
         while not file.exists():
             self.assertLess(time.monotonic(), end, f"no {file}")
             time.sleep(0.05)

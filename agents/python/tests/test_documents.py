@@ -2,7 +2,6 @@
 """Runs the examples in the documents unchanged against a real server; only the port is replaced."""
 
 import json
-import os
 import pathlib
 import re
 import socket
@@ -15,7 +14,7 @@ from typing import List
 
 import pytest
 import reve
-from support import PACKAGE, java, launched, pond
+from support import ENVIRONMENT, PACKAGE, PATIENCE, java, launched, pond
 
 README = PACKAGE / "README.md"
 ROOT = PACKAGE.parents[1]
@@ -32,10 +31,10 @@ def examples(document: pathlib.Path, language: str, port: int) -> List[str]:
 def python(script: str) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(
         [sys.executable, "-c", script],
-        env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+        env=ENVIRONMENT,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=PATIENCE,
     )
 
 
@@ -83,7 +82,9 @@ class PageTest(unittest.TestCase):
             with self.subTest(example=example), tempfile.TemporaryDirectory() as folder:
                 source = pathlib.Path(folder, "Example.java")
                 source.write_text(example, "utf-8")
-                run = subprocess.run(java(str(source)), capture_output=True, text=True, timeout=60)
+                run = subprocess.run(
+                    java(str(source)), capture_output=True, text=True, timeout=PATIENCE
+                )
                 self.assertEqual(run.returncode, 0, run.stderr)
                 self.assertIn("red painted", run.stdout)
                 self.assertNotIn("false", run.stdout)
@@ -91,7 +92,8 @@ class PageTest(unittest.TestCase):
     def test_the_lines_typed_by_hand_are_answered_as_described(self):
         lines = examples(PAGE, "", self.port)[0]
         expected = {"hello": "welcome", "perceive": "perception", "act": "result", "bye": "bye"}
-        with socket.create_connection(("127.0.0.1", self.port), timeout=20) as connection:
+        address = ("127.0.0.1", self.port)
+        with socket.create_connection(address, timeout=PATIENCE) as connection:
             answers = connection.makefile("r", encoding="utf-8")
             for line in lines.splitlines():
                 connection.sendall(line.encode() + b"\n")
@@ -116,10 +118,10 @@ class ExperimentsTest(unittest.TestCase):
             run = subprocess.run(
                 [sys.executable, "read.py"],
                 cwd=folder,
-                env={**os.environ, "PYTHONPATH": str(PACKAGE), "REVE": str(ROOT)},
+                env={**ENVIRONMENT, "REVE": str(ROOT)},
                 capture_output=True,
                 text=True,
-                timeout=120,
+                timeout=PATIENCE,
             )
             self.assertEqual(run.returncode, 0, run.stderr)
             self.assertEqual(run.stdout, files["read"])
@@ -152,16 +154,16 @@ class PacksTest(unittest.TestCase):
                 [launcher, "run", orbit, "--seconds", "1", "--record", log],
                 check=True,
                 capture_output=True,
-                timeout=120,
+                timeout=PATIENCE,
             )
             pathlib.Path(folder, "share.py").write_text(files["share.py"], "utf-8")
             run = subprocess.run(
                 [sys.executable, "share.py"],
                 cwd=folder,
-                env={**os.environ, "PYTHONPATH": str(PACKAGE), "REVE": str(ROOT)},
+                env={**ENVIRONMENT, "REVE": str(ROOT)},
                 capture_output=True,
                 text=True,
-                timeout=120,
+                timeout=PATIENCE,
             )
             self.assertEqual(run.returncode, 0, run.stderr)
             self.assertEqual(run.stdout, files["share"])
@@ -179,7 +181,7 @@ class PacksTest(unittest.TestCase):
                 [launcher, "run", half, "--seconds", "0.5", "--json"],
                 check=True,
                 capture_output=True,
-                timeout=120,
+                timeout=PATIENCE,
             )
             self.assertEqual(expected["frames"], 30)
             self.assertEqual(json.loads(ran.stdout)["stateHash"], expected["stateHash"])

@@ -4,7 +4,6 @@ with real physics."""
 
 import importlib.util
 import json
-import os
 import re
 import socket
 import subprocess
@@ -15,7 +14,7 @@ import warnings
 
 import pytest
 import reve
-from support import PACKAGE
+from support import ENVIRONMENT, PACKAGE, PATIENCE
 
 ROOT = PACKAGE.parents[1]
 LAUNCHER = ROOT / "reve"
@@ -191,15 +190,15 @@ class GymTest(unittest.TestCase):
             [sys.executable, "-c", program],
             stdout=subprocess.PIPE,
             text=True,
-            env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+            env=ENVIRONMENT,
         ) as killed:
             port = int(killed.stdout.readline())
             reve.connect("127.0.0.1", port, name="eye").close()
             killed.kill()
-        end = time.monotonic() + 120
+        end = time.monotonic() + PATIENCE
         while True:
             try:
-                socket.create_connection(("127.0.0.1", port), timeout=5).close()
+                socket.create_connection(("127.0.0.1", port), timeout=PATIENCE).close()
             except ConnectionRefusedError:
                 break
             self.assertLess(time.monotonic(), end, "the server still answers")
@@ -227,10 +226,10 @@ class GymTest(unittest.TestCase):
                 str(LAUNCHER),
             ],
             cwd=ROOT,
-            env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+            env=ENVIRONMENT,
             capture_output=True,
             text=True,
-            timeout=300,
+            timeout=PATIENCE,
         )
         self.assertIn(run.returncode, (0, 1), run.stderr)  # 1: the task is not solved yet
         history = json.loads(run.stdout)["history"]
@@ -242,10 +241,10 @@ class GymTest(unittest.TestCase):
             run = subprocess.run(
                 [sys.executable, "-c", script],
                 cwd=ROOT,
-                env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+                env=ENVIRONMENT,
                 capture_output=True,
                 text=True,
-                timeout=120,
+                timeout=PATIENCE,
             )
             self.assertEqual(run.returncode, 0, run.stderr)
             self.assertIn("points", run.stdout)

@@ -31,7 +31,7 @@ WELCOME = {
 }
 SESSION = {"session": {"token": "0" * 32, "graceSeconds": 60}}
 DEEP = b"[" * 100_000 + b"\n"
-PATIENCE = 60  # seconds after which a test fails; the clients' own limits are at most 30 s
+PATIENCE = 600  # seconds after which a test fails; the clients' own limits are much shorter
 
 
 def line(message):
@@ -222,7 +222,7 @@ class Moved(unittest.TestCase):
 
         with FakeServer(silent) as second, FakeServer(continues) as third:
             first = FakeServer(lost([second.port, third.port]))
-            with reve.connect("127.0.0.1", first.port, name="ada", grace=60, timeout=20) as agent:
+            with reve.connect("127.0.0.1", first.port, name="ada", grace=60, timeout=300) as agent:
                 agent.ping()
             first = FakeServer(lost([third.port]))
 
@@ -299,7 +299,7 @@ class HostileServerTest(unittest.TestCase):
     def tearDown(self):
         self.assertLess(time.monotonic() - self.began, PATIENCE)
 
-    def joins(self, server, timeout=30):
+    def joins(self, server, timeout=60):
         """Yields two functions that join: one for a blocking client and one for asyncio."""
         yield lambda **more: reve.connect(port=server.port, name="ada", timeout=timeout, **more)
 
@@ -344,7 +344,7 @@ class HostileServerTest(unittest.TestCase):
             line({"t": "perception", "id": [], "frame": 1, "time": 0, "items": []}),
         ):
             with self.subTest(data=data[:60]), FakeServer(welcome_and(data)) as server:
-                with reve.connect(port=server.port, name="ada", timeout=5) as ada:
+                with reve.connect(port=server.port, name="ada", timeout=60) as ada:
                     with self.assertRaises(reve.ProtocolError):
                         ada.ping()
 
@@ -355,29 +355,38 @@ class HostileServerTest(unittest.TestCase):
             )
 
         with FakeServer(talk) as server:
-            with reve.connect(port=server.port, name="ada", grace=60, timeout=5) as ada:
+            with reve.connect(port=server.port, name="ada", grace=60, timeout=60) as ada:
                 with self.assertRaises(reve.ReveError) as ended:
                     ada.ping()
                 self.assertNotEqual(ended.exception.code, "no-answer")
 
     def test_leaving_does_not_wait_for_a_server_that_never_resumes(self):
-        first, resumes = threading.Event(), threading.Event()
+        first, joined, resumes = threading.Event(), threading.Event(), threading.Event()
+        grace = 10 * PATIENCE
+        session = {"session": {**SESSION["session"], "graceSeconds": grace}}
 
         def talk(connection, ends):
             if not first.is_set():
                 first.set()
-                connection.sendall(line({**WELCOME, **SESSION}))  # and closes the connection
+                connection.sendall(line({**WELCOME, **session}))
+                joined.wait(PATIENCE)  # and closes the connection
             else:
                 resumes.set()
                 drip(line({"t": "ping"}))(connection, ends)
 
         with FakeServer(talk) as server:
-            ada = reve.connect(port=server.port, name="ada", grace=60, timeout=10)
+            ada = reve.connect(port=server.port, name="ada", grace=grace, timeout=60)
+            ada._timeout = 5  # of an attempt to resume; joining may take longer
+            joined.set()
             self.assertTrue(resumes.wait(PATIENCE))
             ada.close()
 
-    def test_many_events_of_one_frame_take_little_time(self):
-        events = 60_000
+    def test_the_time_for_many_events_of_one_frame_is_proportional_to_their_number(self):
+        few, many = (self.seconds_for(events) for events in (15_000, 60_000))
+        self.assertLess(many / few, 8)
+
+    def seconds_for(self, events):
+        """Returns the processor time of this process while a client receives these events."""
         event = line({"t": "event", "frame": 5, "type": "said", "fields": {}})
 
         def talk(connection, _):
@@ -385,10 +394,12 @@ class HostileServerTest(unittest.TestCase):
             connection.recv(65536)  # the ping
             connection.sendall(line({"t": "pong", "id": 1}))
 
+        began = time.process_time()
         with FakeServer(talk) as server:
             with reve.connect(port=server.port, name="ada", timeout=PATIENCE) as ada:
                 ada.ping()
                 self.assertEqual(len(ada.events()), 1024)
+        return time.process_time() - began
 
 
 if __name__ == "__main__":

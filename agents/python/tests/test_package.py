@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 import pytest
-from support import PACKAGE
+from support import PACKAGE, PATIENCE
 
 
 def installed(*packages):
@@ -40,7 +40,7 @@ class PackageTest(unittest.TestCase):
                 [*install, "--target", str(target), str(source)],
                 capture_output=True,
                 text=True,
-                timeout=120,
+                timeout=PATIENCE,
             )
             self.assertEqual(run.returncode, 0, run.stderr)
             files = [
@@ -69,7 +69,7 @@ class PackageTest(unittest.TestCase):
                 ],
                 capture_output=True,
                 text=True,
-                timeout=300,
+                timeout=3600,
             )
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 

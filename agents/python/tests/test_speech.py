@@ -2,7 +2,6 @@
 """Tests of two agents that speak and hear, with the example meet.py and real servers."""
 
 import json
-import os
 import pathlib
 import re
 import shutil
@@ -12,11 +11,10 @@ import tempfile
 import unittest
 
 from reve import connect
-from support import PACKAGE, java, launched, pond
+from support import ENVIRONMENT, PACKAGE, PATIENCE, java, launched, pond
 
 ROOT = PACKAGE.parents[1]
 EXAMPLES = PACKAGE / "examples"
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(PACKAGE)}
 
 EXPERIMENT = f"""
 experiment: 1
@@ -48,7 +46,7 @@ def reve(*arguments, cwd=ROOT):
         env=ENVIRONMENT,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=PATIENCE,
     )
 
 
@@ -76,7 +74,7 @@ class ClientsTest(unittest.TestCase):
         with pond() as port, tempfile.TemporaryDirectory() as folder:
             source = pathlib.Path(folder, "Duke.java")
             source.write_text(JAVA, "utf-8")
-            with connect(port=port, name="ann", timeout=60) as ann:
+            with connect(port=port, name="ann") as ann:
                 duke = subprocess.Popen(
                     java(str(source), str(port)), stdout=subprocess.PIPE, text=True
                 )
@@ -88,7 +86,7 @@ class ClientsTest(unittest.TestCase):
                 self.assertEqual([voice.text for voice in voices], ["hello from Java"])
                 self.assertEqual(voices[0].speaker, "duke")
                 self.assertTrue(ann.say("hello from Python"))
-                out, _ = duke.communicate(timeout=60)
+                out, _ = duke.communicate(timeout=PATIENCE)
                 self.assertEqual(
                     out.splitlines(),
                     ["accepted: true", f"{ann.body} says hello from Python"],
@@ -100,7 +98,9 @@ class MeetingTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             log = pathlib.Path(folder, "meet.log")
             world = str(EXAMPLES / "meet.yaml")
-            with launched("serve", world, "--port", "0", "--record", str(log)) as port:
+            # The world waits for its agents as long as meet.py asks for.
+            options = ("--port", "0", "--deadline", "60", "--waiting", "off", "--record", str(log))
+            with launched("serve", world, *options) as port:
                 agents = [
                     subprocess.Popen(
                         [sys.executable, str(EXAMPLES / "meet.py"), role, "--port", str(port)],
@@ -112,7 +112,7 @@ class MeetingTest(unittest.TestCase):
                     for role in ("caller", "seeker")
                 ]
                 (caller, _), (seeker, problems) = [
-                    agent.communicate(timeout=90) for agent in agents
+                    agent.communicate(timeout=PATIENCE) for agent in agents
                 ]
             self.assertEqual(json.loads(seeker.splitlines()[-1])["met"], True, seeker + problems)
             self.assertEqual(json.loads(caller.splitlines()[-1])["met"], True, caller)

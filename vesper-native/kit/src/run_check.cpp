@@ -3,9 +3,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <stdexcept>
 
 #include "expect.hpp"
@@ -44,12 +47,31 @@ std::string ReadAll(int file) {
   return all;
 }
 
-/// Ends the process without a core file after the time limit, even if the law never returns.
+/// The least limit on elapsed time. It is longer than that on processor time, because a process
+/// gets little processor time on a busy machine.
+constexpr std::chrono::seconds kLeastElapsed = std::chrono::minutes(10);
+
+std::chrono::seconds ElapsedLimit(std::chrono::seconds limit) {
+  return std::max(limit, kLeastElapsed);
+}
+
+/// Ends the process without a core file after the time limit, even if the law never returns. The
+/// limit applies to the processor time of this thread, so a law may use several processors.
 void LimitItself(std::chrono::seconds limit) {
   const rlimit none{0, 0};
   setrlimit(RLIMIT_CORE, &none);
+  std::signal(SIGXCPU, SIG_DFL);
   std::signal(SIGALRM, SIG_DFL);
-  alarm(static_cast<unsigned>(limit.count()));
+  sigevent end{};
+  end.sigev_notify = SIGEV_SIGNAL;
+  end.sigev_signo = SIGXCPU;
+  timer_t timer;
+  itimerspec once{};
+  once.it_value.tv_sec = limit.count();
+  if (timer_create(CLOCK_THREAD_CPUTIME_ID, &end, &timer) == 0) {
+    timer_settime(timer, 0, &once, nullptr);
+  }
+  alarm(static_cast<unsigned>(ElapsedLimit(limit).count()));
 }
 
 CheckOutcome FromEnd(int status, std::chrono::seconds limit) {
@@ -57,8 +79,12 @@ CheckOutcome FromEnd(int status, std::chrono::seconds limit) {
     return {Verdict::kFail,
             "the law ended the process with exit code " + std::to_string(WEXITSTATUS(status))};
   }
+  if (WTERMSIG(status) == SIGXCPU) {
+    return {Verdict::kFail,
+            "not done after " + std::to_string(limit.count()) + " s of processor time"};
+  }
   if (WTERMSIG(status) == SIGALRM) {
-    return {Verdict::kFail, "not done after " + std::to_string(limit.count()) + " s"};
+    return {Verdict::kFail, "not done after " + std::to_string(ElapsedLimit(limit).count()) + " s"};
   }
   return {Verdict::kFail, std::string("the law crashed: ") + strsignal(WTERMSIG(status))};
 }

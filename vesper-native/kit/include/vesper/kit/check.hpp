@@ -36,8 +36,9 @@ struct CheckOutcome {
   std::string note;  // measured values, or the reason
 };
 
-/// Runs a check in a separate process, because a law may crash or hang. The calling process must
-/// have one thread.
+/// Runs a check in a separate process, because a law may crash or hang. `limit` is the limit on the
+/// processor time of the check; a check that waits instead fails after ten minutes. The calling
+/// process must have one thread.
 CheckOutcome RunCheck(const Check& check, const Subject& subject,
                       std::chrono::seconds limit = std::chrono::seconds(60));
 

@@ -54,7 +54,7 @@ class ClassesIT {
                 Join.as(name)
                         .withBody(name)
                         .withEncoding(encoding)
-                        .withLockStep(LockStep.every(1).withDeadline(Duration.ofSeconds(10))));
+                        .withLockStep(LockStep.every(1).withDeadline(Duration.ofSeconds(300))));
     }
 
     private static Perception.Item mug(Perception perception) {
@@ -73,7 +73,9 @@ class ClassesIT {
                                 "0",
                                 "--json",
                                 "--deadline",
-                                "10");
+                                "300",
+                                "--waiting",
+                                "off");
                 AgentClient ada = join(server, "ada", Encoding.JSON)) {
             Perception first = ada.observe();
             assertThat(mug(first).symbols())
@@ -108,7 +110,9 @@ class ClassesIT {
                                 "0",
                                 "--json",
                                 "--deadline",
-                                "10");
+                                "300",
+                                "--waiting",
+                                "off");
                 AgentClient bob = join(server, "bob", Encoding.MESSAGEPACK)) {
             Perception perception = bob.observe();
             assertThat(mug(perception).symbols())

@@ -67,7 +67,12 @@ class ClusterLeaseIT {
         return new PostgresCatalog(PostgresUrl.find(postgres.url(database)).orElseThrow());
     }
 
+    /** Returns a lease that lasts longer than a busy machine may pause. */
     private static Lease lease(String database, String owner) {
+        return lease(database, owner, "30 s");
+    }
+
+    private static Lease lease(String database, String owner, String length) {
         return new DatabaseLease(
                 LeaseSettings.apply(
                         ConfigFactory.parseMap(
@@ -77,7 +82,7 @@ class ClusterLeaseIT {
                                         "heartbeat-interval",
                                         "100 ms",
                                         "heartbeat-timeout",
-                                        "3 s",
+                                        length,
                                         "lease-operation-timeout",
                                         "300 ms")),
                         "lab-pekko-sbr",
@@ -114,7 +119,7 @@ class ClusterLeaseIT {
     @Test
     void theLeaseOfAnOwnerThatIsLostEnds() throws Exception {
         String database = database();
-        Lease owner = lease(database, "node 1");
+        Lease owner = lease(database, "node 1", "3 s");
         assertThat(acquires(owner)).isTrue();
         String begun = until(database);
         while (until(database).equals(begun)) {
@@ -149,7 +154,7 @@ class ClusterLeaseIT {
     void withoutTheDatabaseNobodyHasTheLease() throws Exception {
         String database = database();
         CompletableFuture<Optional<Throwable>> loss = new CompletableFuture<>();
-        Lease owner = lease(database, "node 1");
+        Lease owner = lease(database, "node 1", "3 s"); // its end is awaited
         assertThat(owner.acquire(loss::complete).toCompletableFuture().join()).isTrue();
         postgres.stop();
         try {

@@ -168,7 +168,7 @@ class ClusterSleepIT {
      * the next world.
      */
     private static void awaitNoWorldsEngine(Node node) {
-        long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(60);
+        long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(300);
         while (engines(node) > 1) {
             assertThat(System.nanoTime()).as("an engine still runs").isLessThan(end);
             LockSupport.parkNanos(100_000_000);
@@ -184,7 +184,7 @@ class ClusterSleepIT {
 
     /** Asks a node until it knows whether a world sleeps; it reads the database once a second. */
     private static void awaitKnown(Node node, String world, boolean isAsleep) throws Exception {
-        long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(30);
+        long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(300);
         while (isAsleep(status(node), world) != isAsleep) {
             assertThat(System.nanoTime()).as(world).isLessThan(end);
         }

@@ -36,7 +36,7 @@ class CommandLineIT {
         assertThat(check.code()).as(check.err()).isZero();
         for (ProcessHandle child : ProcessHandle.current().children().toList()) {
             if (child.info().command().orElse("").endsWith("vesper-host")) {
-                child.onExit().get(10, TimeUnit.SECONDS); // it is about to end
+                child.onExit().get(300, TimeUnit.SECONDS); // it is about to end
             }
         }
     }

@@ -98,7 +98,7 @@ class DiskFaultIT {
             server.port();
             Path frames = Path.of(store + "-frames-1");
             while (!Files.exists(frames) || Files.size(frames) < 10_000) { // the image is kept
-                Thread.onSpinWait();
+                pause(server);
             }
             String pid = String.valueOf(server.process().pid());
             assertThat(new ProcessBuilder("prlimit", "--pid", pid, "--fsize=64").start().waitFor())
@@ -202,16 +202,16 @@ class DiskFaultIT {
                         "--record",
                         recording.toString())) {
             server.port();
-            awaitGrowth(recording);
+            awaitGrowth(recording, server);
             limit(server, "64:");
-            assertThat(server.events().await("fault", event -> true).path("message").asString())
+            assertThat(server.events().await("fault", Server::isFault).path("message").asString())
                     .startsWith(
                             recording
                                     + " could not be written: File too large; the frames "
                                     + "from")
                     .endsWith("on are not recorded, until a new recording can " + "begin");
             while (!Files.exists(part)) {
-                Thread.onSpinWait();
+                pause(server);
             }
             limit(server, "unlimited:");
             assertThat(
@@ -245,14 +245,20 @@ class DiskFaultIT {
      * Waits until the file has grown by some frames. Libraries and an image need a few writes, and
      * each frame needs one.
      */
-    private static void awaitGrowth(Path file) throws IOException {
+    private static void awaitGrowth(Path file, Server server) throws Exception {
         long last = Files.size(file);
         for (int grown = 0; grown < 30; ) {
             long size = Files.size(file);
             grown += size > last ? 1 : 0;
             last = size;
-            Thread.onSpinWait();
+            pause(server);
         }
+    }
+
+    /** Waits a little for something that the server does. */
+    private static void pause(Server server) throws InterruptedException {
+        assertThat(server.process().isAlive()).as("the server is running").isTrue();
+        Thread.sleep(5);
     }
 
     /** Sets another maximum size of the files of the server [bytes]. */
@@ -388,13 +394,12 @@ class DiskFaultIT {
                         "--store",
                         store.toString(),
                         "--store-every",
-                        "0.2",
-                        "--seconds",
-                        "2")) {
+                        "0.2")) {
             server.port();
             Files.delete(store);
-            assertThat(server.events().await("fault", event -> true).path("message").asString())
+            assertThat(server.events().await("fault", Server::isFault).path("message").asString())
                     .contains(store + " was removed; it was created again");
+            server.process().toHandle().destroy();
             end = server.events().await("end", event -> true);
             assertThat(server.exitCode()).isZero();
         }

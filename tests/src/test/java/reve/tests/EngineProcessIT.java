@@ -25,7 +25,7 @@ import java.util.concurrent.TimeUnit;
 import java.util.stream.Stream;
 
 /** Servers whose laws harm the process that they run in (reve-pe-adapter/src/test/native). */
-@Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class EngineProcessIT {
     @TempDir private Path folder;
@@ -162,11 +162,26 @@ class EngineProcessIT {
         assertThat(without.out()).contains(end.path("stateHash").asString());
     }
 
+    /** Least number of frames in which the law prints. */
+    private static final long PRINTING_FRAMES = 60;
+
     /** The output of a law is no event. */
     @Test
     void aLawThatPrintsForgesNoEvent() throws Exception {
         drop("print");
-        try (Server server = world.serve("--seconds", "5")) {
+        try (Server server = world.serve()) {
+            long loaded =
+                    server.events()
+                            .await(
+                                    "law-loaded",
+                                    event -> event.path("library").asString().equals("hostile"))
+                            .path("frame")
+                            .asLong();
+            long last = Math.max(loaded, StoneWorld.HARMLESS_STEPS) + PRINTING_FRAMES;
+            try (AgentClient agent = Agents.join(Integer.parseInt(server.port()), "ada")) {
+                while (agent.perceive().frame() <= last) {}
+            }
+            server.process().toHandle().destroy();
             List<JsonNode> events = server.events().untilEnd();
             assertThat(events)
                     .filteredOn(event -> event.path("event").asString().equals("law-loaded"))
@@ -188,7 +203,7 @@ class EngineProcessIT {
 
     /** The time limit is that of 200 kills. */
     @Test
-    @Timeout(value = 900, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+    @Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
     void theProcessesOfLawsEndWithTheirServer() throws Exception {
         for (int kill = 0; kill < KILLS; kill++) {
             List<ProcessHandle> hosts;
@@ -199,7 +214,7 @@ class EngineProcessIT {
                 server.process().destroyForcibly();
                 server.process().onExit().join();
                 for (ProcessHandle host : hosts) {
-                    host.onExit().get(30, TimeUnit.SECONDS);
+                    host.onExit().get(300, TimeUnit.SECONDS);
                 }
             }
             assertThat(hosts).noneMatch(ProcessHandle::isAlive);
@@ -225,11 +240,11 @@ class EngineProcessIT {
             server.events().await("end", event -> true);
         }
         try (Server server = world.serve("--store", store)) {
-            server.events().await("fault", event -> true);
+            server.events().await("fault", Server::isFault);
             server.process().toHandle().destroy();
             List<JsonNode> events = server.events().untilEnd();
             assertThat(events)
-                    .filteredOn(event -> event.path("event").asString().equals("fault"))
+                    .filteredOn(Server::isFault)
                     .as("the file is refused, and nothing crashes")
                     .isNotEmpty()
                     .allSatisfy(

@@ -28,7 +28,16 @@ class InstrumentsIT {
     private Server serve(String world) throws Exception {
         Path file = Files.writeString(folder.resolve("world.yaml"), "reve: 1\nname: w\n" + world);
         return Server.start(
-                folder, "serve", file.toString(), "--port", "0", "--json", "--deadline", "10");
+                folder,
+                "serve",
+                file.toString(),
+                "--port",
+                "0",
+                "--json",
+                "--deadline",
+                "300",
+                "--waiting",
+                "off");
     }
 
     private static AgentClient join(Server server, Join join) throws Exception {
@@ -38,7 +47,7 @@ class InstrumentsIT {
     private static Join inLockStep(Encoding encoding) {
         return Join.as("ada")
                 .withEncoding(encoding)
-                .withLockStep(LockStep.every(1).withDeadline(Duration.ofSeconds(10)));
+                .withLockStep(LockStep.every(1).withDeadline(Duration.ofSeconds(300)));
     }
 
     private static double[] numbers(Perception perception, String sensor, String quantity) {

@@ -34,7 +34,7 @@ class InterruptIT {
             JsonNode ready = server.events().await("ready", line -> true);
             try (Socket agent =
                     new Socket(InetAddress.getLoopbackAddress(), ready.get("agentPort").asInt())) {
-                agent.setSoTimeout(10_000);
+                agent.setSoTimeout(300_000);
                 send(agent, "{\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}\n");
                 server.events().await("joined", line -> true);
                 signal(server, signal);
@@ -52,7 +52,7 @@ class InterruptIT {
     }
 
     @Test
-    @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+    @Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
     void aSignalEndsALongRunWithItsReport() throws Exception {
         Process run =
                 new ProcessBuilder(
@@ -81,7 +81,7 @@ class InterruptIT {
     }
 
     @Test
-    @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+    @Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
     void aSignalEndsAnExperimentWhichThenWritesNothing() throws Exception {
         Files.copy(Path.of(WORLD, "world.yaml"), folder.resolve("world.yaml"));
         Path file =
@@ -117,7 +117,7 @@ class InterruptIT {
     }
 
     @Test
-    @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+    @Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
     void aSignalKeepsTheFinishedRunsOfAnExperiment() throws Exception {
         Files.copy(Path.of(WORLD, "world.yaml"), folder.resolve("world.yaml"));
         Path file =

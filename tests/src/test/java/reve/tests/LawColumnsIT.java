@@ -280,7 +280,7 @@ class LawColumnsIT {
         builder.redirectError(folder.resolve("python.err").toFile());
         Process python = builder.start();
         String said = new String(python.getInputStream().readAllBytes());
-        assertThat(python.waitFor(60, TimeUnit.SECONDS)).isTrue();
+        assertThat(python.waitFor(300, TimeUnit.SECONDS)).isTrue();
         assertThat(python.exitValue()).as(Files.readString(folder.resolve("python.err"))).isZero();
         return MAPPER.readTree(said);
     }

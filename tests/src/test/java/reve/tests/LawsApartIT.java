@@ -25,7 +25,7 @@ import java.util.concurrent.TimeUnit;
 import java.util.stream.Collectors;
 
 /** Laws that the operator does not trust, and laws of worlds, each in a sandbox. */
-@Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class LawsApartIT {
     @TempDir private Path folder;
@@ -187,12 +187,19 @@ class LawsApartIT {
                 .collect(Collectors.toSet());
     }
 
+    /** Number of equal samples after which the hosts of a server are those that stay. */
+    private static final int SAME_SAMPLES = 10;
+
+    private static final long SAMPLE_MILLISECONDS = 500;
+
     /** Returns the hosts of a server, without a process that only tries a library and ends soon. */
     private static Set<Long> hostsThatStay(Server server) throws InterruptedException {
-        Set<Long> before = Set.of();
-        for (Set<Long> now = hosts(server); !now.equals(before); now = hosts(server)) {
+        Set<Long> before = hosts(server);
+        for (int same = 1; same < SAME_SAMPLES; ) {
+            Thread.sleep(SAMPLE_MILLISECONDS);
+            Set<Long> now = hosts(server);
+            same = now.equals(before) ? same + 1 : 1;
             before = now;
-            Thread.sleep(1000);
         }
         return before;
     }
@@ -242,7 +249,7 @@ class LawsApartIT {
             assertThat(laws(server.port()).findValuesAsString("library"))
                     .containsExactly("newton_motion", "wind");
             server.process().toHandle().destroy();
-            assertThat(server.process().waitFor(60, TimeUnit.SECONDS)).isTrue();
+            assertThat(server.process().waitFor(300, TimeUnit.SECONDS)).isTrue();
         }
     }
 

@@ -18,7 +18,7 @@ import java.nio.file.Path;
 import java.util.Map;
 
 /** Clients can name native code of the server, but cannot send any. */
-@Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class NativeLawsOverTcpIT {
     private static final Path WIND =

@@ -26,7 +26,7 @@ final class Network implements AutoCloseable {
     /** A hardware address that no interface has. Packets to it reach nobody. */
     private static final String NOWHERE = "02:00:00:00:ff:ff";
 
-    private static final long PATIENCE_SECONDS = 20;
+    private static final long PATIENCE_SECONDS = 300;
 
     private final List<Process> holders = new ArrayList<>();
     private final List<Member> members = new ArrayList<>();

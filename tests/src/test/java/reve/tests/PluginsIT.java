@@ -26,7 +26,7 @@ import java.util.List;
 import java.util.Map;
 
 /** Plugins in Java, at the commands that load them. */
-@Timeout(value = 180, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class PluginsIT {
     /** Adds one to the charge of the item a, in each frame. */

@@ -44,6 +44,7 @@ import java.util.stream.LongStream;
 @Tag("slow")
 class ReconnectIT {
     private static final Duration GRACE = Duration.ofSeconds(30);
+    private static final Duration DEADLINE = Duration.ofSeconds(300);
     private static final int MOST_BYTES = 2_000;
     private static final int ACTS = 100;
 
@@ -88,7 +89,9 @@ class ReconnectIT {
                 new WorldServer(
                         List.of(plan),
                         Pacing.REAL_TIME,
-                        AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(10)),
+                        AgentServerConfig.onPort(0)
+                                .withDeadline(DEADLINE)
+                                .withWaiting(Optional.empty()),
                         Optional.empty(),
                         (type, fields) -> {});
         world = Thread.ofPlatform().start(server::run);
@@ -149,9 +152,7 @@ class ReconnectIT {
                                 way.port(),
                                 Join.as("ada")
                                         .withGrace(GRACE)
-                                        .withLockStep(
-                                                LockStep.every(1)
-                                                        .withDeadline(Duration.ofSeconds(5))))) {
+                                        .withLockStep(LockStep.every(1).withDeadline(DEADLINE)))) {
             var told = new ArrayList<Long>();
             long frame = ada.observe().frame();
             for (int number = 0; number < ACTS; number++) {

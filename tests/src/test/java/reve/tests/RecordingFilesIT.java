@@ -237,7 +237,7 @@ class RecordingFilesIT {
         try (Server server = serve("--record", log.toString())) {
             join(server);
             Files.move(log, moved);
-            JsonNode fault = server.events().await("fault", any -> true);
+            JsonNode fault = server.events().await("fault", Server::isFault);
             assertThat(fault.path("source").asString()).isEqualTo("recording");
             assertThat(fault.path("message").asString())
                     .startsWith(log + " was moved or removed; " + "a new recording begins there");
@@ -258,7 +258,7 @@ class RecordingFilesIT {
         try (Server server = serve("--record", log.toString())) {
             join(server);
             Files.move(place, folder.resolve("elsewhere"));
-            JsonNode fault = server.events().await("fault", any -> true);
+            JsonNode fault = server.events().await("fault", Server::isFault);
             assertThat(fault.path("message").asString())
                     .contains(
                             log + " was moved or removed, and no new recording can begin there",
@@ -326,7 +326,11 @@ class RecordingFilesIT {
                         server.events()
                                 .await(
                                         "fault",
-                                        any -> any.path("source").asString().equals(source));
+                                        any ->
+                                                Server.isFault(any)
+                                                        && any.path("source")
+                                                                .asString()
+                                                                .equals(source));
                 assertThat(fault.path("message").asString())
                         .contains(source.equals("audit") ? audit.toString() : log.toString())
                         .containsPattern(
@@ -363,7 +367,7 @@ class RecordingFilesIT {
         try (Server server = serve("--audit", audit.toString())) {
             join(server);
             Files.move(audit, moved);
-            JsonNode fault = server.events().await("fault", any -> true);
+            JsonNode fault = server.events().await("fault", Server::isFault);
             assertThat(fault.path("source").asString()).isEqualTo("audit");
             assertThat(fault.path("message").asString())
                     .contains(audit + " was moved or removed; a new one begins there");

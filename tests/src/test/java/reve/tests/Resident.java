@@ -22,7 +22,7 @@ final class Resident implements AutoCloseable {
     /** Usual pause between two acts. */
     static final Duration PAUSE = Duration.ofMillis(100);
 
-    private static final long PATIENCE_SECONDS = 60;
+    private static final long PATIENCE_SECONDS = 300;
     private static final long POLL_NANOSECONDS = 10_000_000;
 
     private final String name;

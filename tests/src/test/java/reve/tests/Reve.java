@@ -59,7 +59,8 @@ final class Reve {
      * Runs a command to its end in this JVM. Must not be called by two threads at once, because the
      * standard output of the JVM belongs to the command meanwhile.
      */
-    static Outcome run(String... arguments) throws InterruptedException {
+    static Outcome run(String... words) throws InterruptedException {
+        String[] arguments = patient(words);
         var out = new ByteArrayOutputStream();
         var err = new ByteArrayOutputStream();
         var command = new FutureTask<>(() -> Main.run(arguments));
@@ -131,6 +132,16 @@ final class Reve {
         }
         reader.join();
         return new Outcome(process.exitValue(), out, withoutPatience(err));
+    }
+
+    /** Lets a command that asks a server wait longer, because the machine may be busy. */
+    private static String[] patient(String... words) {
+        List<String> all = new ArrayList<>(List.of(words));
+        boolean asks = all.contains("--port") && List.of("control", "cluster").contains(words[0]);
+        if (asks && !all.contains("--timeout")) {
+            all.addAll(List.of("--timeout", "120"));
+        }
+        return all.toArray(String[]::new);
     }
 
     /**

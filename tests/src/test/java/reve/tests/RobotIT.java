@@ -141,7 +141,7 @@ class RobotIT {
                 shell.serve(
                         "\"$REVE/reve\" serve \"$REVE/worlds/"
                                 + world
-                                + "\" --fast --waiting off")) {
+                                + "\" --fast --waiting off --deadline 600")) {
             return shell.run(
                     "PYTHONPATH=\"$REVE/agents/python\" python3"
                             + " \"$REVE/agents/python/examples/"

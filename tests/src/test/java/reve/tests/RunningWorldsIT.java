@@ -246,7 +246,7 @@ class RunningWorldsIT {
         builder.environment().put("PYTHONPATH", Project.ROOT.resolve("agents/python").toString());
         Process python = builder.start();
         String said = new String(python.getInputStream().readAllBytes());
-        assertThat(python.waitFor(60, TimeUnit.SECONDS)).isTrue();
+        assertThat(python.waitFor(300, TimeUnit.SECONDS)).isTrue();
         assertThat(python.exitValue()).as(said).isZero();
     }
 }

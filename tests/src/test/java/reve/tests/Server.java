@@ -18,7 +18,7 @@ import java.util.function.Predicate;
 
 /** A {@code ./reve serve --json} process. Closing this object ends the process. */
 record Server(Process process, Events events) implements AutoCloseable {
-    private static final long PATIENCE_SECONDS = 60;
+    private static final long PATIENCE_SECONDS = 300;
 
     /** Time after which a server that does not write an expected event is ended. */
     private static final long EVENT_SECONDS = 300;
@@ -126,8 +126,12 @@ record Server(Process process, Events events) implements AutoCloseable {
 
     /** Returns whether an event reports a fault, other than that a busy machine writes slowly. */
     static boolean isFault(JsonNode event) {
-        String message = event.path("message").asString("");
-        return event.path("event").asString("").equals("fault")
+        return isFault(event.path("event").asString(""), event.path("message").asString(""));
+    }
+
+    /** Returns whether an event reports a fault, other than that a busy machine writes slowly. */
+    static boolean isFault(String event, String message) {
+        return event.equals("fault")
                 && !message.startsWith("the disk is slow: ")
                 && !message.startsWith("the disk is too slow: ");
     }

@@ -39,6 +39,7 @@ import java.util.Optional;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.Executor;
+import java.util.concurrent.TimeUnit;
 
 /** Each world in a server behaves as if it were alone, even if the other worlds fail. */
 class SeveralWorldsIT {
@@ -89,7 +90,7 @@ class SeveralWorldsIT {
                                 CompletableFuture<?> act =
                                         CompletableFuture.supplyAsync(
                                                 () -> ada.act("bomb", "go", Map.of()), THREADS);
-                                hanging.await();
+                                assertThat(hanging.await(300, TimeUnit.SECONDS)).isTrue();
                                 assertFramesAreMade(bob);
                                 assertThat(
                                                 bob.act(

@@ -383,7 +383,7 @@ class SharedStoreIT {
         try (Server server = serve(WORLD, database, "--store-every", "2")) {
             act(ready(server), new Random(SEED));
             postgres.stop();
-            JsonNode fault = server.events().await("fault", event -> true);
+            JsonNode fault = server.events().await("fault", Server::isFault);
             assertThat(fault.path("source").asString()).isEqualTo("store");
             assertThat(fault.path("message").asString())
                     .contains(

@@ -59,12 +59,21 @@ class TooHeavyIT {
     private Server serve(String text) throws Exception {
         Path file = Files.writeString(folder.resolve("world.yaml"), text);
         return Server.start(
-                folder, "serve", file.toString(), "--port", "0", "--json", "--deadline", "10");
+                folder,
+                "serve",
+                file.toString(),
+                "--port",
+                "0",
+                "--json",
+                "--deadline",
+                "300",
+                "--waiting",
+                "off");
     }
 
     private static AgentClient join(Server server, String name, boolean relations)
             throws Exception {
-        LockStep pace = LockStep.every(1).withDeadline(Duration.ofSeconds(10));
+        LockStep pace = LockStep.every(1).withDeadline(Duration.ofSeconds(300));
         return Agents.join(
                 Integer.parseInt(server.port()),
                 Join.as(name)

@@ -20,6 +20,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
+import java.util.concurrent.TimeUnit;
 import java.util.stream.Stream;
 
 /** Mistakes of operators, and the messages about them. */
@@ -212,28 +213,33 @@ class UsageIT {
     @Test
     void aNameThatTheCharacterSetCannotWriteIsRefusedInWords() throws Exception {
         Path natives = Project.ROOT.resolve("build/native");
-        Outcome outcome = inC(Reve.commandIn(natives, "serve", WORLD, "--store", "\u00e4.db"));
+        Outcome outcome =
+                Reve.run(inC(Reve.commandIn(natives, "serve", WORLD, "--store", "\u00e4.db")));
         assertThat(outcome.code()).as(outcome.err()).isEqualTo(2);
         assertThat(outcome.err())
                 .contains("'--store'", "the character set of the system", "LC_ALL=C.UTF-8")
                 .doesNotContain("java.", "Exception");
     }
 
-    /** Runs a command in the locale of a system service, in which names of files are ASCII. */
-    private Outcome inC(List<String> command) throws Exception {
+    /**
+     * Returns a command that runs another one in the locale of a system service, in which names of
+     * files are ASCII.
+     */
+    private List<String> inC(List<String> command) throws Exception {
         Path script =
                 Files.writeString(
                         folder.resolve("script"),
-                        "LC_ALL=C "
+                        "LC_ALL=C exec "
                                 + command.stream()
                                         .map(each -> "'" + each + "'")
                                         .collect(joining(" ")));
-        return Reve.run(List.of("bash", script.toString()));
+        return List.of("bash", script.toString());
     }
 
     @Test
     void theLauncherUsesUtf8WhereTheSystemHasNoCharacterSet() throws Exception {
-        Outcome outcome = inC(Reve.command("check", folder.resolve("\u00e4.yaml").toString()));
+        Outcome outcome =
+                Reve.run(inC(Reve.command("check", folder.resolve("\u00e4.yaml").toString())));
         assertThat(outcome.code()).isEqualTo(1);
         assertThat(outcome.err()).contains("\u00e4.yaml").doesNotContain("character set");
     }
@@ -257,17 +263,27 @@ class UsageIT {
                         "--port",
                         "0",
                         "--json",
-                        "--seconds",
-                        "15",
                         "--laws",
                         laws.toString());
-        Outcome outcome = inC(command);
-        assertThat(outcome.code()).as(outcome.err()).isZero();
-        assertThat(outcome.out()).contains("\"library\":\"good\"");
-        assertThat(outcome.err())
-                .contains("the character set of the system")
-                .doesNotContain("Exception", "\u001b");
-        assertThat(outcome.err().lines())
+        Path errors = folder.resolve("server.err");
+        Process process = new ProcessBuilder(inC(command)).redirectError(errors.toFile()).start();
+        try (Server server = new Server(process, new Server.Events(process, errors))) {
+            server.events()
+                    .await("law-loaded", event -> event.path("library").asString().equals("good"));
+            long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(300);
+            while (!Files.readString(errors).contains("the character set of the system")) {
+                assertThat(process.isAlive() && System.nanoTime() < end)
+                        .as(Files.readString(errors))
+                        .isTrue();
+                Thread.sleep(20);
+            }
+            process.toHandle().destroy();
+            server.events().await("end", event -> true);
+            assertThat(server.exitCode()).as(Files.readString(errors)).isZero();
+        }
+        String messages = Files.readString(errors);
+        assertThat(messages).doesNotContain("Exception", "\u001b");
+        assertThat(messages.lines())
                 .noneMatch(line -> line.contains("forged") && !line.contains("WARN"));
     }
 
@@ -326,7 +342,8 @@ class UsageIT {
                                             folder.resolve("laws").toString()))
                             .start();
             while (!Files.exists(mark)) {
-                Thread.onSpinWait();
+                assertThat(process.isAlive()).as(command).isTrue();
+                Thread.sleep(5);
             }
             List<ProcessHandle> probes = process.descendants().toList();
             process.toHandle().destroy();

@@ -9,6 +9,7 @@ import org.junit.jupiter.api.io.TempDir;
 
 import tools.jackson.databind.JsonNode;
 
+import java.io.BufferedReader;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
@@ -62,14 +63,14 @@ class WritingALawIT {
                     folder.resolve("watch.py"),
                     page.titled("watch.py").text().replace("7777", server.port()));
 
-            Process still = watch(3);
-            assertThat(speeds(still))
+            BufferedReader watcher = watch().inputReader();
+            assertThat(List.of(speed(watcher), speed(watcher), speed(watcher)))
                     .as("nothing moves along z before the drop")
                     .allSatisfy(speed -> assertThat(speed[1]).isZero());
 
             shell.run(page.titled("drop.sh").text());
             JsonNode loaded = server.events().await("law-loaded", WritingALawIT::isTheWind);
-            List<double[]> windy = speeds(watch(4));
+            List<double[]> windy = speedsAfter(loaded, watcher);
             assertThat(gain(windy))
                     .as("m/s per second in the wind")
                     .isBetween(0.9 * ACCELERATION, ACCELERATION);
@@ -77,7 +78,7 @@ class WritingALawIT {
             shell.run(page.titled("remove.sh").text());
             JsonNode unloaded = server.events().await("law-unloaded", WritingALawIT::isTheWind);
             assertThat(unloaded.get("frame").asLong()).isGreaterThan(loaded.get("frame").asLong());
-            List<double[]> calm = speeds(watch(4));
+            List<double[]> calm = speedsAfter(unloaded, watcher);
             assertThat(Math.abs(gain(calm)))
                     .as("m/s per second after the wind")
                     .isLessThan(0.02 * ACCELERATION);
@@ -89,16 +90,30 @@ class WritingALawIT {
         return event.get("library").asString().equals("uniform_wind");
     }
 
-    /** (time [s], speed along z [m/s]) for each line that the watching agent printed. */
-    private List<double[]> speeds(Process watcher) throws Exception {
+    /** (time [s], speed along z [m/s]) of the next line that the watching agent prints. */
+    private double[] speed(BufferedReader watcher) throws IOException {
+        String line = watcher.readLine();
+        assertThat(line).as(shell.messages()).isNotNull();
+        Matcher speed = SPEED.matcher(line);
+        assertThat(speed.find()).as(line).isTrue();
+        return new double[] {
+            Double.parseDouble(speed.group(1)), Double.parseDouble(speed.group(2))
+        };
+    }
+
+    /**
+     * The mean speeds that were measured completely in the five seconds of world time after an
+     * event. Each of them belongs to the middle of the time between two lines.
+     */
+    private List<double[]> speedsAfter(JsonNode event, BufferedReader watcher) throws IOException {
+        double start = event.get("time").asDouble();
         List<double[]> speeds = new ArrayList<>();
-        for (String line : shell.finish(watcher).split("\n")) {
-            Matcher speed = SPEED.matcher(line);
-            assertThat(speed.find()).as(line).isTrue();
-            speeds.add(
-                    new double[] {
-                        Double.parseDouble(speed.group(1)), Double.parseDouble(speed.group(2))
-                    });
+        double before = speed(watcher)[0];
+        for (double[] next = speed(watcher); next[0] <= start + 5; next = speed(watcher)) {
+            if (before >= start) {
+                speeds.add(new double[] {(before + next[0]) / 2, next[1]});
+            }
+            before = next[0];
         }
         return speeds;
     }
@@ -109,7 +124,8 @@ class WritingALawIT {
         return (last[1] - first[1]) / (last[0] - first[0]);
     }
 
-    private Process watch(int lines) throws IOException {
-        return shell.start(page.titled("watch.sh").text().strip() + " " + lines + "\n");
+    /** Starts the watching agent, which ends with the server at the latest. */
+    private Process watch() throws IOException {
+        return shell.start(page.titled("watch.sh").text().strip() + " 100000\n");
     }
 }

@@ -25,7 +25,7 @@ import java.util.List;
 import java.util.Map;
 
 /** A wrong text costs its author nothing but the message, and the world nothing at all. */
-@Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Timeout(value = 1200, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class WrongTextsIT {
     /** The texts have the name of the law {@code x}, which both worlds have loaded. */

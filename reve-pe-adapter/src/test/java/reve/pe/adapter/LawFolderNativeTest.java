@@ -646,7 +646,7 @@ class LawFolderNativeTest {
     void theFoldersOwnThreadFollowsByItself() throws IOException {
         drop("wind", "wind.so");
         laws.start();
-        long deadline = System.nanoTime() + Duration.ofSeconds(30).toNanos();
+        long deadline = System.nanoTime() + Duration.ofSeconds(300).toNanos();
         while (loaded().size() < 2 && System.nanoTime() < deadline) {
             world.run(1);
         }

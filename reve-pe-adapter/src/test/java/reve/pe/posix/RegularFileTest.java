@@ -95,8 +95,9 @@ class RegularFileTest {
                                     }
                                 });
         int read = 0;
+        int tried = 0;
         try {
-            for (int i = 0; i < 3000; i++) {
+            for (; tried < 3000 || read == 0 || read == tried; tried++) {
                 try {
                     assertThat(RegularFile.read(file, 10)).containsExactly(7);
                     read++;
@@ -108,7 +109,7 @@ class RegularFileTest {
             done.set(true);
             exchanging.join();
         }
-        assertThat(read).isBetween(1, 2999);
+        assertThat(read).isBetween(1, tried - 1);
     }
 
     /** Links a file at another place. The link replaces the object that is there. */

@@ -53,7 +53,7 @@ class AgentAbuseTest {
     /** Number of faulty clients at the same time, so that places remain for correct ones. */
     private static final int AT_ONCE = 400;
 
-    private static final Duration PATIENCE = Duration.ofSeconds(20 + CLIENTS / 5);
+    private static final Duration PATIENCE = Duration.ofMinutes(10);
     private static final int ROUND_TRIPS = 200;
     private static final int GOOD = 4;
     private static final int STONES = 200;
@@ -237,7 +237,7 @@ class AgentAbuseTest {
             this.name = kind.name() + number;
             this.random = new Random(seed + 31L * number + kind.ordinal());
             socket.connect(address);
-            socket.setSoTimeout(60_000);
+            socket.setSoTimeout(300_000);
             out = socket.getOutputStream();
         }
 
@@ -438,7 +438,7 @@ class AgentAbuseTest {
     private static Socket connected(InetSocketAddress address) throws IOException {
         var socket = new Socket(address.getAddress(), address.getPort());
         socket.setTcpNoDelay(true);
-        socket.setSoTimeout(60_000);
+        socket.setSoTimeout(300_000);
         return socket;
     }
 

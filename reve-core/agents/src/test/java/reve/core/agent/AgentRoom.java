@@ -45,8 +45,8 @@ import java.util.function.BooleanSupplier;
  */
 public final class AgentRoom implements AutoCloseable {
 
-    public static final AgentServerConfig CONFIG =
-            AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(10));
+    /** Limits of the protocol, but clients of tests on a busy machine have minutes. */
+    public static final AgentServerConfig CONFIG = patient();
 
     private static final Parameter IMPULSE =
             Parameter.number("impulse", 3, Unit.parse("N*s"), "How hard.");
@@ -148,6 +148,27 @@ public final class AgentRoom implements AutoCloseable {
                 .build();
     }
 
+    private static AgentServerConfig patient() {
+        AgentServerConfig usual = AgentServerConfig.onPort(0);
+        AgentTimeouts t = usual.timeouts();
+        Duration minutes = Duration.ofMinutes(5);
+        return new AgentServerConfig(
+                usual.address(),
+                usual.limits(),
+                new AgentTimeouts(
+                        minutes,
+                        minutes,
+                        minutes,
+                        t.flood(),
+                        minutes,
+                        t.grace(),
+                        minutes,
+                        t.waiting(),
+                        t.linger()),
+                usual.audit(),
+                usual.security());
+    }
+
     /** Limits of milliseconds, for tests that wait until a limit is reached. */
     public static AgentServerConfig config(
             Duration hello, Duration line, Duration idle, Duration write) {
@@ -193,9 +214,9 @@ public final class AgentRoom implements AutoCloseable {
         loop.step();
     }
 
-    /** Makes frames until a condition is true. Fails if the condition is not true after 20 s. */
+    /** Makes frames until a condition is true. Fails if it is not true after ten minutes. */
     public void stepUntil(String what, BooleanSupplier isSo) {
-        stepUntil(what, Duration.ofSeconds(20), isSo);
+        stepUntil(what, Duration.ofMinutes(10), isSo);
     }
 
     /**

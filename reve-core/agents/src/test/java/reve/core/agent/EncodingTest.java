@@ -53,7 +53,7 @@ class EncodingTest {
         Packed(String name) throws IOException {
             socket =
                     new Socket(room.server.address().getAddress(), room.server.address().getPort());
-            socket.setSoTimeout(20_000);
+            socket.setSoTimeout(300_000);
             out = socket.getOutputStream();
             in = new DataInputStream(socket.getInputStream());
             out.write(

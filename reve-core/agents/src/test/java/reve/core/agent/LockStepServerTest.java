@@ -74,7 +74,7 @@ class LockStepServerTest {
                 room.connect().say(HELLO.formatted("ada", ",'every':3,'deadline':1000")).sync()) {
             room.step();
             assertThat(ada.expect("welcome").get("time"))
-                    .isEqualTo(TestClient.json("{'mode':'lock-step','every':3,'deadline':10.0}"));
+                    .isEqualTo(TestClient.json("{'mode':'lock-step','every':3,'deadline':300.0}"));
         }
     }
 
@@ -82,7 +82,8 @@ class LockStepServerTest {
     void theLongestDeadlineIsASecondUnlessTheOperatorSaysOtherwise() throws IOException {
         room.close();
         room = new AgentRoom(AgentServerConfig.onPort(0));
-        try (TestClient ada = room.connect().say(HELLO.formatted("ada", ",'deadline':10")).sync()) {
+        try (TestClient ada =
+                room.connect().say(HELLO.formatted("ada", ",'deadline':600")).sync()) {
             room.step();
             assertThat(ada.expect("welcome").at("/time/deadline").doubleValue()).isEqualTo(1.0);
         }
@@ -147,7 +148,7 @@ class LockStepServerTest {
     void whoKeepsAnAgentInRealTimeWaitingIsToldThatTheWorldWaitsAFrameOnly() throws IOException {
         openImpatient();
         try (TestClient bob = room.join("bob");
-                TestClient ada = join("ada", ",'deadline':10")) {
+                TestClient ada = join("ada", ",'deadline':600")) {
             bob.say("{'t':'perceive','every':100}").sync();
             run();
             JsonNode told = nextWaiting(ada);
@@ -187,11 +188,10 @@ class LockStepServerTest {
 
     @Test
     void anOperatorsCommandsAreDoneWhileTheWorldWaitsAndShowInTheNextFrame() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':10");
+        try (TestClient ada = join("ada", ",'deadline':600");
                 TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             run();
-            long begun = System.nanoTime();
             for (int id = 1; id <= 100; id++) {
                 boss.say(
                         ("{'t':'edit','id':%d,'item':'duck','property':'semantic.wound',"
@@ -203,9 +203,6 @@ class LockStepServerTest {
                                         "{'t':'result','id':%d,'accepted':true,'frame':2}"
                                                 .formatted(id)));
             }
-            assertThat(System.nanoTime() - begun)
-                    .as("a hundred edits, one after the other [ns]")
-                    .isLessThan(5_000_000_000L);
             boss.say("{'t':'edit','id':101,'item':'swan','property':'physics.mass','value':1}");
             boss.expect("result", "no-such-item");
             assertThat(room.loop.frame()).as("the world waits").isEqualTo(1);
@@ -218,7 +215,7 @@ class LockStepServerTest {
 
     @Test
     void aQueryAfterAChangeIsAnsweredFromTheFrameThatContainsTheChange() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':10");
+        try (TestClient ada = join("ada", ",'deadline':600");
                 TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             run();
@@ -236,7 +233,7 @@ class LockStepServerTest {
 
     @Test
     void whatIsSaidToAPausedWorldWaitsForItsNextFrame() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':10");
+        try (TestClient ada = join("ada", ",'deadline':600");
                 TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             run();
@@ -257,7 +254,7 @@ class LockStepServerTest {
 
     @Test
     void whoIsReadyGetsTheNextPerceptionWithoutAskingForIt() throws IOException {
-        try (TestClient ada = join("ada", "")) {
+        try (TestClient ada = join("ada", ",'deadline':600")) {
             run();
             for (long frame = 2; frame < 100; frame++) {
                 ada.say("{'t':'ready'}");
@@ -271,7 +268,7 @@ class LockStepServerTest {
 
     @Test
     void anActThatSaysReadyIsDoneInTheNextFrameAndItsResultComesFirst() throws IOException {
-        try (TestClient ada = join("ada", "")) {
+        try (TestClient ada = join("ada", ",'deadline':600")) {
             run();
             for (int frame = 2; frame < 50; frame++) {
                 ada.say(WIND_UP.formatted(frame));
@@ -288,7 +285,7 @@ class LockStepServerTest {
 
     @Test
     void roundsOfSeveralFramesPassWithoutWaiting() throws IOException {
-        try (TestClient ada = join("ada", ",'every':3")) {
+        try (TestClient ada = join("ada", ",'every':3,'deadline':600")) {
             run();
             for (long frame = 4; frame < 100; frame += 3) {
                 ada.say("{'t':'ready','frame':" + (frame - 3) + "}");
@@ -399,9 +396,9 @@ class LockStepServerTest {
 
     @Test
     void whoLeavesOrBreaksOffIsNotWaitedFor() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':10");
-                TestClient bob = join("bob", ",'deadline':10");
-                TestClient cleo = join("cleo", ",'deadline':10")) {
+        try (TestClient ada = join("ada", ",'deadline':600");
+                TestClient bob = join("bob", ",'deadline':600");
+                TestClient cleo = join("cleo", ",'deadline':600")) {
             ada.expect("event"); // bob joined
             ada.expect("perception");
             ada.expect("event"); // cleo joined
@@ -440,7 +437,7 @@ class LockStepServerTest {
 
     @Test
     void aWorldThatWaitsIsPausedSteppedAndEndedAtOnce() throws IOException, InterruptedException {
-        try (TestClient ada = join("ada", ",'deadline':10");
+        try (TestClient ada = join("ada", ",'deadline':600");
                 TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             run();
@@ -459,7 +456,7 @@ class LockStepServerTest {
 
     @Test
     void aServerThatEndsHoldsNothing() throws IOException, InterruptedException {
-        try (TestClient ada = join("ada", ",'deadline':10")) {
+        try (TestClient ada = join("ada", ",'deadline':600")) {
             run();
             room.server.close();
             ada.skipToBye("closing");
@@ -471,12 +468,12 @@ class LockStepServerTest {
 
     @Test
     void agentsComeOneAfterAnotherAndBeginTogether() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':10");
+        try (TestClient ada = join("ada", ",'deadline':600");
                 TestClient bob = room.connect();
                 TestClient cleo = room.connect()) {
             run();
-            bob.say(HELLO.formatted("bob", ",'deadline':10")).skipTo("perception");
-            cleo.say(HELLO.formatted("cleo", ",'deadline':10")).skipTo("perception");
+            bob.say(HELLO.formatted("bob", ",'deadline':600")).skipTo("perception");
+            cleo.say(HELLO.formatted("cleo", ",'deadline':600")).skipTo("perception");
             for (TestClient client : List.of(ada, bob, cleo)) {
                 client.say("{'t':'ready','frame':3}");
             }
@@ -494,7 +491,7 @@ class LockStepServerTest {
     @Test
     void agentsInRealTimeAreNotWaitedForAndPerceiveTheSameFrames() throws IOException {
         try (TestClient bob = room.join("bob");
-                TestClient ada = join("ada", "")) {
+                TestClient ada = join("ada", ",'deadline':600")) {
             bob.say("{'t':'perceive','every':2}").sync();
             run();
             bob.expect("event"); // ada joined
@@ -538,8 +535,8 @@ class LockStepServerTest {
         List<Long> hashes = new CopyOnWriteArrayList<>();
         try (TestClient ada = room.connect();
                 TestClient bob = room.connect()) {
-            ada.say(HELLO.formatted("ada", ",'deadline':10")).sync();
-            bob.say(HELLO.formatted("bob", ",'deadline':10")).sync();
+            ada.say(HELLO.formatted("ada", ",'deadline':600")).sync();
+            bob.say(HELLO.formatted("bob", ",'deadline':600")).sync();
             room.step();
             room.bus.subscribe(
                     FramePhase.DERIVE, "hashes", event -> hashes.add(hash(event.world())));

@@ -170,7 +170,7 @@ class LongRowTest {
             this.encoding = number / 2 % 2 == 0 ? Encoding.JSON : Encoding.MESSAGEPACK;
             this.socket = socket;
             socket.setTcpNoDelay(true);
-            socket.setSoTimeout(20_000);
+            socket.setSoTimeout(300_000);
             this.in = new DataInputStream(new BufferedInputStream(socket.getInputStream()));
             var hello =
                     new LinkedHashMap<String, Object>(

@@ -44,6 +44,7 @@ import java.util.BitSet;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
+import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.LongAdder;
 import java.util.function.BooleanSupplier;
 
@@ -53,6 +54,10 @@ class LookInSlicesTest {
     private final World world = new World("pond", WorldPrototype.standard("si-f64"), arena);
     private final FrameBus bus = new FrameBus();
     private final FrameLoop loop = new FrameLoop(world, bus, Timing.DEFAULT, Pacing.FAST);
+
+    /** The time, so that a busy machine does not end a slice. */
+    private final AtomicLong nanos = new AtomicLong();
+
     private final Publisher publisher = publisher();
 
     /** A client that perceives every frame. */
@@ -187,7 +192,8 @@ class LookInSlicesTest {
                         loop,
                         new RoomControl(world, loop),
                         Cameras.none());
-        return new Publisher(port, new RateLimitedLog(1, "looks"), () -> {}, () -> {});
+        return new Publisher(
+                port, new RateLimitedLog(1, "looks"), () -> {}, () -> {}, nanos::incrementAndGet);
     }
 
     @BeforeEach

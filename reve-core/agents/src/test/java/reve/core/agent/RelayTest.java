@@ -46,7 +46,7 @@ class RelayTest {
     }
 
     private String news() throws InterruptedException {
-        return String.valueOf(news.poll(20, TimeUnit.SECONDS));
+        return String.valueOf(news.poll(300, TimeUnit.SECONDS));
     }
 
     private static BufferedReader lines(SocketChannel channel) {

@@ -21,7 +21,7 @@ import java.util.Deque;
 /** A client that sends and receives raw lines over a real socket. */
 public final class TestClient implements AutoCloseable {
 
-    private static final int PATIENCE_MILLIS = 120_000;
+    private static final int PATIENCE_MILLIS = 300_000;
     private static final JsonMapper JSON = new JsonMapper();
 
     public final Socket socket;

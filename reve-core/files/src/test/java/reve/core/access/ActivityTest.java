@@ -26,7 +26,7 @@ import java.util.Map;
 import java.util.Optional;
 
 /** The texts that other threads read about the work of the world's thread. */
-@Timeout(20)
+@Timeout(600)
 class ActivityTest {
     private static final String FILE =
             """

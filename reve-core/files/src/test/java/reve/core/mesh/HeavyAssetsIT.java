@@ -55,7 +55,7 @@ class HeavyAssetsIT {
                         .redirectOutput(output.toFile())
                         .redirectError(errors.toFile())
                         .start();
-        boolean ended = reading.waitFor(5, TimeUnit.MINUTES);
+        boolean ended = reading.waitFor(30, TimeUnit.MINUTES);
         reading.destroyForcibly();
         List<String> lines = Files.readAllLines(output);
         assertThat(ended).as("%s", lines).isTrue();

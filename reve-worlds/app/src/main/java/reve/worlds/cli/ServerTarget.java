@@ -15,6 +15,7 @@ import reve.agent.Trust;
 import java.io.IOException;
 import java.net.UnknownHostException;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.Optional;
 
 /** The options by which a command reaches a server as a client of the role control. */
@@ -22,6 +23,8 @@ class ServerTarget {
     private static final String TOKEN = "REVE_TOKEN";
     private static final String NAME = "control";
     private static final int MAX_PORT = 65_535;
+    private static final double MIN_TIMEOUT = 0.1;
+    private static final double MAX_TIMEOUT = 3600;
 
     @Spec(Spec.Target.MIXEE)
     private CommandSpec spec = CommandSpec.create();
@@ -57,6 +60,14 @@ class ServerTarget {
             description =
                     "Use TLS, and verify the server with the certificates in this file (PEM).")
     private Optional<Path> trust = Optional.empty();
+
+    @Option(
+            names = "--timeout",
+            paramLabel = "S",
+            defaultValue = "10",
+            description =
+                    "Longest wait for an answer of the server [s] (default: ${DEFAULT-VALUE}).")
+    private double timeout;
 
     /**
      * Returns the nodes and worlds of the server's cluster. Joins no world, so no world wakes.
@@ -103,6 +114,17 @@ class ServerTarget {
             throw new ParameterException(
                     spec.commandLine(), "--port is " + port + ", expected 1 to " + MAX_PORT);
         }
+        if (!(timeout >= MIN_TIMEOUT && timeout <= MAX_TIMEOUT)) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--timeout is "
+                            + timeout
+                            + ", expected "
+                            + MIN_TIMEOUT
+                            + " to "
+                            + MAX_TIMEOUT
+                            + " s");
+        }
         try {
             return talk.with();
         } catch (UnknownHostException e) {
@@ -120,7 +142,10 @@ class ServerTarget {
     }
 
     private Join join(String as) throws IOException {
-        Join join = Join.as(as).withRole("control");
+        Join join =
+                Join.as(as)
+                        .withRole("control")
+                        .withPatience(Duration.ofNanos(Math.round(timeout * 1e9)));
         if (hasToken()) {
             join = join.withToken(System.getenv(TOKEN));
         }

@@ -21,7 +21,7 @@ class LostClassesTest {
                             () -> {
                                 throw new NoClassDefFoundError("reve/Lost");
                             });
-            Thread.sleep(60_000);
+            Thread.sleep(400_000);
         }
     }
 
@@ -36,7 +36,7 @@ class LostClassesTest {
                                 Program.class.getName())
                         .redirectErrorStream(true)
                         .start();
-        assertThat(process.waitFor(50, TimeUnit.SECONDS)).isTrue();
+        assertThat(process.waitFor(300, TimeUnit.SECONDS)).isTrue();
         assertThat(process.exitValue()).isEqualTo(ExitCode.FAILURE);
         assertThat(new String(process.getInputStream().readAllBytes(), StandardCharsets.UTF_8))
                 .isEqualTo(

@@ -11,7 +11,7 @@ import java.time.Duration;
 
 /** The output of programs, in a file of limited size. */
 class ProgramOutputTest {
-    private static final Duration PATIENCE = Duration.ofSeconds(30);
+    private static final Duration PATIENCE = Duration.ofSeconds(300);
 
     @TempDir private Path folder;
 

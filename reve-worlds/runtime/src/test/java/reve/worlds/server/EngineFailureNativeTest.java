@@ -36,7 +36,7 @@ import java.util.concurrent.ConcurrentLinkedQueue;
 
 /** Journals of worlds whose engine fails. */
 @Tag("slow")
-@Timeout(value = 60, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Timeout(value = 600, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 class EngineFailureNativeTest {
     private static final Path WORLD =
             Path.of(System.getProperty("reve.root"), "worlds", "spring-orbit", "world.yaml");

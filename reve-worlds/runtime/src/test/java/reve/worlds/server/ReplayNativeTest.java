@@ -532,13 +532,28 @@ class ReplayNativeTest {
                                 throw cannotTell;
                             });
 
-            assertThatThrownBy(() -> simulation.loop().run(10_000))
+            assertThatThrownBy(() -> runSlowly(simulation, 10_000))
                     .isInstanceOf(IOError.class)
                     .hasMessageContaining("the journal has ended after frame")
                     .hasMessageContaining("nobody can be told");
-            assertThat(simulation.loop().frame()).isLessThan(5);
+            assertThat(simulation.loop().frame()).isLessThan(1000);
             assertThatThrownBy(journal::close).isSameAs(cannotTell);
         }
+    }
+
+    /** Makes at most 100 frames per second, so that another thread can follow. */
+    private static void runSlowly(Simulation simulation, int frames) {
+        for (int i = 0; i < frames; i++) {
+            simulation.loop().step();
+            LockSupport.parkNanos(10_000_000);
+        }
+    }
+
+    /** Returns the problems, except that a busy machine writes slowly. */
+    private static List<String> withoutSlowness(List<String> problems) {
+        return problems.stream()
+                .filter(problem -> !problem.startsWith("the disk is slow: "))
+                .toList();
     }
 
     /** Returns a sink that throws an Error for the second frame, place or image. */
@@ -588,9 +603,14 @@ class ReplayNativeTest {
                             hangingAtFirstFrame(kept, mended),
                             problems::add)) {
                 simulation.loop().run(2100);
-                assertThat(problems).hasSize(2);
-                assertThat(problems.get(0)).startsWith("the disk is too slow: frame 1 ");
-                assertThat(problems.get(1)).startsWith("the disk is too slow: frames from 2049 on");
+                assertThat(withoutSlowness(problems))
+                        .satisfiesExactly(
+                                one -> assertThat(one).startsWith("the disk is too slow: frame 1 "),
+                                two ->
+                                        assertThat(two)
+                                                .startsWith(
+                                                        "the disk is too slow: frames from 2049"
+                                                                + " on"));
                 mended.countDown();
                 simulation.loop().run(100);
                 hash = simulation.physics().stateHash();
@@ -636,7 +656,7 @@ class ReplayNativeTest {
             simulation.loop().run(100);
             long nanos = System.nanoTime() - start;
             mended.countDown();
-            assertThat(problems)
+            assertThat(withoutSlowness(problems))
                     .singleElement(STRING)
                     .startsWith("the disk is too slow: frame 10 ");
             assertThat(nanos)
@@ -669,7 +689,7 @@ class ReplayNativeTest {
             }
             assertThat(problems)
                     .singleElement(STRING)
-                    .matches("the disk is slow: the world waited for it \\d\\.\\d of the last .*");
+                    .matches("the disk is slow: the world waited for it \\d+\\.\\d of the last .*");
             assertThat(simulation.loop().frame()).isLessThan(400);
         }
     }

@@ -20,7 +20,7 @@ import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.Semaphore;
 
 /** A journal whose sink accepts nothing for a while, and gives no answer to a write of an image. */
-@Timeout(value = 60, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Timeout(value = 600, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 class SilentSinkNativeTest {
     private static final Path WORLD =
             Path.of(System.getProperty("reve.root"), "worlds", "spring-orbit", "world.yaml");

@@ -84,7 +84,7 @@ class PageOutputTest {
     }
 
     private static void await(CompletableFuture<?> done) throws Exception {
-        done.get(20, TimeUnit.SECONDS);
+        done.get(300, TimeUnit.SECONDS);
     }
 
     @Test

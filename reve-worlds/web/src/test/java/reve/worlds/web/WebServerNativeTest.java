@@ -128,7 +128,7 @@ class WebServerNativeTest {
      * A world that has not started yet makes no frames, so {@code /health} answers 503 till then.
      */
     private void waitUntilTheWorldRuns() throws InterruptedException {
-        long deadline = System.nanoTime() + TimeUnit.SECONDS.toNanos(30);
+        long deadline = System.nanoTime() + TimeUnit.SECONDS.toNanos(300);
         while (server.ports().getFirst().loop().thread() == null) {
             assertThat(System.nanoTime()).as("the world runs").isLessThan(deadline);
             TimeUnit.MILLISECONDS.sleep(1);

@@ -58,6 +58,7 @@ public final class AuditLog implements Closeable {
     private static final Task NONE = new Task(() -> {}, 0);
 
     private final AuditPlan plan;
+    private final long patienceMillis;
     private final AuditFile file;
     private final InstantSource clock;
     private final Thread thread;
@@ -99,7 +100,15 @@ public final class AuditLog implements Closeable {
      * @throws IOException if the file cannot be appended to, or is no audit record
      */
     public AuditLog(AuditPlan plan) throws IOException {
+        this(plan, PATIENCE_MILLIS);
+    }
+
+    /**
+     * @param patienceMillis maximum time that a message waits for the disk [ms]
+     */
+    AuditLog(AuditPlan plan, long patienceMillis) throws IOException {
         this.plan = plan;
+        this.patienceMillis = patienceMillis;
         this.clock = InstantSource.system();
         this.file = new AuditFile(plan, clock, System::nanoTime);
         this.solved = file.solved();
@@ -148,7 +157,7 @@ public final class AuditLog implements Closeable {
 
     private boolean await(CompletableFuture<Boolean> recorded) {
         try {
-            if (recorded.get(PATIENCE_MILLIS, TimeUnit.MILLISECONDS)) {
+            if (recorded.get(patienceMillis, TimeUnit.MILLISECONDS)) {
                 return true;
             }
         } catch (ExecutionException | TimeoutException e) {
@@ -179,7 +188,7 @@ public final class AuditLog implements Closeable {
     private boolean isLate() {
         long since = busySince;
         return since != 0
-                && System.nanoTime() - since > TimeUnit.MILLISECONDS.toNanos(PATIENCE_MILLIS);
+                && System.nanoTime() - since > TimeUnit.MILLISECONDS.toNanos(patienceMillis);
     }
 
     /**
@@ -202,7 +211,7 @@ public final class AuditLog implements Closeable {
                     "what clients are sent cannot be recorded in "
                             + plan.file()
                             + ": the disk is too slow (a message waits at most "
-                            + PATIENCE_MILLIS
+                            + patienceMillis
                             + " ms for it)"
                             + plan.consequence());
         }

@@ -11,6 +11,7 @@ import reve.core.world.WorldPrototype;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicReference;
 import java.util.function.BooleanSupplier;
+import java.util.function.LongSupplier;
 import java.util.function.Predicate;
 
 /**
@@ -20,15 +21,17 @@ import java.util.function.Predicate;
 final class FrameViews {
 
     private final Observatory observatory;
-    private final RelatedViews<Perceiver> related = new RelatedViews<>(System::nanoTime);
+    private final RelatedViews<Perceiver> related;
     private final EventRouting routing;
     private boolean isCut;
 
     /**
      * @param routing receives the views of clients with sensors
      * @param prototype the prototype of the world
+     * @param clock the time of the event loop [ns]
      */
-    FrameViews(EventRouting routing, WorldPrototype prototype) {
+    FrameViews(EventRouting routing, WorldPrototype prototype, LongSupplier clock) {
+        related = new RelatedViews<>(clock);
         observatory = new Observatory(prototype);
         this.routing = routing;
     }

@@ -10,6 +10,7 @@ import java.util.IdentityHashMap;
 import java.util.Map;
 import java.util.Optional;
 import java.util.function.BooleanSupplier;
+import java.util.function.LongSupplier;
 
 /**
  * The clients whose views need more than one slice of the event loop's time. Their views are
@@ -27,6 +28,7 @@ final class LongViews {
 
     private final EventRouting routing;
     private final WorldPrototype prototype;
+    private final LongSupplier clock;
 
     /**
      * The clients with long views. The value is the number of their last views that needed only one
@@ -43,9 +45,11 @@ final class LongViews {
     /**
      * @param routing receives the views
      * @param prototype the prototype of the world
+     * @param clock the time of the event loop [ns]
      */
-    LongViews(EventRouting routing, WorldPrototype prototype) {
+    LongViews(EventRouting routing, WorldPrototype prototype, LongSupplier clock) {
         this.routing = routing;
+        this.clock = clock;
         this.prototype = prototype;
     }
 
@@ -79,7 +83,7 @@ final class LongViews {
     boolean serve(Perceiver member, Optional<WorldSnapshot> newest, BooleanSupplier isTimeLeft) {
         FrameViews copy = views;
         if (copy == null) {
-            copy = new FrameViews(routing, prototype);
+            copy = new FrameViews(routing, prototype, clock);
             views = copy;
         }
         Perceiver before = looking;

@@ -28,6 +28,7 @@ import java.util.Set;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.BooleanSupplier;
+import java.util.function.LongSupplier;
 
 /**
  * Sends the results, events and perceptions of a world's frames to its clients. The world's thread
@@ -84,7 +85,8 @@ public final class Publisher {
     private final RateLimitedLog log;
     private final Runnable afterFrame;
     private final PerceptionEncoder encoder = new PerceptionEncoder();
-    private final PerceptionShares<Perceiver> shares = new PerceptionShares<>(System.nanoTime());
+    private final LongSupplier clock;
+    private final PerceptionShares<Perceiver> shares;
     private final Queue<Runnable> reports = new ConcurrentLinkedQueue<>();
     private final Queue<Perceiver> leavers = new ConcurrentLinkedQueue<>();
     private final Queue<Happened> events = new ConcurrentLinkedQueue<>();
@@ -117,9 +119,23 @@ public final class Publisher {
      * @param wake wakes the event loop
      */
     public Publisher(WorldPort port, RateLimitedLog log, Runnable afterFrame, Runnable wake) {
+        this(port, log, afterFrame, wake, System::nanoTime);
+    }
+
+    /**
+     * @param clock the time by which the publisher divides the event loop's time [ns]
+     */
+    public Publisher(
+            WorldPort port,
+            RateLimitedLog log,
+            Runnable afterFrame,
+            Runnable wake,
+            LongSupplier clock) {
         this.port = port;
-        this.views = new FrameViews(routing, port.snapshots().prototype());
-        this.longViews = new LongViews(routing, port.snapshots().prototype());
+        this.clock = clock;
+        this.shares = new PerceptionShares<>(clock.getAsLong());
+        this.views = new FrameViews(routing, port.snapshots().prototype(), clock);
+        this.longViews = new LongViews(routing, port.snapshots().prototype(), clock);
         this.published = port.loop().frame(); // a world of a store has made frames before
         this.log = log;
         this.afterFrame = afterFrame;
@@ -293,7 +309,7 @@ public final class Publisher {
             return;
         }
         routing.locate(members.values(), views.observatory());
-        long end = System.nanoTime() + ACTS_NANOS;
+        long end = clock.getAsLong() + ACTS_NANOS;
         sightEnd = views.observatory().examined() + MOST_EXAMINED;
         var acts = new Gap();
         var absences = new Gap();
@@ -307,7 +323,7 @@ public final class Publisher {
             eventFrames.decrementAndGet();
             int absent = 0;
             for (WorldEvent event : next.events) {
-                boolean isLate = sent >= FEWEST_SENT && System.nanoTime() - end > 0;
+                boolean isLate = sent >= FEWEST_SENT && clock.getAsLong() - end > 0;
                 if (event.type().equals(ACTED) && (acts.count > 0 || isLate)) {
                     tell(event, false);
                     acts.add(next.frame);
@@ -468,7 +484,7 @@ public final class Publisher {
     private void serve(Optional<WorldSnapshot> newest) {
         encoder.begin(views.observatory().everything());
         views.beginSlice(member -> members.get(member.name()) == member);
-        shares.begin(members.values(), views.frame(), System.nanoTime());
+        shares.begin(members.values(), views.frame(), clock.getAsLong());
         boolean isCut = false;
         for (Perceiver member : members.values()) {
             if (!member.perceptions().isDue(views.frame())) {
@@ -498,8 +514,8 @@ public final class Publisher {
     }
 
     private void serve(Perceiver member, Optional<WorldSnapshot> newest) {
-        long begin = System.nanoTime();
-        BooleanSupplier isTimeLeft = () -> System.nanoTime() - begin < LOOK_NANOS;
+        long begin = clock.getAsLong();
+        BooleanSupplier isTimeLeft = () -> clock.getAsLong() - begin < LOOK_NANOS;
         boolean served;
         if (longViews.contains(member)) {
             served = longViews.serve(member, newest, isTimeLeft);
@@ -509,7 +525,7 @@ public final class Publisher {
                 longViews.add(member);
             }
         }
-        long nanos = System.nanoTime() - begin;
+        long nanos = clock.getAsLong() - begin;
         if (served) {
             shares.serve(member.perceptionCost(), nanos);
         } else {

@@ -294,7 +294,7 @@ class AuditFileTest {
     }
 
     @Test
-    @Timeout(60)
+    @Timeout(600)
     void aTerabyteWithoutALineEndIsRefusedByItsBeginning() throws Exception {
         try (FileChannel sparse =
                 FileChannel.open(file, StandardOpenOption.CREATE, StandardOpenOption.WRITE)) {

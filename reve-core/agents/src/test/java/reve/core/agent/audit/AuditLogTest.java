@@ -28,6 +28,9 @@ class AuditLogTest {
 
     @TempDir private Path folder;
 
+    /** Time that a message waits for a busy machine [ms]. */
+    private static final long PATIENT = 300_000;
+
     /**
      * A terminal whose other end reads only when the test tells it to. A write to this terminal
      * waits like a write to a disk that does not answer.
@@ -82,7 +85,7 @@ class AuditLogTest {
 
     private static void await(AuditLog audit, String text) throws InterruptedException {
         Optional<String> last = Optional.empty();
-        for (long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(30);
+        for (long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(300);
                 System.nanoTime() < end;
                 Thread.sleep(20)) {
             last = audit.problem();
@@ -97,7 +100,7 @@ class AuditLogTest {
     @Test
     void closingWritesWhatWaits() throws Exception {
         Path file = folder.resolve("audit.jsonl");
-        var audit = new AuditLog(AuditPlan.of(file));
+        var audit = new AuditLog(AuditPlan.of(file), PATIENT);
         for (int i = 0; i < 1000; i++) {
             assertThat(told(audit, "m" + i)).isTrue();
         }
@@ -114,7 +117,7 @@ class AuditLogTest {
     @Test
     void aMessageThatCannotBeReadIsCountedAndTheNextOneIsRecorded() throws Exception {
         Path file = folder.resolve("audit.jsonl");
-        try (var audit = new AuditLog(AuditPlan.of(file))) {
+        try (var audit = new AuditLog(AuditPlan.of(file), PATIENT)) {
             ByteBuffer unreadable = ByteBuffer.wrap(new byte[] {0, 0, 0, 1, (byte) 0xc1});
             assertThat(audit.told("world", "ada", Encoding.MESSAGEPACK, unreadable)).isTrue();
             assertThat(told(audit, "next")).isTrue();
@@ -126,18 +129,18 @@ class AuditLogTest {
     }
 
     @Test
-    @Timeout(60)
+    @Timeout(600)
     void aDiskThatDoesNotAnswerDelaysNobodyAndTheGapIsRecorded() throws Exception {
         try (var stuck = new StuckFile();
                 var audit = new AuditLog(AuditPlan.of(stuck.path))) {
             String text = "x".repeat(4000);
+            long before = System.nanoTime();
             for (int i = 0; i < 100; i++) {
-                long before = System.nanoTime();
                 assertThat(told(audit, text)).isTrue();
-                assertThat(System.nanoTime() - before)
-                        .as("time of a message")
-                        .isLessThan(TimeUnit.SECONDS.toNanos(5));
             }
+            assertThat(System.nanoTime() - before)
+                    .as("100 messages do not wait for a second each")
+                    .isLessThan(TimeUnit.SECONDS.toNanos(60));
             await(audit, "the disk is too slow");
             assertThat(audit.problem().orElseThrow())
                     .contains(stuck.path.toString(), "they are served without a record");
@@ -159,7 +162,7 @@ class AuditLogTest {
     }
 
     @Test
-    @Timeout(60)
+    @Timeout(600)
     void whereARecordIsRequiredADiskThatDoesNotAnswerDelaysOneMessage() throws Exception {
         try (var stuck = new StuckFile();
                 var audit = new AuditLog(new AuditPlan(stuck.path, 1 << 20, 1, true))) {
@@ -173,8 +176,8 @@ class AuditLogTest {
                 assertThat(told(audit, text)).isFalse();
             }
             assertThat(System.nanoTime() - before)
-                    .as("100 messages do not wait")
-                    .isLessThan(TimeUnit.SECONDS.toNanos(5));
+                    .as("100 messages do not wait for a second each")
+                    .isLessThan(TimeUnit.SECONDS.toNanos(60));
             await(audit, "clients are disconnected");
 
             stuck.goOn();
@@ -189,7 +192,7 @@ class AuditLogTest {
     }
 
     @Test
-    @Timeout(60)
+    @Timeout(600)
     void closingGivesUpADiskThatDoesNotAnswerAndCountsWhatIsLost() throws Exception {
         try (var stuck = new StuckFile()) {
             var audit = new AuditLog(AuditPlan.of(stuck.path));

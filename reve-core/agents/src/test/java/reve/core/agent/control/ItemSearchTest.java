@@ -71,14 +71,23 @@ class ItemSearchTest {
     void itsTimeIsThatOfTheTextsLength() {
         List<ItemSymbols> items =
                 List.of(item("z", Map.of("q", Collections.nCopies(64, "a".repeat(4096)))));
-        var search = new ItemSearch(items, "a".repeat(999) + "b");
+        assertThat((double) nanoseconds(items, "a".repeat(999) + "b"))
+                .as("ratio to a text that is nowhere similar")
+                .isLessThan(30.0 * nanoseconds(items, "b".repeat(1000)));
+    }
+
+    /** Returns the least processor time of five searches that find nothing. */
+    private static long nanoseconds(List<ItemSymbols> items, String wanted) {
         ThreadMXBean threads = ManagementFactory.getThreadMXBean();
-        long start = threads.getCurrentThreadCpuTime();
-        search.step();
-        assertThat(threads.getCurrentThreadCpuTime() - start)
-                .as("processor time [ns]")
-                .isLessThan(200_000_000);
-        assertThat(search.result().get("count")).isEqualTo(0);
+        long least = Long.MAX_VALUE;
+        for (int i = 0; i < 5; i++) {
+            var search = new ItemSearch(items, wanted);
+            long start = threads.getCurrentThreadCpuTime();
+            search.step();
+            least = Math.min(least, threads.getCurrentThreadCpuTime() - start);
+            assertThat(search.result().get("count")).isEqualTo(0);
+        }
+        return least;
     }
 
     /** A search pauses after a number of characters, and not of items. */

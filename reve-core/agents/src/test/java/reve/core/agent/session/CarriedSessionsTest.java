@@ -177,7 +177,7 @@ class CarriedSessionsTest {
         try (TestClient ada = resume("ada", session, frame)) {
             JsonNode rhythm = ada.expect("welcome").get("time");
             assertThat(rhythm.get("every").intValue()).isEqualTo(3);
-            assertThat(rhythm.get("deadline").doubleValue()).isEqualTo(10);
+            assertThat(rhythm.get("deadline").doubleValue()).isEqualTo(300);
             world.start();
             assertThat(ada.skipTo("perception").get("frame").longValue()).isEqualTo(frame + 1);
             ada.say("{'t':'ready','frame':" + (frame + 1) + "}");
@@ -266,12 +266,12 @@ class CarriedSessionsTest {
     void theGraceGoesOnWhileWorldsMove() throws Exception {
         List<CarriedSession> carried;
         try (TestClient ada = room.connect()) {
-            ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':1.5}").sync();
+            ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':6}").sync();
             room.step();
             ada.skipTo("welcome");
             carried = room.server.remove("pond", Optional.of(NEXT));
         }
-        long end = System.nanoTime() + 60_000_000_000L;
+        long end = System.nanoTime() + 600_000_000_000L;
         int moves = 0;
         while (room.has("ada") && System.nanoTime() < end) {
             second.add(room.port, carried);

@@ -258,7 +258,7 @@ class SessionsTest {
             boss.say("{'t':'run','id':6}").expect("result");
             assertThat(boss.expect("perception").get("frame").longValue()).isGreaterThan(next);
             boss.say("{'t':'shut-down','id':7}").expect("result");
-            assertThat(runner.join(Duration.ofSeconds(20))).isTrue();
+            assertThat(runner.join(Duration.ofMinutes(5))).isTrue();
         } finally {
             room.loop.stop();
             runner.join();
