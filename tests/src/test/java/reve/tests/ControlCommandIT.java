@@ -325,7 +325,13 @@ class ControlCommandIT {
                 2, "step has no field 'frams'", "it has frames", "control", "step", "frams=3");
         assertRefused(2, "--port is 99999", "65535", "control", "pause", "--port", "99999");
         assertRefused(
-                2, "--timeout is 0.0", "0.1 to 3600.0 s", "control", "pause", "--timeout", "0");
+                2,
+                "--answer-timeout is 0.0",
+                "0.1 to 3600.0 s",
+                "control",
+                "pause",
+                "--answer-timeout",
+                "0");
         assertRefused(
                 1,
                 "there is no such address",

@@ -122,6 +122,17 @@ class NodesPageIT {
                 + "'))";
     }
 
+    /** Opens the page of a world, again if its node has not read the newest orders yet. */
+    private void openWorld(String page) throws Exception {
+        boolean isOpen = false;
+        for (int attempt = 0; attempt < 30 && !isOpen; attempt++) {
+            browser.open(page);
+            browser.await("['open', 'closed'].includes(document.body?.dataset.state)");
+            isOpen = browser.ask("document.body.dataset.state === 'open'").booleanValue();
+        }
+        browser.await("document.body.dataset.state === 'open' && reve.view.frame > 0");
+    }
+
     /**
      * An operator opens the page, sees worlds run on their nodes, moves one, opens it in the page
      * of its new node, sees the other one fall asleep, wakes it, and drains a node.
@@ -165,14 +176,16 @@ class NodesPageIT {
         assertThat(link)
                 .isEqualTo(owner.web().replaceAll("nodes$", "") + "?world=w1")
                 .doesNotContain(URI.create(owner.web()).getPath());
-        browser.open(link);
-        browser.await("document.body.dataset.state === 'open' && reve.view.frame > 0");
+        openWorld(link);
         browser.await("reve.view.byName.has('red')");
         assertThat(browser.text("#world")).isEqualTo("w1");
 
         // Both worlds fall asleep without a client; the page of the nodes is none.
-        browser.open(second.web());
-        browser.await("document.querySelectorAll('#worlds tr').length === 2");
+        try (AgentClient _ = watcher(owner, "w1")) { // so that the page sees it fall asleep
+            browser.open(second.web());
+            browser.await("document.querySelectorAll('#worlds tr').length === 2");
+            browser.await("!" + row("world", "w1") + ".includes('asleep')");
+        }
         browser.await(row("world", "w1") + ".includes('asleep')");
         browser.await(row("world", "w2") + ".includes('asleep')");
         browser.await("document.querySelector('#totals').textContent.includes('0 run, 2 sleep')");
@@ -187,8 +200,7 @@ class NodesPageIT {
                 "document.querySelector('#toasts .bad')?.textContent.includes('no other node than "
                         + second.address()
                         + " can run worlds')");
-        browser.open(second.web().replaceAll("nodes$", "") + "?world=w2");
-        browser.await("document.body.dataset.state === 'open' && reve.view.frame > 0");
+        openWorld(second.web().replaceAll("nodes$", "") + "?world=w2");
         browser.open(first.web());
         browser.await(
                 "nodes.state.worlds.find(world => world.world === 'w2').node === '"

@@ -138,8 +138,8 @@ final class Reve {
     private static String[] patient(String... words) {
         List<String> all = new ArrayList<>(List.of(words));
         boolean asks = all.contains("--port") && List.of("control", "cluster").contains(words[0]);
-        if (asks && !all.contains("--timeout")) {
-            all.addAll(List.of("--timeout", "120"));
+        if (asks && !all.contains("--answer-timeout")) {
+            all.addAll(List.of("--answer-timeout", "120"));
         }
         return all.toArray(String[]::new);
     }

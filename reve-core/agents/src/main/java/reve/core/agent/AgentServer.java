@@ -160,7 +160,8 @@ public final class AgentServer implements AutoCloseable {
                         new KeptSessions(config.limits().kept(), log),
                         loop::wake,
                         audit,
-                        () -> elsewhere.servers());
+                        () -> elsewhere.servers(),
+                        () -> worlds.size() > 1);
         // The world's thread may run the event loop while it waits for agents. It does so only if
         // this is the only world and the world has no fixed frame rate. Otherwise, serving agents
         // on this thread could delay the next frame.

@@ -50,7 +50,8 @@ class AgentServerTest {
 
     @Test
     void theDocumentedSessionHappensLineByLine() throws IOException {
-        try (TestClient client = room.connect()) {
+        try (AgentRoom documented = new AgentRoom(AgentServerConfig.onPort(0));
+                TestClient client = documented.connect()) {
             for (JsonNode line : Vectors.lines("session.jsonl")) {
                 if (line.has("client")) {
                     client.say(line.get("client").toString());
@@ -58,8 +59,8 @@ class AgentServerTest {
                         client.sync();
                     }
                 } else if (line.has("frame")) {
-                    room.step();
-                    assertThat(room.loop.frame()).isEqualTo(line.get("frame").longValue());
+                    documented.step();
+                    assertThat(documented.loop.frame()).isEqualTo(line.get("frame").longValue());
                 } else {
                     Vectors.assertSame(client.next(), line.get("server"));
                 }

@@ -32,6 +32,7 @@ import reve.core.frame.FrameLoop;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
 import reve.core.frame.Timing;
+import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
 import reve.core.world.OffHeapArena;
 import reve.core.world.SnapshotRing;
@@ -58,6 +59,9 @@ class LookInSlicesTest {
     /** The time, so that a busy machine does not end a slice. */
     private final AtomicLong nanos = new AtomicLong();
 
+    /** Time that passes between two looks at the clock [ns]. */
+    private long pace = 1;
+
     private final Publisher publisher = publisher();
 
     /** A client that perceives every frame. */
@@ -74,6 +78,8 @@ class LookInSlicesTest {
 
         /** Number of slices that the next look needs. */
         private int slices;
+
+        private boolean senses = true;
 
         Looker(String name, boolean lockStep, int slices, Publisher publisher) throws BadMessage {
             this.name = name;
@@ -133,7 +139,7 @@ class LookInSlicesTest {
 
         @Override
         public boolean hasSensors() {
-            return true;
+            return senses;
         }
 
         @Override
@@ -193,7 +199,11 @@ class LookInSlicesTest {
                         new RoomControl(world, loop),
                         Cameras.none());
         return new Publisher(
-                port, new RateLimitedLog(1, "looks"), () -> {}, () -> {}, nanos::incrementAndGet);
+                port,
+                new RateLimitedLog(1, "looks"),
+                () -> {},
+                () -> {},
+                () -> nanos.addAndGet(pace));
     }
 
     @BeforeEach
@@ -237,6 +247,76 @@ class LookInSlicesTest {
         assertThat(ada.served.sum()).isEqualTo(2);
         publisher.tell();
         assertThat(publisher.hasWork()).isFalse();
+    }
+
+    /** The event loop serves other worlds between two slices. */
+    @Test
+    void newItemsAreEncodedInSlicesBeforeTheirFrameIsServed() throws BadMessage {
+        var bob = observer();
+        addStones("stone ");
+        pace = 1_000_000;
+        int slices = 0;
+        for (int turn = 0; turn < 100 && bob.looks.isEmpty(); turn++) {
+            step();
+            publisher.tell();
+            slices++;
+            assertThat(publisher.hasWork()).isTrue();
+        }
+        assertThat(bob.looks).as("the frame with the new items").containsExactly(1L);
+        assertThat(slices).as("16 items between two looks at the clock").isBetween(12, 30);
+        publisher.tell();
+        assertThat(bob.looks).as("then the newest frame").containsExactly(1L, (long) slices);
+        publisher.tell();
+        assertThat(publisher.hasWork()).isFalse();
+
+        pace = 1;
+        world.find("stone 7").orElseThrow().semantic().set("note", "black");
+        step();
+        publisher.tell();
+        assertThat(bob.looks).as("one new symbol is no work").hasSize(3);
+    }
+
+    private Looker observer() throws BadMessage {
+        var bob = new Looker("bob", false, 0, publisher);
+        bob.senses = false;
+        return bob;
+    }
+
+    private void addStones(String name) {
+        for (int i = 0; i < 1000; i++) {
+            world.add(ItemDefinition.named(name + i).symbol("note", "grey").build());
+        }
+    }
+
+    @Test
+    void aWorldThatEndsSendsItsLastFrame() throws BadMessage {
+        var bob = observer();
+        addStones("stone ");
+        pace = 1_000_000;
+        step();
+        publisher.tell();
+        step();
+        publisher.tellAll();
+        assertThat(bob.looks).containsExactly(1L, 2L);
+        assertThat(publisher.hasWork()).isFalse();
+    }
+
+    /** In each frame, new items are encoded, while newer frames are made. */
+    @Test
+    void longLooksBeginWhileNewItemsAreEncoded() throws BadMessage {
+        var ada = new Looker("ada", false, 4, publisher);
+        observer();
+        for (int i = 0; i < 10; i++) {
+            addStones("stone " + i + "-");
+            pace = 1_000_000;
+            for (int turn = 0; turn < 40; turn++) {
+                step();
+                publisher.tell();
+            }
+            pace = 1;
+            ada.slices = 4;
+        }
+        assertThat(ada.served.sum()).isGreaterThan(5);
     }
 
     @ParameterizedTest

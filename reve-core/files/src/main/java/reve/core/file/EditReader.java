@@ -59,7 +59,7 @@ public final class EditReader {
      * @param room remaining limits of the message, which the items, values and formulas reduce
      * @throws WorldFileException with all problems of the text
      */
-    public WorldEdit add(String text, Room room) throws WorldFileException {
+    public WorldEdit.Add add(String text, Room room) throws WorldFileException {
         var problems = new Problems("add");
         Node part = YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
         SchemaCheck.checkPart(part, problems);

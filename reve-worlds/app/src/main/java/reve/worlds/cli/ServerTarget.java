@@ -62,7 +62,7 @@ class ServerTarget {
     private Optional<Path> trust = Optional.empty();
 
     @Option(
-            names = "--timeout",
+            names = "--answer-timeout",
             paramLabel = "S",
             defaultValue = "10",
             description =
@@ -117,7 +117,7 @@ class ServerTarget {
         if (!(timeout >= MIN_TIMEOUT && timeout <= MAX_TIMEOUT)) {
             throw new ParameterException(
                     spec.commandLine(),
-                    "--timeout is "
+                    "--answer-timeout is "
                             + timeout
                             + ", expected "
                             + MIN_TIMEOUT

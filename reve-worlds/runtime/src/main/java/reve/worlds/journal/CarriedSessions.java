@@ -59,15 +59,9 @@ final class CarriedSessions {
      * are the sessions of its last frame. What cannot be read is reported.
      *
      * @param epoch the epoch of the server that continues the world
-     * @param areNoted whether the database has notes about sessions
      */
     static List<CarriedSession> takeAll(
-            Connection connection,
-            String world,
-            long epoch,
-            long frame,
-            boolean areNoted,
-            Consumer<String> problems)
+            Connection connection, String world, long epoch, long frame, Consumer<String> problems)
             throws SQLException {
         List<CarriedSession> handedOver = List.of();
         try {
@@ -78,13 +72,10 @@ final class CarriedSessions {
                             + frame
                             + " are damaged, or were written by another version ("
                             + NotedSessions.reason(otherForm)
-                            + "); "
-                            + (areNoted
-                                    ? "they continue without the events that were not sent yet"
-                                    : "the world continues without them, and its agents join"
-                                            + " again"));
+                            + "); they continue as the notes of this frame have them, without"
+                            + " the events that were not sent yet");
         }
-        return handedOver.isEmpty() && areNoted
+        return handedOver.isEmpty()
                 ? NotedSessions.read(connection, world, frame, problems)
                 : handedOver;
     }

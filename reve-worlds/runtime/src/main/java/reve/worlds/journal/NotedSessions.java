@@ -195,10 +195,19 @@ final class NotedSessions {
                 parts.path(3).stringValue(""));
     }
 
-    /** Returns whether the database has the table and the columns. */
+    /** Returns whether the database has the table and the columns, so that notes can be written. */
     static boolean areKept(Connection connection) throws SQLException {
+        return isTrue(connection, ARE_KEPT);
+    }
+
+    /** Returns whether the database has the table. */
+    private static boolean isThere(Connection connection) throws SQLException {
+        return isTrue(connection, "to_regclass('reve.session_note') IS NOT NULL");
+    }
+
+    private static boolean isTrue(Connection connection, String condition) throws SQLException {
         return PostgresSession.query(
-                connection, "SELECT " + ARE_KEPT, rows -> rows.next() && rows.getBoolean(1));
+                connection, "SELECT " + condition, rows -> rows.next() && rows.getBoolean(1));
     }
 
     /**
@@ -214,7 +223,7 @@ final class NotedSessions {
 
     /**
      * Returns the sessions of a world after its last frame. If the server that wrote this frame
-     * stores no notes, the result is empty.
+     * stores no notes, or the database has no table for them, the result is empty.
      *
      * @param frame the last frame of the world
      * @param problems receives a message about each row that is missing or cannot be read. The
@@ -223,6 +232,9 @@ final class NotedSessions {
     static List<CarriedSession> read(
             Connection connection, String world, long frame, Consumer<String> problems)
             throws SQLException {
+        if (!isThere(connection)) {
+            return List.of();
+        }
         long epoch =
                 PostgresSession.query(
                         connection,
@@ -232,7 +244,8 @@ final class NotedSessions {
                         world,
                         world);
         TreeMap<Long, Row> rows = rows(connection, world, epoch, frame);
-        TreeMap<Long, Long> references = references(connection, world, epoch, frame);
+        TreeMap<Long, Long> references =
+                areKept(connection) ? references(connection, world, epoch, frame) : new TreeMap<>();
         boolean isChecked = !references.isEmpty(); // earlier versions wrote no references
         TreeSet<Long> noted = new TreeSet<>(references.keySet());
         noted.addAll(isChecked ? rows.tailMap(references.firstKey()).keySet() : rows.keySet());

@@ -238,7 +238,7 @@ public final class PostgresStore implements JournalSink {
     private List<CarriedSession> takeSessions(
             Connection connection, long frame, Consumer<String> problems) throws SQLException {
         keepsSessions = NotedSessions.areKept(connection);
-        return CarriedSessions.takeAll(connection, world, epoch, frame, keepsSessions, problems);
+        return CarriedSessions.takeAll(connection, world, epoch, frame, problems);
     }
 
     private TakenStore taken() {

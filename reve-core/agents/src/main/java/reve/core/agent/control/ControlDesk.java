@@ -21,12 +21,14 @@ import reve.core.frame.FrameEvent;
 import reve.core.frame.Pacing;
 import reve.core.world.ActionRefused;
 import reve.core.world.World;
+import reve.core.world.WorldSnapshot;
 
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.atomic.AtomicLong;
+import java.util.function.BooleanSupplier;
 import java.util.function.Consumer;
 
 /**
@@ -39,6 +41,7 @@ public final class ControlDesk {
     private final Publisher publisher;
     private final Embodiment embodiment;
     private final Images images;
+    private final ItemPace pace;
     private final WorldEdits edits;
     private final ForkAndSave forkAndSave;
     private final Reports reports;
@@ -58,18 +61,21 @@ public final class ControlDesk {
      *
      * @param clients the world's clients
      * @param audit the record of all messages to clients, for reports
+     * @param isShared returns whether the server has further worlds
      */
     public ControlDesk(
             WorldPort port,
             Publisher publisher,
             RateLimitedLog log,
             Clients clients,
-            Optional<AuditLog> audit) {
+            Optional<AuditLog> audit,
+            BooleanSupplier isShared) {
         this.port = port;
         this.publisher = publisher;
         this.embodiment = new Embodiment(port.agents(), port.framesPerSecond());
         this.images = new Images(port, embodiment);
-        this.edits = new WorldEdits(port, embodiment);
+        this.pace = new ItemPace(isShared);
+        this.edits = new WorldEdits(port, embodiment, pace);
         this.forkAndSave = new ForkAndSave(port, embodiment, log);
         this.reports = new Reports(port, publisher, images, log, clients, audit);
         this.clients = clients;
@@ -428,6 +434,7 @@ public final class ControlDesk {
 
     private void rewind(Requester requester, ClientMessage.Rewind rewind) {
         try {
+            pace.take(items());
             Optional<WorldControl.Image> beginning =
                     rewind.image().isPresent()
                             ? Optional.empty()
@@ -446,6 +453,16 @@ public final class ControlDesk {
             answer(requester, rewind, refused(e, 0));
         } catch (RuntimeException e) {
             answer(requester, rewind, new Outcome.Failed(0, e));
+        }
+    }
+
+    /** Returns the number of items of the last frame. */
+    private int items() {
+        Optional<WorldSnapshot> latest = port.snapshots().acquireLatest();
+        try {
+            return latest.map(snapshot -> snapshot.symbols().size()).orElse(0);
+        } finally {
+            latest.ifPresent(WorldSnapshot::close);
         }
     }
 

@@ -33,10 +33,12 @@ final class WorldEdits {
 
     private final WorldPort port;
     private final Embodiment embodiment;
+    private final ItemPace pace;
     private final EditReader reader;
 
-    WorldEdits(WorldPort port, Embodiment embodiment) {
+    WorldEdits(WorldPort port, Embodiment embodiment, ItemPace pace) {
         this.port = port;
+        this.pace = pace;
         this.embodiment = embodiment;
         this.reader = new EditReader(port.snapshots().prototype());
     }
@@ -50,8 +52,8 @@ final class WorldEdits {
     }
 
     /**
-     * Prepares a change. Reads new items now. Other edits are read when the change is made. For any
-     * thread.
+     * Prepares a change. Reads new items now. Other edits are read when the change is made. Waits
+     * if control clients change many items. For any thread.
      *
      * @throws ActionRefused if the items are not valid, or the heap is nearly full
      */
@@ -62,17 +64,22 @@ final class WorldEdits {
         List<Reading> readings = new ArrayList<>();
         var room = new EditReader.Room();
         Map<String, Optional<String>> rules = new LinkedHashMap<>();
+        int items = 0;
         List<ClientMessage.WorldChange> all =
                 message instanceof ClientMessage.Batch batch ? batch.changes() : List.of(message);
         for (ClientMessage.WorldChange each : all) {
             switch (each) {
                 case ClientMessage.Add add -> {
-                    WorldEdit items = add(add, room);
-                    readings.add((world, before) -> items);
+                    WorldEdit.Add added = add(add, room);
+                    items += added.items().size();
+                    readings.add((world, before) -> added);
                 }
-                case ClientMessage.Change change ->
-                        readings.add((world, before) -> change(world, before, change, room));
+                case ClientMessage.Change change -> {
+                    items++;
+                    readings.add((world, before) -> change(world, before, change, room));
+                }
                 case ClientMessage.Remove remove -> {
+                    items++;
                     WorldEdit removal = new WorldEdit.Remove(remove.item(), remove.cascade());
                     readings.add((world, before) -> removal);
                 }
@@ -81,6 +88,7 @@ final class WorldEdits {
                         throw new IllegalArgumentException("a batch in a batch: " + nested);
             }
         }
+        pace.take(items);
         Optional<WorldControl.Change> rulesChange =
                 rules.isEmpty() ? Optional.empty() : Optional.of(port.control().changeRules(rules));
         return (world, frame) -> make(world, frame, readings, rulesChange);
@@ -165,7 +173,7 @@ final class WorldEdits {
                 : world.find(name).map(Item::sensors).orElse(List.of());
     }
 
-    private WorldEdit add(ClientMessage.Add add, EditReader.Room room) throws ActionRefused {
+    private WorldEdit.Add add(ClientMessage.Add add, EditReader.Room room) throws ActionRefused {
         try {
             return reader.add(add.items(), room);
         } catch (WorldFileException invalid) {

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.perception;
 
+import reve.core.agent.protocol.Encoding;
 import reve.core.agent.protocol.Fragment;
 import reve.core.world.Action;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
 
+import java.util.EnumSet;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
 import java.util.SortedSet;
 import java.util.concurrent.ConcurrentHashMap;
 
@@ -18,16 +21,36 @@ import java.util.concurrent.ConcurrentHashMap;
 final class EncodedItem {
 
     private final ItemSymbols source;
+    private final boolean isNew;
     private final Fragment actions;
     private final Map<Optional<SortedSet<String>>, Fragment> symbols = new ConcurrentHashMap<>();
 
-    EncodedItem(ItemSymbols source) {
+    /** Encodings in which the data is encoded ahead. For the event loop's thread. */
+    private final Set<Encoding> ahead = EnumSet.noneOf(Encoding.class);
+
+    /**
+     * @param isNew true for the first version of the item
+     */
+    EncodedItem(ItemSymbols source, boolean isNew) {
         this.source = source;
+        this.isNew = isNew;
         this.actions = new Fragment(writer -> writer.value(actions(source)));
     }
 
     ItemSymbols source() {
         return source;
+    }
+
+    boolean isNew() {
+        return isNew;
+    }
+
+    /**
+     * Records that the data is encoded ahead; returns false if it was before. For the event loop's
+     * thread.
+     */
+    boolean isFirstIn(Encoding encoding) {
+        return ahead.add(encoding);
     }
 
     Fragment actions() {

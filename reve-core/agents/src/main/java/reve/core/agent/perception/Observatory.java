@@ -5,6 +5,8 @@ import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 import org.pcollections.TreePMap;
 
+import reve.core.agent.protocol.Bytes;
+import reve.core.agent.protocol.Encoding;
 import reve.core.space.Box;
 import reve.core.space.Found;
 import reve.core.world.Instrument;
@@ -25,6 +27,7 @@ import java.util.IdentityHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
 import java.util.function.BooleanSupplier;
 
 /**
@@ -51,6 +54,9 @@ public final class Observatory {
     /** Number of items that are tested between two checks of the clock, for all other sensors. */
     private static final int TESTS = 64;
 
+    /** Number of items that are encoded ahead between two checks of the clock. */
+    private static final int ENCODED = 16;
+
     /** Maximum of {@link #path} [m]. If the sum were larger, rounding would lose small summands. */
     private static final double LONGEST_PATH = 1000;
 
@@ -70,6 +76,14 @@ public final class Observatory {
 
     private Map<String, ItemId> idByName = Map.of();
     private View everything = new View(0, 0, List.of());
+
+    /** Number of items, in the order of ids, that are encoded ahead. */
+    private int ahead;
+
+    /** The encodings of these items. */
+    private Set<Encoding> aheadIn = Set.of();
+
+    private final Bytes scratch = new Bytes();
 
     // This array and the next ones are indexed by the position of an item in the order of ids.
     private long[] inOrder = {};
@@ -160,6 +174,7 @@ public final class Observatory {
     private void forget() {
         ids = new long[0];
         symbols = TreePMap.empty();
+        everything = new View(0, 0, List.of());
     }
 
     private void readItems(PMap<ItemId, ItemSymbols> now) {
@@ -179,13 +194,14 @@ public final class Observatory {
                 present.add(
                         before != null && before.item().source() == item
                                 ? before.item()
-                                : new EncodedItem(item));
+                                : new EncodedItem(item, before == null));
                 names.put(item.name(), item.id());
             }
         }
         items = present.toArray(EncodedItem[]::new);
         inOrder = present.stream().mapToLong(item -> item.source().id().value()).toArray();
         seen = same.toArray(PerceivedItem[]::new);
+        ahead = 0;
         sensed.clear();
         sensed.put(Visibility.EVERYTHING, seen);
         shownBy.clear();
@@ -237,6 +253,42 @@ public final class Observatory {
                         : place != null
                                 && (!bodies.hasMoved(row, bodies.moment() - 1)
                                         || bodies.isAt(row, place)));
+    }
+
+    /**
+     * Encodes new items, and new symbols of items. Otherwise the first perception of many items
+     * would be encoded at once, while the clients of other worlds wait.
+     *
+     * @param encodings the encodings of the clients that perceive all items
+     * @param isTimeLeft false if the event loop must do other work first
+     * @return false if the time was too short; the next call continues
+     */
+    public boolean encode(Set<Encoding> encodings, BooleanSupplier isTimeLeft) {
+        if (!aheadIn.equals(encodings)) {
+            aheadIn = Set.copyOf(encodings);
+            ahead = 0;
+        }
+        if (aheadIn.isEmpty()) {
+            return true;
+        }
+        for (; ahead < items.length; ahead++) {
+            if (ahead % ENCODED == 0 && !isTimeLeft.getAsBoolean()) {
+                return false;
+            }
+            for (Encoding encoding : aheadIn) {
+                encode(ahead, encoding);
+            }
+        }
+        return true;
+    }
+
+    private void encode(int i, Encoding encoding) {
+        if (items[i].isFirstIn(encoding)) {
+            items[i].symbols(Optional.empty()).encode(encoding, scratch);
+            if (items[i].isNew()) {
+                seen[i].whole().encode(encoding, scratch);
+            }
+        }
     }
 
     /** Returns the view of all items, which clients without sensors receive. */

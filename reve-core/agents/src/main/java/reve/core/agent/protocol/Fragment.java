@@ -32,6 +32,17 @@ public final class Fragment {
     }
 
     /**
+     * Encodes the value now, so that no message has to wait for it.
+     *
+     * @param scratch a buffer that is overwritten
+     */
+    public void encode(Encoding encoding, Bytes scratch) {
+        if (known(encoding) == null) {
+            write(encoding.writer(scratch.clear()), scratch);
+        }
+    }
+
+    /**
      * Writes the value at the writer's position.
      *
      * @param out the buffer to which the writer writes

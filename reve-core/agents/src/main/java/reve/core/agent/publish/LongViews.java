@@ -73,25 +73,42 @@ final class LongViews {
         }
     }
 
-    /**
-     * Continues the unfinished view of a client, or begins a view of the newest frame.
-     *
-     * @param newest snapshot of the newest frame; empty if it cannot be read now
-     * @param isTimeLeft false at the end of the slice
-     * @return false if a view is not computed yet
-     */
-    boolean serve(Perceiver member, Optional<WorldSnapshot> newest, BooleanSupplier isTimeLeft) {
+    /** Copies a frame that is served in a later turn, so that a view of it can begin then. */
+    void hold(WorldSnapshot snapshot) {
+        if (!shortViews.isEmpty() && looking == null) {
+            read(copy(), snapshot.frame(), Optional.of(snapshot));
+        }
+    }
+
+    private FrameViews copy() {
         FrameViews copy = views;
         if (copy == null) {
             copy = new FrameViews(routing, prototype, clock);
             views = copy;
         }
+        return copy;
+    }
+
+    /**
+     * Continues the unfinished view of a client, or begins a view of the newest frame.
+     *
+     * @param frame number of the frame that is served
+     * @param newest its snapshot; empty if it cannot be read now
+     * @param isTimeLeft false at the end of the slice
+     * @return false if a view is not computed yet
+     */
+    boolean serve(
+            Perceiver member,
+            long frame,
+            Optional<WorldSnapshot> newest,
+            BooleanSupplier isTimeLeft) {
+        FrameViews copy = copy();
         Perceiver before = looking;
         if (before != null && !before.perceptions().isDue(copy.frame())) {
             looking = null; // this client's requests have changed
         }
         boolean isContinued = looking == member;
-        if (!isContinued && (looking != null || !read(copy, newest))) {
+        if (!isContinued && (looking != null || !read(copy, frame, newest))) {
             return false;
         }
         copy.beginSlice(this::contains);
@@ -103,9 +120,8 @@ final class LongViews {
         return served;
     }
 
-    private static boolean read(FrameViews copy, Optional<WorldSnapshot> newest) {
-        return newest.isPresent()
-                && (newest.get().frame() == copy.frame() || copy.observatory().read(newest.get()));
+    private static boolean read(FrameViews copy, long frame, Optional<WorldSnapshot> newest) {
+        return copy.frame() == frame || newest.isPresent() && copy.observatory().read(newest.get());
     }
 
     private void count(Perceiver member, boolean isShort) {

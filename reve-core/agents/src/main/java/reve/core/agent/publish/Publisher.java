@@ -11,6 +11,7 @@ import reve.core.agent.perception.PerceptionEncoder;
 import reve.core.agent.perception.PerceptionShares;
 import reve.core.agent.perception.Senses;
 import reve.core.agent.port.WorldPort;
+import reve.core.agent.protocol.Encoding;
 import reve.core.frame.FrameEvent;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldSnapshot;
@@ -18,6 +19,7 @@ import reve.core.world.WorldSnapshot;
 import java.util.ArrayList;
 import java.util.BitSet;
 import java.util.Collection;
+import java.util.EnumSet;
 import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -53,6 +55,9 @@ public final class Publisher {
      * more time is continued in a later slice. See {@link LongViews}.
      */
     private static final long LOOK_NANOS = 10_000_000;
+
+    /** Time for encoding new items before the event loop does other work [ns]. */
+    private static final long ENCODE_NANOS = 5_000_000;
 
     /**
      * Number of events per frame that are sent even if sending takes longer than {@link
@@ -100,6 +105,9 @@ public final class Publisher {
 
     /** True if sessions still wait for their perception of the frame that was served last. */
     private boolean owesPerceptions;
+
+    /** True if the frame that was read last is not served yet, because its items are encoded. */
+    private boolean isEncoding;
 
     private volatile long published;
     private volatile boolean news;
@@ -224,18 +232,31 @@ public final class Publisher {
      * streams of perceptions.
      */
     public void tellRewound(Rewound rewound) {
+        isEncoding = false; // the newest frame is served next
         for (Perceiver member : members.values()) {
             Optional.ofNullable(rewound.bodies().get(member.name())).ifPresent(member::embodied);
             member.perceptions().restart(rewound.frame());
         }
     }
 
-    /** Sends all available results, events and perceptions. */
+    /**
+     * Sends all results, events and perceptions up to the last published frame, even if this takes
+     * several turns. For a world that ends.
+     */
+    public void tellAll() {
+        long last = published;
+        do {
+            tell();
+        } while (isEncoding || news && served < last);
+    }
+
+    /** Sends the available results, events and perceptions. */
     public void tell() {
         news = false;
         try {
             publish();
         } catch (Throwable e) { // an error must not stop the sending of data to all agents
+            isEncoding = false;
             log.error("telling agents about frame " + published + " failed", e);
         }
     }
@@ -251,25 +272,55 @@ public final class Publisher {
             for (Runnable report = reports.poll(); report != null; report = reports.poll()) {
                 report.run();
             }
+            boolean waited = isEncoding;
             boolean wanted =
-                    snapshot.filter(frame -> isWanted(frame, !events.isEmpty())).isPresent();
+                    waited
+                            || snapshot.filter(frame -> isWanted(frame, !events.isEmpty()))
+                                    .isPresent();
             boolean isRead =
-                    owesPerceptions
-                            && snapshot.filter(frame -> frame.frame() == served).isPresent();
+                    waited
+                            || owesPerceptions
+                                    && snapshot.filter(frame -> frame.frame() == served)
+                                            .isPresent();
             owesPerceptions = false;
             if (wanted && !isRead && !views.observatory().read(snapshot.get())) {
                 // The snapshot was overwritten while it was read, so the next frame is available.
                 return;
             }
-            served = snapshot.map(WorldSnapshot::frame).orElse(served);
+            isEncoding = wanted && !encode();
+            if (isEncoding) {
+                // Newer frames wait, because all their items may be new, too.
+                if (!waited) {
+                    longViews.hold(snapshot.get());
+                }
+                owesPerceptions = true;
+                return;
+            }
+            if (waited) {
+                news = true; // newer frames may have come meanwhile
+            }
+            served = wanted ? views.frame() : snapshot.map(WorldSnapshot::frame).orElse(served);
             tellEvents();
             if (wanted) {
-                serve(snapshot);
+                serve(snapshot.filter(frame -> frame.frame() == served));
             }
         } finally {
             snapshot.ifPresent(WorldSnapshot::close);
         }
         afterFrame.run();
+    }
+
+    /** Encodes new items; returns false if the event loop must do other work first. */
+    private boolean encode() {
+        var encodings = EnumSet.noneOf(Encoding.class);
+        for (Perceiver member : members.values()) {
+            if (!member.hasSensors()) { // sensors select what is encoded
+                encodings.add(member.encoding());
+            }
+        }
+        long begin = clock.getAsLong();
+        return views.observatory()
+                .encode(encodings, () -> clock.getAsLong() - begin < ENCODE_NANOS);
     }
 
     private void dropWhoHasLeft() {
@@ -518,7 +569,7 @@ public final class Publisher {
         BooleanSupplier isTimeLeft = () -> clock.getAsLong() - begin < LOOK_NANOS;
         boolean served;
         if (longViews.contains(member)) {
-            served = longViews.serve(member, newest, isTimeLeft);
+            served = longViews.serve(member, views.frame(), newest, isTimeLeft);
         } else {
             served = views.serve(member, isTimeLeft);
             if (views.isCut()) {

@@ -75,7 +75,13 @@ public final class ServedWorld implements AutoCloseable {
         this.port = port;
         this.publisher = new Publisher(port, services.log(), this::afterFrame, services.wake());
         this.desk =
-                new ControlDesk(port, publisher, services.log(), new Described(), services.audit());
+                new ControlDesk(
+                        port,
+                        publisher,
+                        services.log(),
+                        new Described(),
+                        services.audit(),
+                        services.hasWorlds());
         var allowances =
                 new Allowances(
                         1_000_000_000L / port.framesPerSecond(),
@@ -185,7 +191,7 @@ public final class ServedWorld implements AutoCloseable {
      */
     public List<CarriedSession> dismiss(Optional<String> next) {
         ended = true;
-        publisher.tell(); // the results and events of the last frame
+        publisher.tellAll();
         if (next.isEmpty()) {
             sessions.values().forEach(session -> session.dismiss(ends()));
             return List.of();

@@ -9,6 +9,7 @@ import reve.core.agent.protocol.AgentTimeouts;
 
 import java.util.List;
 import java.util.Optional;
+import java.util.function.BooleanSupplier;
 import java.util.function.Supplier;
 
 /**
@@ -19,6 +20,7 @@ import java.util.function.Supplier;
  * @param wake makes the event loop look for work
  * @param audit the record of all messages to clients
  * @param servers returns the addresses of other servers that may continue sessions
+ * @param hasWorlds returns whether the server has more than one world
  */
 public record SessionServices(
         AgentLimits limits,
@@ -28,4 +30,5 @@ public record SessionServices(
         KeptSessions kept,
         Runnable wake,
         Optional<AuditLog> audit,
-        Supplier<List<String>> servers) {}
+        Supplier<List<String>> servers,
+        BooleanSupplier hasWorlds) {}
