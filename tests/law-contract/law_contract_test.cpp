@@ -65,6 +65,15 @@ TEST_P(LawContract, Keeps) {
   EXPECT_NE(outcome.verdict, Verdict::kFail) << check->promise << ": " << outcome.note;
 }
 
+TEST(CheckLimit, AnEndlessCheckFailsAfterItsProcessorTime) {
+  const Check endless{"endless", "ends", false, [](const Subject&) -> std::string {
+                        for (volatile unsigned i = 0;;) i = i + 1;
+                      }};
+  const CheckOutcome outcome = RunCheck(endless, {}, std::chrono::seconds(1));
+  EXPECT_EQ(outcome.verdict, Verdict::kFail);
+  EXPECT_EQ(outcome.note, "not done after 1 s of processor time");
+}
+
 class LawFileContract : public ::testing::TestWithParam<std::string> {
  protected:
   const std::string name_ = LawFile::NameOf(GetParam());

@@ -353,6 +353,22 @@ class ControlCommandIT {
                 port);
     }
 
+    @Test
+    void aServerThatNeverAnswersIsReportedAfterTheTimeout() throws Exception {
+        try (var silent = new ServerSocket(0, 1, InetAddress.getLoopbackAddress())) {
+            assertRefused(
+                    1,
+                    "the server was silent for 0.3 s",
+                    "is its world running?",
+                    "control",
+                    "pause",
+                    "--port",
+                    Integer.toString(silent.getLocalPort()),
+                    "--answer-timeout",
+                    "0.3");
+        }
+    }
+
     private static String closedPort() throws IOException {
         try (var socket = new ServerSocket(0, 1, InetAddress.getLoopbackAddress())) {
             return Integer.toString(socket.getLocalPort());

@@ -2,7 +2,6 @@
 package reve.pe.adapter;
 
 import static org.assertj.core.api.Assertions.assertThat;
-import static org.assertj.core.api.InstanceOfAssertFactories.STRING;
 
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
@@ -308,18 +307,28 @@ class HostLossNativeTest {
      */
     @Test
     void lawsThatLoopInOneFrameTakeLessTimeThanAWatchdog() {
-        try (HostedFixture hosted = new HostedFixture()) {
-            hosted.world.load(
-                    "newton_motion", "hostile_loop_in_bind", "hostile_other_loop_in_bind");
-            hosted.world.run(1);
-            assertThat(hosted.world.events("fault"))
-                    .extracting(fault -> fault.fields().get("message").toString())
-                    .hasSize(2)
-                    .startsWith("law hostile: no answer within 3000 ms of its frame")
-                    .last(STRING) // the second process needs some of this time to load the laws
-                    .matches("law hostile: no answer within ([5-9]..|1000) ms of its frame");
+        String rest = "";
+        for (int attempt = 0; attempt < 3 && !rest.matches(MOST_OF_A_SECOND); attempt++) {
+            try (HostedFixture hosted = new HostedFixture()) { // again if the machine was busy
+                hosted.world.load(
+                        "newton_motion", "hostile_loop_in_bind", "hostile_other_loop_in_bind");
+                hosted.world.run(1);
+                List<String> messages =
+                        hosted.world.events("fault").stream()
+                                .map(fault -> fault.fields().get("message").toString())
+                                .toList();
+                assertThat(messages)
+                        .hasSize(2)
+                        .startsWith("law hostile: no answer within 3000 ms of its frame");
+                rest = messages.getLast();
+            }
         }
+        assertThat(rest).matches(MOST_OF_A_SECOND);
     }
+
+    /** The second process needs some of the last second to load the laws. */
+    private static final String MOST_OF_A_SECOND =
+            "law hostile: no answer within (9..|1000) ms of its frame";
 
     /** The first law crashes after 2.6 s of the 4 s in which a frame may fail. */
     @Test

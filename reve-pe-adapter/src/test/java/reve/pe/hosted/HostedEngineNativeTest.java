@@ -422,13 +422,17 @@ class HostedEngineNativeTest extends EngineContract {
                         new EngineFixture(new Hosted(hosts, Duration.ofMillis(50))).springOrbit()) {
             killHosts();
             program[0] = silent;
-            assertThat(failedAdvance(orbit)).isGreaterThan(0.9);
-            assertThat(failedAdvance(orbit)).as("the next one is tried at once").isGreaterThan(0.9);
+            assertThat(failedAdvance(orbit)).isBetween(0.9, 20.0);
+            assertThat(failedAdvance(orbit))
+                    .as("the next one is tried at once")
+                    .isBetween(0.9, 20.0);
             int before = starts.get();
             long began = System.nanoTime();
-            for (int frame = 0; frame < 10; frame++) {
-                assertThat(failedAdvance(orbit)).isPositive();
-            }
+            double[] seconds = new double[10];
+            Arrays.setAll(seconds, frame -> failedAdvance(orbit));
+            Arrays.sort(seconds);
+            assertThat(seconds[0]).as("each frame fails").isPositive();
+            assertThat(seconds[5]).as("the median does not wait for a start").isLessThan(0.9);
             assertThat(starts.get() - before)
                     .as("one start in ten seconds, and these frames last only milliseconds")
                     .isLessThanOrEqualTo((int) ((System.nanoTime() - began) / 10_000_000_000L));

@@ -37,6 +37,9 @@ class HostileExpressionsTest {
     private static final String ORDINARY =
             "(range+range).all(a,(range+range).all(b,size(label)>1))";
 
+    /** Maximum duration of the ordinary expression: the time of a frame at 60 frames per second. */
+    private static final double MAX_MILLISECONDS = 1000.0 / 60;
+
     /** Maximum duration of an expression, as a multiple of the duration of the ordinary one. */
     private static final double MAX_DURATION = 3;
 
@@ -275,6 +278,7 @@ class HostileExpressionsTest {
     private void measureOrdinary(long seed) throws Exception {
         Cost cost = cost(scope.compile(ORDINARY), seed, 0);
         assertThat(cost.outcome).contains("takes more than 20000 steps");
+        assertThat(cost.milliseconds).as("ordinary duration [ms]").isLessThan(MAX_MILLISECONDS);
         ordinaryMilliseconds = cost.milliseconds;
     }
 

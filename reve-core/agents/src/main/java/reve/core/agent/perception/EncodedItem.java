@@ -49,7 +49,7 @@ final class EncodedItem {
      * Records that the data is encoded ahead; returns false if it was before. For the event loop's
      * thread.
      */
-    boolean isFirstIn(Encoding encoding) {
+    boolean markAhead(Encoding encoding) {
         return ahead.add(encoding);
     }
 

@@ -283,7 +283,7 @@ public final class Observatory {
     }
 
     private void encode(int i, Encoding encoding) {
-        if (items[i].isFirstIn(encoding)) {
+        if (items[i].markAhead(encoding)) {
             items[i].symbols(Optional.empty()).encode(encoding, scratch);
             if (items[i].isNew()) {
                 seen[i].whole().encode(encoding, scratch);

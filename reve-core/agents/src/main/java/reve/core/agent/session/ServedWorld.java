@@ -81,7 +81,7 @@ public final class ServedWorld implements AutoCloseable {
                         services.log(),
                         new Described(),
                         services.audit(),
-                        services.hasWorlds());
+                        services.isShared());
         var allowances =
                 new Allowances(
                         1_000_000_000L / port.framesPerSecond(),

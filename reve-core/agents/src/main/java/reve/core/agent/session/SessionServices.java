@@ -20,7 +20,7 @@ import java.util.function.Supplier;
  * @param wake makes the event loop look for work
  * @param audit the record of all messages to clients
  * @param servers returns the addresses of other servers that may continue sessions
- * @param hasWorlds returns whether the server has more than one world
+ * @param isShared returns whether the server has several worlds
  */
 public record SessionServices(
         AgentLimits limits,
@@ -31,4 +31,4 @@ public record SessionServices(
         Runnable wake,
         Optional<AuditLog> audit,
         Supplier<List<String>> servers,
-        BooleanSupplier hasWorlds) {}
+        BooleanSupplier isShared) {}
