@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "block_code.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -43,6 +44,7 @@ class BlockCode {
     }
     ProgramEmitter emitter(vectors_, program_, uniforms);
     emitter.LoadUniforms();
+    if (law != nullptr && GathersTriples(*law)) masks_ = MakePlaceMasks(vectors_);
     at_ = code_.newUIntPtr();
     code_.xor_(at_, at_);
     const Label again = code_.newLabel();
@@ -111,6 +113,12 @@ class BlockCode {
     }
   }
 
+  bool GathersTriples(const LawCode& law) const {
+    return std::ranges::any_of(program_.loads, [&](const LoadGroup& group) {
+      return group.participant != kOwnRow && law.properties[group.property].components == 3;
+    });
+  }
+
   /// Loads a component of a column at the rows of a participant.
   x86::Vec Gather(const LoadGroup& group, size_t index, uint32_t components, uint32_t component) {
     const auto found = gathered_.find(index);
@@ -130,13 +138,14 @@ class BlockCode {
       return x86::ptr(base, row, Shift(), static_cast<int32_t>(first * vectors_.number_bytes()));
     };
     if (components != 3) return GatherNumbers(vectors_, address_of);
-    return (gathered_[index] = GatherRows(vectors_, address_of))[component];
+    return (gathered_[index] = GatherRows(vectors_, masks_, address_of))[component];
   }
 
   VectorAssembler& vectors_;
   x86::Compiler& code_;
   const Program& program_;
   x86::Gp registers_, count_, at_, columns_, rows_;
+  PlaceMasks masks_;
   std::map<size_t, VectorTriple> gathered_;  // columns of three components, by group
 };
 

@@ -126,7 +126,73 @@ VectorTriple JoinRows(VectorAssembler& v, const VectorTriple& components) {
       v, {Four(v, a, 0, 2, c, 0, 2), Four(v, b, 0, 2, a, 1, 3), Four(v, c, 1, 3, b, 1, 3)});
 }
 
-VectorTriple GatherRows(VectorAssembler& v, const std::function<x86::Mem(uint32_t)>& address_of) {
+PlaceMasks MakePlaceMasks(VectorAssembler& v) {
+  PlaceMasks masks;
+  if (!IsWide(v)) return masks;
+  const x86::Gp bits = v.code().newUInt32();
+  for (uint32_t place = 0; place < v.lanes() / 4; ++place) {
+    masks.push_back(v.code().newKw());
+    v.code().mov(bits, imm(0b0111 << (4 * place)));
+    v.code().kmovw(masks.back(), bits);
+  }
+  return masks;
+}
+
+namespace {
+
+/// Loads rows into the places of a vector (AVX-512): row `rows[i]` into place i. A masked broadcast
+/// needs no shuffle, and does not read behind the three components.
+Vec LoadPlaces(VectorAssembler& v, const PlaceMasks& masks, const std::vector<uint32_t>& rows,
+               const std::function<x86::Mem(uint32_t)>& address_of) {
+  const Vec to = v.Zero();
+  for (size_t place = 0; place < masks.size(); ++place) {
+    const x86::Mem row = address_of(rows[place]);
+    v.code().k(masks[place]);
+    v.code().emit(IsF64(v) ? Inst::kIdVbroadcastf64x4 : Inst::kIdVbroadcastf32x4, to, row);
+  }
+  return to;
+}
+
+/// Returns, in each lane, numbers of `a` and `b` in turn: of their first or their second halves.
+Vec Alternate(VectorAssembler& v, const Vec& a, const Vec& b, bool second) {
+  const InstId f64 = second ? Inst::kIdVunpckhpd : Inst::kIdVunpcklpd;
+  const InstId f32 = second ? Inst::kIdVunpckhps : Inst::kIdVunpcklps;
+  const Vec to = v.NewVector();
+  v.code().emit(IsF64(v) ? f64 : f32, to, a, b);
+  return to;
+}
+
+/// Returns, in each lane of an f32 vector, the first or the second halves of `a` and `b`.
+Vec Halves(VectorAssembler& v, const Vec& a, const Vec& b, bool second) {
+  const Vec to = v.NewVector();
+  v.code().emit(second ? Inst::kIdVunpckhpd : Inst::kIdVunpcklpd, to, a, b);
+  return to;
+}
+
+VectorTriple GatherWide(VectorAssembler& v, const PlaceMasks& masks,
+                        const std::function<x86::Mem(uint32_t)>& address_of) {
+  const auto load = [&](const std::vector<uint32_t>& rows) {
+    return LoadPlaces(v, masks, rows, address_of);
+  };
+  if (IsF64(v)) {
+    const Vec a = load({0, 2}), b = load({1, 3}), c = load({4, 6}), d = load({5, 7});
+    const Vec xz0 = Alternate(v, a, b, false), xz1 = Alternate(v, c, d, false);
+    const Vec y0 = Alternate(v, a, b, true), y1 = Alternate(v, c, d, true);
+    return {Lanes(v, xz0, 0, 2, xz1, 0, 2), Lanes(v, y0, 0, 2, y1, 0, 2),
+            Lanes(v, xz0, 1, 3, xz1, 1, 3)};
+  }
+  const Vec a = load({0, 4, 8, 12}), b = load({1, 5, 9, 13}), c = load({2, 6, 10, 14}),
+            d = load({3, 7, 11, 15});
+  const Vec xy0 = Alternate(v, a, b, false), xy1 = Alternate(v, c, d, false);
+  return {Halves(v, xy0, xy1, false), Halves(v, xy0, xy1, true),
+          Halves(v, Alternate(v, a, b, true), Alternate(v, c, d, true), false)};
+}
+
+}  // namespace
+
+VectorTriple GatherRows(VectorAssembler& v, const PlaceMasks& masks,
+                        const std::function<x86::Mem(uint32_t)>& address_of) {
+  if (!masks.empty()) return GatherWide(v, masks, address_of);
   x86::Compiler& code = v.code();
   // `early` and `late` contain the first two components of the earlier and the later rows of each
   // lane; `z` contains the third components of all rows.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pairs_code.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstring>
@@ -58,8 +59,12 @@ class PairsCode {
     emitter.ComputeOfFirst(graph_);
     emitter.LoadUniforms();
     Prepare(emitter);
+    // The operations of two vectors alternate, because each depends on the one before it.
+    std::vector<ProgramEmitter> pair(2, emitter);
+    const bool doubles = vectors_.lanes() == kGroup;  // a group is one vector only
     const Label block = code_.newLabel(), group = code_.newLabel(), edge = code_.newLabel();
-    const Label next = code_.newLabel(), whole = code_.newLabel(), end = code_.newLabel();
+    const Label one = code_.newLabel(), next = code_.newLabel(), whole = code_.newLabel(),
+                end = code_.newLabel();
     code_.lea(at_, x86::ptr(first_, 1));
     code_.and_(at_, -static_cast<int32_t>(kGroup));
     code_.cmp(at_, rows_);
@@ -74,15 +79,27 @@ class PairsCode {
     code_.cmp(at_, first_);
     code_.jbe(edge);
     const x86::Gp behind = code_.newUIntPtr();
+    if (doubles) {
+      code_.lea(behind, x86::ptr(at_, 2 * kGroup));
+      code_.cmp(behind, rows_);
+      code_.ja(one);
+      code_.cmp(behind, limit);
+      code_.ja(one);
+      EmitGroups(pair, 2, false);
+      code_.add(at_, 2 * kGroup);
+      code_.jmp(next);
+      code_.bind(one);
+    }
     code_.lea(behind, x86::ptr(at_, kGroup));
     code_.cmp(behind, rows_);
     code_.ja(edge);
-    EmitGroup(emitter, false);
+    EmitGroups(pair, 1, false);
+    code_.add(at_, kGroup);
     code_.jmp(next);
     code_.bind(edge);
-    EmitGroup(emitter, true);
-    code_.bind(next);
+    EmitGroups(pair, 1, true);
     code_.add(at_, kGroup);
+    code_.bind(next);
     code_.cmp(at_, rows_);
     code_.jae(whole);
     code_.cmp(at_, limit);
@@ -167,33 +184,50 @@ class PairsCode {
     return x86::ptr(Field(table, column * 8), at_, shift, offset);
   }
 
-  /// Emits one group of rows. Sets the results of rows outside of the range of second rows to 0 at
-  /// an edge of this range.
-  void EmitGroup(ProgramEmitter& emitter, bool edge) {
+  /// Emits `groups` groups of rows. Sets the results of rows outside of the range of second rows to
+  /// 0 at an edge of this range.
+  void EmitGroups(std::vector<ProgramEmitter>& emitters, uint32_t groups, bool edge) {
     x86::Gp from, to;
     if (edge) FindBorders(from, to);
     const std::vector<bool> none(program_.registers);
-    for (uint32_t lane = 0; lane < kGroup; lane += vectors_.lanes()) {
-      emitter.Emit([&](uint16_t of) { return vectors_.Load(Rows(second_, columns_[of], lane)); },
-                   [](uint16_t, const x86::Vec&) {}, edge ? none : skipped_);
-      for (Result& result : results_) {
-        const bool subtract = !edge && result.positive != kNothing;
-        x86::Vec value = emitter.Result(subtract ? result.positive : result.from);
-        if (edge) {
-          const auto offset = static_cast<int32_t>(lane * vectors_.number_bytes());
-          value = vectors_.KeepWhere(value, x86::ptr(from, offset));
-          value = vectors_.KeepWhere(value, x86::ptr(to, offset));
-        }
-        if (!result.checked) vectors_.AddTo(watch_, vectors_.Subtract(value, value));
-        if (result.of_first) {
-          const x86::Vec& sum = result.sums[lane / vectors_.lanes()];
-          subtract ? vectors_.SubtractFrom(sum, value) : vectors_.AddTo(sum, value);
-          continue;
-        }
-        const x86::Mem sum = Rows(sums_, result.column, lane);
-        vectors_.Store(sum, subtract ? vectors_.Subtract(vectors_.Load(sum), value)
-                                     : vectors_.Add(value, sum));
+    const uint32_t lanes = vectors_.lanes();
+    for (uint32_t first = 0; first < groups * kGroup; first += emitters.size() * lanes) {
+      const size_t ways = std::min<size_t>(emitters.size(), (groups * kGroup - first) / lanes);
+      for (uint32_t way = 0; way < ways; ++way) {
+        emitters[way].Begin([this, lane = first + way * lanes](uint16_t of) {
+          return vectors_.Load(Rows(second_, columns_[of], lane));
+        });
       }
+      for (size_t i = 0; i < program_.code.size(); ++i) {
+        for (size_t way = 0; way < ways; ++way) {
+          emitters[way].EmitOperation(i, edge ? none : skipped_);
+        }
+      }
+      for (uint32_t way = 0; way < ways; ++way) {
+        AddResults(emitters[way], first + way * lanes, edge, from, to);
+      }
+    }
+  }
+
+  void AddResults(ProgramEmitter& emitter, uint32_t lane, bool edge, const x86::Gp& from,
+                  const x86::Gp& to) {
+    for (Result& result : results_) {
+      const bool subtract = !edge && result.positive != kNothing;
+      x86::Vec value = emitter.Result(subtract ? result.positive : result.from);
+      if (edge) {
+        const auto offset = static_cast<int32_t>(lane * vectors_.number_bytes());
+        value = vectors_.KeepWhere(value, x86::ptr(from, offset));
+        value = vectors_.KeepWhere(value, x86::ptr(to, offset));
+      }
+      if (!result.checked) vectors_.AddTo(watch_, vectors_.Subtract(value, value));
+      if (result.of_first) {
+        const x86::Vec& sum = result.sums[lane % kGroup / vectors_.lanes()];
+        subtract ? vectors_.SubtractFrom(sum, value) : vectors_.AddTo(sum, value);
+        continue;
+      }
+      const x86::Mem sum = Rows(sums_, result.column, lane);
+      vectors_.Store(
+          sum, subtract ? vectors_.Subtract(vectors_.Load(sum), value) : vectors_.Add(value, sum));
     }
   }
 

@@ -73,12 +73,24 @@ VectorValue& ProgramEmitter::ValueOf(uint16_t operand) {
   return value;
 }
 
-void ProgramEmitter::Emit(const std::function<Vec(uint16_t)>& load,
-                          const std::function<void(uint16_t, const Vec&)>& store,
-                          const std::vector<bool>& skipped) {
+void ProgramEmitter::Begin(const std::function<Vec(uint16_t)>& load) {
   load_ = load;
   uniform_ = before_;
   registers_.assign(registers_.size(), {});
+}
+
+void ProgramEmitter::EmitOperation(size_t index, const std::vector<bool>& skipped) {
+  const Instruction& step = program_.code[index];
+  if (skipped[step.to] && last_[step.to] == index) return;
+  const auto operand = [&](uint16_t of) { return of == kNothing ? nullptr : &ValueOf(of); };
+  VectorValue value =
+      vectors_.Compute(step.operation, operand(step.a), operand(step.b), operand(step.c));
+  registers_[step.to] = value;
+}
+
+void ProgramEmitter::Emit(const std::function<Vec(uint16_t)>& load,
+                          const std::function<void(uint16_t, const Vec&)>& store) {
+  Begin(load);
   std::vector<bool> kept(registers_.size());
   for (const ResultGroup& group : program_.results) {
     for (const uint16_t from : group.from) {
@@ -86,15 +98,11 @@ void ProgramEmitter::Emit(const std::function<Vec(uint16_t)>& load,
     }
   }
   if (program_.energy != kNothing) kept[program_.energy] = true;
+  const std::vector<bool> none(registers_.size());
   for (size_t i = 0; i < program_.code.size(); ++i) {
-    const Instruction& step = program_.code[i];
-    if (!skipped.empty() && skipped[step.to] && last_[step.to] == i) continue;
-    const auto operand = [&](uint16_t of) { return of == kNothing ? nullptr : &ValueOf(of); };
-    VectorValue value =
-        vectors_.Compute(step.operation, operand(step.a), operand(step.b), operand(step.c));
-    VectorValue& to = registers_[step.to];
-    to = value;
-    if (kept[step.to] && last_[step.to] == i) store(step.to, vectors_.Number(to));
+    EmitOperation(i, none);
+    const uint16_t to = program_.code[i].to;
+    if (kept[to] && last_[to] == i) store(to, vectors_.Number(registers_[to]));
   }
 }
 

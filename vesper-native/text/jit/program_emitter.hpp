@@ -24,12 +24,16 @@ class ProgramEmitter {
   /// Emits the values of the first row of a pair that depend on its columns, before a loop.
   void ComputeOfFirst(const Graph& graph);
   /// Emits all operations for one vector. `load` returns the value of a register of the program
-  /// that no instruction computes. `store` receives each register of a result, with its value. The
-  /// last value of registers in `skipped` is not computed.
+  /// that no instruction computes. `store` receives each register of a result, with its value.
   void Emit(const std::function<Vec(uint16_t)>& load,
-            const std::function<void(uint16_t, const Vec&)>& store,
-            const std::vector<bool>& skipped = {});
-  /// Returns the numbers of a register after `Emit`.
+            const std::function<void(uint16_t, const Vec&)>& store);
+  /// Begins one vector whose operations EmitOperation emits one by one. The operations of several
+  /// emitters can alternate, so that the processor need not wait for one before the next.
+  void Begin(const std::function<Vec(uint16_t)>& load);
+  /// Emits the operation with an index of the program's code, without storing its result. The last
+  /// value of registers in `skipped` is not computed.
+  void EmitOperation(size_t index, const std::vector<bool>& skipped);
+  /// Returns the numbers of a register after all operations are emitted.
   Vec Result(uint16_t of);
   /// Returns the register whose negative the register `of` contains at the end. Returns kNothing if
   /// there is no such register, or if another operation uses the negative.

@@ -595,8 +595,16 @@ std::optional<Fault> Evaluator<Real>::RunScattered(Pass& pass) {
 template <class Real>
 void Evaluator<Real>::LoadReferences(const PassCode& pass, uint64_t begin, size_t count,
                                      Place& place) const {
-  for (size_t k = 0; k < pass.references.size(); ++k) {
-    const Load& reference = pass.references[k];
+  const std::vector<Load>& references = pass.references;
+  if (references.size() == 2 && references[0] == Load{kOwnRow, references[0].property, 0} &&
+      references[1] == Load{kOwnRow, references[0].property, 1} &&
+      columns_[references[0].property].components == 2) {
+    kernels_.split_rows(columns_[references[0].property].rows + 2 * begin, count,
+                        place.rows[0].data(), place.rows[1].data());
+    return;
+  }
+  for (size_t k = 0; k < references.size(); ++k) {
+    const Load& reference = references[k];
     const Column& column = columns_[reference.property];
     const uint32_t components = column.components;
     const uint32_t* from = column.rows + begin * components + reference.component;

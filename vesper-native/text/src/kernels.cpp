@@ -277,6 +277,23 @@ void Split3(const Real* rows, size_t count, Real* x, Real* y, Real* z) {
   }
 }
 
+inline void SplitRowNumbers(const uint32_t* pairs, size_t count, uint32_t* first,
+                            uint32_t* second) {
+  const hn::ScalableTag<uint32_t> d;
+  const size_t lanes = hn::Lanes(d);
+  size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    hn::Vec<decltype(d)> a, b;
+    hn::LoadInterleaved2(d, pairs + 2 * i, a, b);
+    hn::StoreU(a, d, first + i);
+    hn::StoreU(b, d, second + i);
+  }
+  for (; i < count; ++i) {
+    first[i] = pairs[2 * i];
+    second[i] = pairs[2 * i + 1];
+  }
+}
+
 /// Detects values that are not finite: the difference of such a value from itself is NaN.
 template <class Real>
 struct Watch {
@@ -402,8 +419,8 @@ bool Finite(const Real* values, size_t count) {
 
 template <class Real>
 Kernels<Real> All(const char* name, InstructionSet set) {
-  return {name,       set,        Run<Real>,    Function<Real>, Split3<Real>, Join3<Real>,
-          Add3<Real>, Add1<Real>, Add3At<Real>, Sum<Real>,      Finite<Real>};
+  return {name,        set,        Run<Real>,  Function<Real>, Split3<Real>, SplitRowNumbers,
+          Join3<Real>, Add3<Real>, Add1<Real>, Add3At<Real>,   Sum<Real>,    Finite<Real>};
 }
 
 Kernels<float> AllF32(const char* name, InstructionSet set) { return All<float>(name, set); }

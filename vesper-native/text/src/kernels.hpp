@@ -44,6 +44,8 @@ struct Kernels {
   void (*function)(Operation operation, const Real* a, const Real* b, Real* to);
   /// Splits rows of three components into three arrays.
   void (*split3)(const Real* rows, size_t count, Real* x, Real* y, Real* z);
+  /// Splits pairs of row numbers into two arrays.
+  void (*split_rows)(const uint32_t* pairs, size_t count, uint32_t* first, uint32_t* second);
   /// Joins three arrays to rows of three components. Returns true if all values are finite.
   bool (*join3)(Real* rows, size_t count, const Real* x, const Real* y, const Real* z);
   /// Adds three arrays to rows of three components. Returns true if all results are finite.
