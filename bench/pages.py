@@ -30,6 +30,11 @@ def cpu():
     return f"{platform.machine()}, {os.cpu_count()} cores visible"
 
 
+def for_processor(name):
+    """Returns the file of a page that exists once for AMD and once for Intel processors."""
+    return f"{name}_intel.md" if "Intel" in cpu() else f"{name}.md"
+
+
 def show(text):
     """Prints the table of a short form, which is not stored as a result."""
     print(text.rstrip("\n"))
