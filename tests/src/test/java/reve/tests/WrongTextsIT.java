@@ -122,6 +122,16 @@ class WrongTextsIT {
                             .as(wrong.text())
                             .contains(wrong.message());
                 }
+                String named = "law newton_motion\n  each body:\n    force += (1, 0, 0) N\n";
+                for (String library : List.of("x.law", "README.md")) { // the latter is a file
+                    ActResult shipped =
+                            bombarded.command(
+                                    "load-law", Map.of("library", library, "text", named));
+                    assertThat(shipped.code()).contains("law-refused");
+                    assertThat(shipped.reason().orElseThrow())
+                            .contains("the law calls itself 'newton_motion', which is the name of")
+                            .doesNotContain(Project.ROOT.toString());
+                }
                 command(calm, "pause", Map.of());
                 command(bombarded, "pause", Map.of());
                 long one = command(calm, "step", Map.of("frames", 1));

@@ -524,6 +524,9 @@ class TlsTest {
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), nothing))
                 .hasMessageContaining("nothing.pem")
                 .hasMessageContaining("openssl pkcs8");
+        Files.writeString(nothing, Files.readString(server.key()).substring(0, 100));
+        assertThatThrownBy(() -> ServerTls.of(server.certificate(), nothing))
+                .hasMessageContaining("nothing.pem is incomplete or damaged: found `BEGIN PRIVATE");
         Path missing = folder.resolve("missing.pem");
         assertThatThrownBy(() -> ServerTls.of(missing, server.key()))
                 .hasMessage("there is no file " + missing + ", expected one in PEM");
@@ -532,7 +535,7 @@ class TlsTest {
         Certificate rsa = Certificate.make(folder, "rsa", "rsa:2048");
         assertThat(rsa.tls()).isNotNull();
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), rsa.key()))
-                .hasMessageContaining("(EC)");
+                .hasMessageContaining("certificate's kind, EC;");
     }
 
     /** The parser would need minutes for such a file. */

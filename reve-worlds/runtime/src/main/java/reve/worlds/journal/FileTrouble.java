@@ -12,6 +12,7 @@ import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.nio.file.StandardOpenOption;
 import java.sql.SQLException;
+import java.util.List;
 import java.util.Optional;
 
 /** Messages for files that could not be opened, read or written. */
@@ -109,6 +110,14 @@ final class FileTrouble {
      */
     private static String whyNotOpened(Path file) {
         Path folder = file.toAbsolutePath().getParent();
+        for (String beside : List.of("-wal", "-shm")) {
+            Path other = Path.of(file + beside);
+            if (Files.isDirectory(other) || Files.isSymbolicLink(other)) {
+                return other
+                        + (Files.isDirectory(other) ? " is a folder" : " is a link")
+                        + ", expected a file of the database or nothing; move it away";
+            }
+        }
         try (FileChannel _ =
                 FileChannel.open(file, StandardOpenOption.READ, StandardOpenOption.WRITE)) {
             return Files.isWritable(folder)

@@ -271,7 +271,7 @@ public record LawPath(
      * one of its laws, is the name of a shipped law, because users would confuse the two.
      *
      * @param library bytes of the file; shipped libraries and their copies may have these names
-     * @throws PhysicsException naming both files
+     * @throws PhysicsException naming both files; for a library without a folder, naming no file
      */
     void requireOwnName(String name, Path file, byte[] library) {
         if (isExcluded(name)) {
@@ -287,13 +287,18 @@ public record LawPath(
             ships = shipped.resolve(name + PreparedLibrary.TEXT_ENDING);
         }
         if (NAME.matcher(name).matches() && Files.exists(ships) && !holds(shipped, library)) {
+            // The texts and libraries of messages have a name without a folder. Their senders need
+            // not know the server's folders, nor which files they contain.
+            boolean isFile = file.getParent() != null;
             throw new PhysicsException(
                     Status.ALREADY_EXISTS,
-                    shown(file.toAbsolutePath())
+                    (isFile ? shown(file.toAbsolutePath()) : "the law")
                             + " calls itself '"
                             + Visible.line(name)
-                            + "', which is the law that ships as "
-                            + ships.toAbsolutePath()
+                            + "', which is the "
+                            + (isFile
+                                    ? "law that ships as " + ships.toAbsolutePath()
+                                    : "name of a shipped law")
                             + "; give it a name of its own");
         }
     }

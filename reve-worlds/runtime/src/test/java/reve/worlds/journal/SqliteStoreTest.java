@@ -805,8 +805,19 @@ class SqliteStoreTest {
                 .isThrownBy(() -> StoreContents.read(file))
                 .withMessageStartingWith(
                         file
-                                + " could not be opened: SQLite could not open a "
-                                + "file beside it; raise the limit of open files (ulimit -n)");
+                                + " could not be opened: "
+                                + log
+                                + " is a folder, expected a file of the database or nothing");
+        Files.delete(log);
+        Files.createSymbolicLink(log, folder);
+        assertThatExceptionOfType(IOException.class)
+                .isThrownBy(() -> StoreContents.read(file))
+                .withMessageContaining(log + " is a folder");
+        Files.delete(log);
+        Files.createSymbolicLink(log, folder.resolve("missing/log"));
+        assertThatExceptionOfType(IOException.class)
+                .isThrownBy(() -> StoreContents.read(file))
+                .withMessageContaining(log + " is a link");
         assertThatExceptionOfType(IOException.class)
                 .isThrownBy(() -> StoreDatabase.open(folder.resolve("none/my.db")))
                 .withMessageContaining("there is no folder " + folder.resolve("none"));

@@ -301,8 +301,16 @@ public final class ServerTls {
         if (version.isOpenToOthers()) {
             throw new FileSystemException(version.openToOthers(file));
         }
-        Matcher pem = KEY.matcher(Files.readString(file, StandardCharsets.ISO_8859_1));
+        String text = Files.readString(file, StandardCharsets.ISO_8859_1);
+        Matcher pem = KEY.matcher(text);
         if (!pem.find()) {
+            if (text.contains("-----BEGIN PRIVATE KEY-----")) {
+                throw new FileSystemException(
+                        file
+                                + " is incomplete or damaged: found `BEGIN PRIVATE KEY`, expected"
+                                + " base64 and then `END PRIVATE KEY`; copy the key to another"
+                                + " file and rename that file");
+            }
             throw new FileSystemException(
                     file
                             + " holds no `BEGIN PRIVATE KEY`; run `openssl pkcs8 -topk8 -nodes -in "
@@ -316,10 +324,9 @@ public final class ServerTls {
         } catch (GeneralSecurityException | IllegalArgumentException e) {
             throw new FileSystemException(
                     file
-                            + " holds no key of the certificate's kind ("
+                            + " holds no valid key of the certificate's kind, "
                             + algorithm
-                            + "): "
-                            + e.getMessage());
+                            + "; name the key for which the certificate was made");
         }
     }
 
