@@ -10,15 +10,20 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <new>
 #include <numeric>
 #include <random>
+#include <span>
 #include <sstream>
 #include <thread>
 
@@ -88,6 +93,34 @@ struct Way {
   decltype(vesper_host::parallel_for) parallel_for;
 };
 
+/// A copy of a column, behind which nothing can be read: the next page belongs to nobody.
+class GuardedColumn {
+ public:
+  explicit GuardedColumn(std::span<const std::byte> column) : size_(column.size()) {
+    const auto page = static_cast<size_t>(sysconf(_SC_PAGESIZE));
+    const size_t used = (size_ + page - 1) / page * page;
+    mapped_ = used + page;
+    memory_ = static_cast<std::byte*>(
+        mmap(nullptr, mapped_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    if (memory_ == MAP_FAILED) throw std::bad_alloc();
+    if (mprotect(memory_ + used, page, PROT_NONE) != 0) throw std::bad_alloc();
+    data_ = memory_ + used - size_;
+    std::ranges::copy(column, data_);
+  }
+  GuardedColumn(const GuardedColumn&) = delete;
+  GuardedColumn& operator=(const GuardedColumn&) = delete;
+  ~GuardedColumn() { munmap(memory_, mapped_); }
+
+  void* data() { return data_; }
+  void CopyTo(std::span<std::byte> column) const { std::copy_n(data_, size_, column.begin()); }
+
+ private:
+  size_t size_;
+  size_t mapped_;
+  std::byte* memory_;
+  std::byte* data_;
+};
+
 /// Calls a law in some steps. Its results are then in `columns`.
 template <class Real>
 Outcome Apply(const LawCode& law, std::string_view text, const Way<Real>& way,
@@ -102,11 +135,14 @@ Outcome Apply(const LawCode& law, std::string_view text, const Way<Real>& way,
     EXPECT_EQ(evaluator.WhyEvaluated(), "") << way.kernels.name;
   }
   std::vector<vesper_property> bound;
+  std::vector<std::unique_ptr<GuardedColumn>> guarded(law.properties.size());
   for (const uint32_t i : law.table_order) {
     vesper_property property{};
     const bool reference = law.properties[i].is_reference;
-    property.data =
-        reference ? static_cast<void*>(columns.references[i].data()) : columns.numbers[i].data();
+    guarded[i] =
+        std::make_unique<GuardedColumn>(reference ? std::as_bytes(std::span(columns.references[i]))
+                                                  : std::as_bytes(std::span(columns.numbers[i])));
+    property.data = guarded[i]->data();
     const size_t size = reference ? columns.references[i].size() : columns.numbers[i].size();
     property.row_count = size / law.properties[i].components;
     if (law.properties[i].optional && i % 2 == 1) {  // an absent property
@@ -126,6 +162,10 @@ Outcome Apply(const LawCode& law, std::string_view text, const Way<Real>& way,
     const std::optional<Fault> fault = evaluator.Advance(step);
     outcome.faults.push_back(fault ? fault->message + fault->property : "");
     outcome.energies.push_back(evaluator.PotentialEnergy());
+  }
+  for (const uint32_t i : law.table_order) {
+    if (law.properties[i].is_reference) continue;
+    guarded[i]->CopyTo(std::as_writable_bytes(std::span(columns.numbers[i])));
   }
   return outcome;
 }
