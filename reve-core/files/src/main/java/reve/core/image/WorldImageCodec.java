@@ -22,6 +22,7 @@ import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.nio.ByteOrder;
 import java.util.ArrayList;
+import java.util.Collection;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -53,7 +54,7 @@ public final class WorldImageCodec {
     public Map<String, byte[]> write(WorldImage image) {
         Map<String, byte[]> sections = new LinkedHashMap<>();
         sections.put(WORLD, Trees.write(world(image)));
-        sections.put(ITEMS, Trees.write(items(image.symbols())));
+        sections.put(ITEMS, Trees.write(items(image.symbols().values())));
         for (TableCopy table : image.tables()) {
             for (int i = 0; i < table.properties().size(); i++) {
                 byte[] rows = table.column(i).toArray(ValueLayout.JAVA_BYTE);
@@ -87,7 +88,8 @@ public final class WorldImageCodec {
         if (tables.size() != into.tables().size()) {
             throw new CorruptException(tables.size() + " kinds, expected " + into.tables().size());
         }
-        PMap<ItemId, ItemSymbols> items = readItems(Trees.read(required(sections, ITEMS)));
+        PMap<ItemId, ItemSymbols> items =
+                TreePMap.from(readItems(Trees.read(required(sections, ITEMS))));
         for (int i = 0; i < tables.size(); i++) {
             readTable(tables.get(i), items.size(), sections, into.tables().get(i));
         }
@@ -140,7 +142,8 @@ public final class WorldImageCodec {
     }
 
     /**
-     * Returns the section {@code items}. It contains these data:
+     * Returns a tree of items, which is the section {@code items} of an image. It contains these
+     * data:
      *
      * <ul>
      *   <li>the distinct texts of items
@@ -149,12 +152,12 @@ public final class WorldImageCodec {
      *   <li>for each agent the ids of the items that its actions created
      * </ul>
      */
-    private Map<String, Object> items(PMap<ItemId, ItemSymbols> symbols) {
+    Map<String, Object> items(Collection<ItemSymbols> symbols) {
         Map<String, Integer> places = new LinkedHashMap<>();
         List<List<Object>> items = new ArrayList<>();
         List<List<Object>> derived = new ArrayList<>();
         Map<String, List<Long>> made = new LinkedHashMap<>();
-        for (ItemSymbols item : symbols.values()) {
+        for (ItemSymbols item : symbols) {
             String text = texts.write(item);
             int place = places.computeIfAbsent(text, any -> places.size());
             List<Object> entry =
@@ -183,7 +186,8 @@ public final class WorldImageCodec {
                 made);
     }
 
-    private PMap<ItemId, ItemSymbols> readItems(JsonNode tree) {
+    /** Returns the items of a tree by id. */
+    Map<ItemId, ItemSymbols> readItems(JsonNode tree) {
         List<ItemDefinition> definitions =
                 Trees.list(tree, "texts").stream()
                         .map(text -> texts.read(Trees.text("an item", text)))
@@ -220,7 +224,7 @@ public final class WorldImageCodec {
                 }
             }
         }
-        return TreePMap.from(items);
+        return items;
     }
 
     private static @Nullable Attachment attachment(JsonNode entry) {

@@ -352,6 +352,7 @@ class WorldFileProblemsTest {
                 "spoke",
                 "heard",
                 "world-asleep",
+                "watching",
                 "level-changed"
             })
     void refusesToRaiseAnEventOfTheServers(String event) {
@@ -369,7 +370,7 @@ class WorldFileProblemsTest {
                                 + "missed, waiting, ready, standby, cluster, snapshot, snapshot-failed, "
                                 + "saved, rewound, "
                                 + "stalled, recovered, late, away, back, end, detached, "
-                                + "removed, spoke, heard, world-asleep and level-changed");
+                                + "removed, spoke, heard, world-asleep, watching and level-changed");
     }
 
     /** The name of a world becomes a part of file names. */

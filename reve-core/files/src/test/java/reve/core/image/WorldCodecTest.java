@@ -21,13 +21,16 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.Shape;
+import reve.core.world.SnapshotRing;
 import reve.core.world.SymbolDescriptor;
 import reve.core.world.SymbolType;
 import reve.core.world.Table;
 import reve.core.world.World;
 import reve.core.world.WorldChange;
+import reve.core.world.WorldEvent;
 import reve.core.world.WorldImage;
 import reve.core.world.WorldPrototype;
+import reve.core.world.WorldSnapshot;
 
 import java.lang.foreign.ValueLayout;
 import java.nio.charset.StandardCharsets;
@@ -93,6 +96,87 @@ class WorldCodecTest {
             assertThat(everything(other)).isEqualTo(everything(world));
             assertThat(other.items().stream().map(Item::children).toList().toString())
                     .isEqualTo(world.items().stream().map(Item::children).toList().toString());
+        }
+    }
+
+    @ParameterizedTest(name = "seed {0}")
+    @ValueSource(longs = {1, 2, 3, 4, 5, 6})
+    void framesKeepACopyEqualToTheBit(long seed) {
+        Random random = new Random(seed);
+        World world = empty();
+        World copy = empty();
+        SnapshotRing ring = new SnapshotRing(world, 3);
+        var encoder = new FrameEncoder(PROTOTYPE, NONE);
+        var decoder = new FrameDecoder(PROTOTYPE, NONE);
+        List<WorldEvent> events =
+                List.of(new WorldEvent(7, "rang", Map.of("times", 3L, "at", 0.5, "who", "ä")));
+        try (WorldImage image = new WorldImage(copy)) {
+            for (int frame = 1; frame <= 40; frame++) {
+                change(world, random, random.nextInt(8));
+                editDirectly(world, random);
+                if (world.itemCount() > 1) {
+                    world.items().getLast().semantic().derive("frame", (double) frame);
+                }
+                ring.publish(frame, frame / 60.0);
+                if (random.nextInt(3) == 0) {
+                    continue; // a slow reader misses frames
+                }
+                byte[] bytes;
+                try (WorldSnapshot snapshot = ring.acquireLatest().orElseThrow()) {
+                    bytes = encoder.write(snapshot, events).orElseThrow();
+                }
+                FrameDecoder.Frame read = decoder.read(bytes, image);
+                assertThat(read).isEqualTo(new FrameDecoder.Frame(frame, frame / 60.0, events));
+                copy.restore(image);
+                assertThat(everything(copy)).isEqualTo(everything(world));
+            }
+        }
+    }
+
+    @Test
+    void aFrameWithoutChangesIsShort() {
+        World world = empty();
+        for (int i = 0; i < 1000; i++) {
+            world.add(ItemDefinition.named("body " + i).at(i, 0, 0).build());
+        }
+        SnapshotRing ring = new SnapshotRing(world, 3);
+        var encoder = new FrameEncoder(PROTOTYPE, NONE);
+        ring.publish(1, 0);
+        try (WorldSnapshot whole = ring.acquireLatest().orElseThrow()) {
+            assertThat(encoder.write(whole, List.of()).orElseThrow()).hasSizeGreaterThan(50_000);
+        }
+        world.items().getLast().physical().setLocation(1, 2, 3);
+        ring.publish(2, 0);
+        try (WorldSnapshot changed = ring.acquireLatest().orElseThrow()) {
+            assertThat(encoder.write(changed, List.of()).orElseThrow()).hasSizeLessThan(500);
+        }
+    }
+
+    @Test
+    void aFrameThatDoesNotFitIsRefused() {
+        World world = empty();
+        world.add(ItemDefinition.named("body").build());
+        SnapshotRing ring = new SnapshotRing(world, 3);
+        var encoder = new FrameEncoder(PROTOTYPE, NONE);
+        ring.publish(1, 0);
+        byte[] first = write(encoder, ring);
+        world.items().getLast().semantic().set("mood", "glad");
+        ring.publish(2, 0);
+        byte[] second = write(encoder, ring);
+        try (WorldImage image = new WorldImage(empty())) {
+            assertThatExceptionOfType(CorruptException.class)
+                    .isThrownBy(() -> new FrameDecoder(PROTOTYPE, NONE).read(second, image))
+                    .withMessageContaining("which does not exist");
+            first[first.length / 2]++;
+            assertThatExceptionOfType(CorruptException.class)
+                    .isThrownBy(() -> new FrameDecoder(PROTOTYPE, NONE).read(first, image))
+                    .withMessageContaining("checksum");
+        }
+    }
+
+    private static byte[] write(FrameEncoder encoder, SnapshotRing ring) {
+        try (WorldSnapshot snapshot = ring.acquireLatest().orElseThrow()) {
+            return encoder.write(snapshot, List.of()).orElseThrow();
         }
     }
 

@@ -67,7 +67,9 @@ public final class TableCopy {
     }
 
     /**
-     * Sets the number of rows. The old values are lost, so the caller must then write all values.
+     * Sets the number of rows. If it changes, the old values are lost, so the caller must then
+     * write all values. Memory that is too small is replaced by at least twice as much, because it
+     * is freed only with the image.
      */
     public void resize(int rows, int physicsRows) {
         if (rows < 0 || physicsRows < 0 || physicsRows > rows) {
@@ -81,7 +83,7 @@ public final class TableCopy {
                             + " are physical");
         }
         for (int i = 0; i < memories.length; i++) {
-            makeRoom(i, bytes(i, rows), bytes(i, rows));
+            makeRoom(i, bytes(i, rows), Math.max(bytes(i, rows), 2 * memories[i].byteSize()));
         }
         rowCount = rows;
         physicsRowCount = physicsRows;
