@@ -94,6 +94,12 @@ class Client {
     }
   }
 
+  /// Joins a world without a body.
+  void Observe() const {
+    Send("{\"t\":\"hello\",\"protocol\":1,\"name\":\"o" + std::to_string(id_) +
+         "\",\"role\":\"observer\",\"encoding\":\"" + (packed_ ? "msgpack" : "json") + "\"}\n");
+  }
+
   void Hello(bool lock_step) const {
     const std::string name = "a" + std::to_string(id_);
     Send("{\"t\":\"hello\",\"protocol\":1,\"name\":\"" + name + "\",\"body\":\"" + name +
@@ -101,9 +107,10 @@ class Client {
          (lock_step ? ",\"time\":{\"mode\":\"lock-step\"}" : "") + "}\n");
   }
 
-  void PerceiveEveryFrame() const {
-    Send(packed_ ? Framed("\x82" + Text("t") + Text("perceive") + Text("every") + "\x01")
-                 : "{\"t\":\"perceive\",\"every\":1}\n");
+  /// @param every interval between two perceptions [frames], below 128
+  void Perceive(int every) const {
+    Send(packed_ ? Framed("\x82" + Text("t") + Text("perceive") + Text("every") + char(every))
+                 : "{\"t\":\"perceive\",\"every\":" + std::to_string(every) + "}\n");
   }
 
   /// Sends the act that pushes the client's item, and ends the client's part of the frame.
@@ -205,6 +212,7 @@ struct Wanted {
   int clients;
   double seconds;
   std::string how;
+  int every;
 };
 
 class Load {
@@ -215,9 +223,12 @@ class Load {
     for (int i = 0; i < wanted.clients; i++) {
       clients_.emplace_back(wanted.first + i, wanted.port, packed,
                             wanted.mode == "deaf" ? 4096 : 0);
-      if (wanted.mode != "echo") {
+      if (wanted.mode == "observe") {
+        clients_.back().Observe();
+        clients_.back().Perceive(wanted.every);
+      } else if (wanted.mode != "echo") {
         clients_.back().Hello(wanted.mode == "lock-step");
-        if (wanted.mode != "lock-step") clients_.back().PerceiveEveryFrame();
+        if (wanted.mode != "lock-step") clients_.back().Perceive(wanted.every);
       }
     }
     if (wanted.mode == "echo") echo_ = Bytes(std::stoul(wanted.how), 'x');
@@ -272,7 +283,7 @@ class Load {
     slice_count_++;
     const double sample = now - client.since;
     if (client.since > 0) samples_.push_back(float(sample));
-    if (wanted_.mode == "stream") {
+    if (wanted_.mode == "stream" || wanted_.mode == "observe") {
       client.since = now;
       behind_.push_back(now - client.world_time);
     } else {
@@ -350,15 +361,16 @@ class Load {
 
 int main(int count, char** arguments) {
   try {
-    if (count != 6) {
-      throw std::invalid_argument("usage: agents_load MODE PORT CLIENTS SECONDS BYTES|ENCODING");
+    if (count < 6 || count > 7) {
+      throw std::invalid_argument(
+          "usage: agents_load MODE PORT CLIENTS SECONDS BYTES|ENCODING [FRAMES]");
     }
     const std::string clients = arguments[3];
     const size_t plus = clients.find('+');
     const int first = plus == std::string::npos ? 0 : std::stoi(clients);
     Load({arguments[1], std::stoi(arguments[2]), first,
           std::stoi(plus == std::string::npos ? clients : clients.substr(plus + 1)),
-          std::stod(arguments[4]), arguments[5]})
+          std::stod(arguments[4]), arguments[5], count == 7 ? std::stoi(arguments[6]) : 1})
         .Run();
     return 0;
   } catch (const std::exception& e) {
