@@ -229,4 +229,33 @@ class NodesPageIT {
                                         || request.startsWith("data:")
                                         || request.startsWith("blob:"));
     }
+
+    /** The page of a world at a node that watches shows the world of another node. */
+    @Test
+    void aPageAtANodeThatWatchesShowsTheWorld() throws Exception {
+        Node owner = node(world("w1").toString());
+        Node watching = node("--seed", owner.address(), "--watch");
+        browser.open(watching.web());
+        browser.await("document.body.dataset.state === 'open'");
+        browser.await(row("node", watching.address()) + ".includes('watches')");
+        browser.await("nodes.state.worlds.some(world => world.node === '" + owner.address() + "')");
+        assertThat(
+                        browser.ask(
+                                        "document.querySelector('[data-node=\""
+                                                + watching.address()
+                                                + "\"] button').hidden")
+                                .booleanValue())
+                .as("a node without worlds is not drained")
+                .isTrue();
+        openWorld(watching.web().replaceAll("nodes$", "") + "?world=w1");
+        assertThat(browser.ask("reve.role").asString()).isEqualTo("observer");
+        browser.await("reve.view.byName.has('blue')");
+        long shown = browser.ask("reve.view.frame").asLong();
+        browser.await("reve.view.frame > " + (shown + 20));
+        browser.picture(PICTURES.resolve("watching.png"));
+        browser.click("#tab-laws");
+        browser.await("document.querySelector('#panel-laws').textContent.includes('only watches')");
+        browser.picture(PICTURES.resolve("watching-laws.png"));
+        assertThat(browser.errors).isEmpty();
+    }
 }

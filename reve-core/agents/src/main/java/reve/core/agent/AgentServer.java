@@ -5,6 +5,7 @@ import reve.core.agent.audit.AuditLog;
 import reve.core.agent.auth.AgentSecurity;
 import reve.core.agent.auth.ServerTls;
 import reve.core.agent.auth.TokenFile;
+import reve.core.agent.embodiment.Rewound;
 import reve.core.agent.lockstep.LockStep;
 import reve.core.agent.net.Connections;
 import reve.core.agent.net.Counters;
@@ -18,6 +19,7 @@ import reve.core.agent.protocol.AgentTimeouts;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Encoding;
 import reve.core.agent.protocol.Relay;
+import reve.core.agent.publish.Publisher;
 import reve.core.agent.session.Admission;
 import reve.core.agent.session.KeptSessions;
 import reve.core.agent.session.ServedWorld;
@@ -395,6 +397,17 @@ public final class AgentServer implements AutoCloseable {
                 });
         served.close();
         return carried.get();
+    }
+
+    /**
+     * Restarts the streams of perceptions of a world's clients, because the world was rewound
+     * elsewhere and this server shows a copy of it. For any thread.
+     *
+     * @param frame the frame that shows the rewound world
+     */
+    public void rewound(String world, long frame) {
+        Publisher publisher = served(world).publisher();
+        publisher.later(() -> publisher.tellRewound(new Rewound(frame, Map.of())));
     }
 
     /**

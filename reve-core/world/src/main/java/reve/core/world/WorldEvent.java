@@ -49,6 +49,7 @@ public record WorldEvent(long frame, String type, Map<String, Object> fields) {
                     "spoke",
                     "heard",
                     "world-asleep",
+                    "watching",
                     LevelChange.EVENT);
 
     /** Checks the type, and copies the fields in their order. */

@@ -370,6 +370,7 @@ public final class ClusterCommand implements Runnable {
                             + text(node, "node")
                             + ": "
                             + text(node, "status")
+                            + (Boolean.TRUE.equals(node.get("watching")) ? ", watches" : "")
                             + (Boolean.TRUE.equals(node.get("drained")) ? ", drained" : "")
                             + ", worlds: "
                             + text(node, "worlds")

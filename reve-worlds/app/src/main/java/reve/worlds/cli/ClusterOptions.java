@@ -24,6 +24,7 @@ import java.util.Optional;
 final class ClusterOptions {
     private static final String STORE = "--store postgresql://USER@HOST:PORT/DATABASE";
     private static final String SLEEP_AFTER = "--sleep-after";
+    private static final String WATCH = "--watch";
     private static final double MIN_SLEEP_AFTER = 1;
     private static final double MAX_SLEEP_AFTER = 2_592_000;
 
@@ -85,6 +86,13 @@ final class ClusterOptions {
                             + " until a client asks for it (default: worlds never sleep).")
     private Optional<Double> sleepAfter = Optional.empty();
 
+    @Option(
+            names = WATCH,
+            description =
+                    "Run no worlds. Show copies of the cluster's worlds to observers, which the"
+                            + " other nodes send here.")
+    private boolean watches;
+
     /** Returns whether the server is a node of a cluster. */
     boolean isGiven() {
         return name.isPresent();
@@ -119,7 +127,8 @@ final class ClusterOptions {
                     known,
                     store.get().given(),
                     tls,
-                    sleepAfter.map(seconds -> Duration.ofNanos(Math.round(seconds * 1e9))));
+                    sleepAfter.map(seconds -> Duration.ofNanos(Math.round(seconds * 1e9))),
+                    watches);
         } catch (IllegalArgumentException wrong) {
             throw new ParameterException(spec.commandLine(), wrong.getMessage());
         }
@@ -158,6 +167,7 @@ final class ClusterOptions {
     void requireNone() {
         PartnerOption.require(spec, "--cluster-listen", listen.isPresent(), "--cluster NAME", name);
         PartnerOption.require(spec, "--seed", !seeds.isEmpty(), "--cluster NAME", name);
+        PartnerOption.require(spec, WATCH, watches, "--cluster NAME", name);
         PartnerOption.require(spec, SLEEP_AFTER, sleepAfter.isPresent(), "--cluster NAME", name);
         files().forEach(
                         (option, file) ->

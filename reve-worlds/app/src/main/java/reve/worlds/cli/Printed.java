@@ -52,6 +52,7 @@ enum Printed {
                     "saved",
                     "rewound",
                     "world-asleep",
+                    "watching",
                     "level-changed");
 
     abstract boolean includes(String event);

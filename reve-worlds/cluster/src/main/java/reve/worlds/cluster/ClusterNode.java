@@ -28,6 +28,7 @@ import reve.core.world.ActionRefused;
 import reve.worlds.Product;
 import reve.worlds.journal.PostgresCatalog;
 import reve.worlds.journal.PostgresStore;
+import reve.worlds.server.FrameSource;
 import reve.worlds.server.HostCluster;
 import reve.worlds.server.ServerEvents;
 import reve.worlds.server.WorldHost;
@@ -39,6 +40,7 @@ import java.net.BindException;
 import java.net.InetAddress;
 import java.net.InetSocketAddress;
 import java.net.ServerSocket;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.Comparator;
 import java.util.HashMap;
@@ -49,6 +51,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.ExecutionException;
 import java.util.concurrent.locks.LockSupport;
 import java.util.stream.Collectors;
 
@@ -83,15 +86,21 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
     /** Interval between two checks whether a world can be handed over [ns]. */
     private static final long HAND_OVER_NANOSECONDS = 200_000_000L;
 
+    /** Maximum time for the answer of another node. */
+    private static final Duration ANSWER = Duration.ofSeconds(5);
+
     /**
      * Version of what nodes send to each other and store for each other. A change that nodes of
      * earlier versions do not understand raises it. {@link #OLDEST_PROTOCOL} then stays, as long as
      * this program also understands and writes the earlier form.
      */
-    private static final int PROTOCOL = 1;
+    private static final int PROTOCOL = 2;
 
     /** Oldest version of other nodes that this program understands. */
     private static final int OLDEST_PROTOCOL = 1;
+
+    /** Oldest version of other nodes that can send frames to a node that watches. */
+    private static final int WATCHING_PROTOCOL = 2;
 
     private static final EntityTypeKey<WorldCommand> WORLDS =
             EntityTypeKey.create(WorldCommand.class, "world");
@@ -122,6 +131,9 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
 
     /** Addresses for agents of the worlds of other nodes, by name; for the agent server. */
     private volatile Map<String, String> elsewhere = Map.of();
+
+    /** Addresses for agents of the other nodes that are watching. */
+    private volatile List<String> watchers = List.of();
 
     /** Whether the list of worlds was read since the node has joined. */
     private volatile boolean hasRead;
@@ -261,7 +273,11 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
         values.put("pekko.remote.artery.canonical.port", port);
         values.put("pekko.remote.artery.bind.hostname", inside.getHostString());
         values.put("pekko.remote.artery.bind.port", inside.getPort());
-        values.put("pekko.cluster.roles", List.of(KnownNode.AGENTS + agents));
+        List<String> roles = new ArrayList<>(List.of(KnownNode.AGENTS + agents));
+        if (settings.isWatching()) {
+            roles.add(KnownNode.WATCHES);
+        }
+        values.put("pekko.cluster.roles", roles);
         values.put("reve.lease.store", settings.store());
         settings.tls()
                 .ifPresent(
@@ -334,15 +350,25 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
 
     private WorldActor.Opener opener(String world) {
         return whenClosed ->
-                host.open(
-                        world,
-                        () -> plans.of(world),
-                        (reason, isAsleep) -> {
-                            whenClosed.accept(reason);
-                            if (reason.isEmpty() && !isAsleep && !stops) {
-                                wake(world); // another node opens it without a wait
-                            }
-                        });
+                settings.isWatching()
+                        ? refuse(world)
+                        : host.open(
+                                world,
+                                () -> plans.of(world),
+                                (reason, isAsleep) -> {
+                                    whenClosed.accept(reason);
+                                    if (reason.isEmpty() && !isAsleep && !stops) {
+                                        wake(world); // another node opens it without a wait
+                                    }
+                                });
+    }
+
+    /**
+     * Refuses a world that was placed here because no other node is left. The cluster places it
+     * again when another node joins.
+     */
+    private WorldHost.Hosting refuse(String world) {
+        throw new IllegalStateException("this node only watches, so it does not run " + world);
     }
 
     /**
@@ -400,10 +426,18 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
     private PostgresCatalog.Places usablePlaces() {
         PostgresCatalog.Places known = places;
         Set<String> up = new HashSet<>();
-        nodes().stream().filter(KnownNode::isUp).forEach(node -> up.add(node.address()));
+        Set<String> withoutWorlds = new HashSet<>(known.drained());
+        for (KnownNode node : nodes()) {
+            if (node.isUp()) {
+                up.add(node.address());
+            }
+            if (node.isWatching()) {
+                withoutWorlds.add(node.address());
+            }
+        }
         Map<String, String> usable = new HashMap<>(known.nodes());
         usable.values().retainAll(up);
-        return new PostgresCatalog.Places(usable, known.drained());
+        return new PostgresCatalog.Places(usable, withoutWorlds);
     }
 
     private Map<String, Object> fields(String status, Address address) {
@@ -512,6 +546,7 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
 
     private boolean isCutOff() {
         return hasRead
+                && !settings.isWatching()
                 && System.nanoTime() - readNanos > LEASE_NANOSECONDS
                 && nodes().stream().anyMatch(node -> !node.isReached());
     }
@@ -520,7 +555,14 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
         String self = address().toString();
         return nodes().stream()
                 .filter(node -> !node.address().equals(self) && !node.agents().isEmpty())
-                .sorted(Comparator.comparing(node -> !node.isUp()))
+                .sorted(Comparator.comparing(node -> !node.isUp() || node.isWatching()))
+                .map(KnownNode::agents)
+                .toList();
+    }
+
+    private List<String> watchingNodes() {
+        return nodes().stream()
+                .filter(node -> node.isWatching() && node.isUp() && !node.agents().isEmpty())
                 .map(KnownNode::agents)
                 .toList();
     }
@@ -535,6 +577,7 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
             }
             long began = System.nanoTime();
             others = otherNodes();
+            watchers = watchingNodes();
             try {
                 catalog.report(address().toString(), report());
                 reports = catalog.reports();
@@ -562,7 +605,10 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
 
     private PostgresCatalog.Report report() {
         return new PostgresCatalog.Report(
-                new PostgresCatalog.Program(Product.version(), PROTOCOL, OLDEST_PROTOCOL),
+                new PostgresCatalog.Program(
+                        Product.version(),
+                        PROTOCOL,
+                        settings.isWatching() ? WATCHING_PROTOCOL : OLDEST_PROTOCOL),
                 new PostgresCatalog.Load(
                         host.web().orElse(""),
                         machine.cpu(),
@@ -609,6 +655,55 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
     }
 
     @Override
+    public boolean isWatching() {
+        return settings.isWatching();
+    }
+
+    @Override
+    public Optional<String> forObserver(String world, String client) {
+        List<String> watching = watchers;
+        if (watching.isEmpty() || settings.isWatching()) {
+            return Optional.empty();
+        }
+        int chosen = Math.floorMod((world + " " + client).hashCode(), watching.size());
+        return Optional.of(watching.get(chosen));
+    }
+
+    @Override
+    public Optional<String> watched(String world) {
+        return host.watch(world, () -> plans.of(world), this::connect)
+                ? Optional.empty()
+                : Optional.of("ask the operator, to whom this node has reported the reason");
+    }
+
+    /** Opens the stream of frames of a world of another node. */
+    private FrameSource connect(String world) throws IOException, InterruptedException {
+        wanted(world);
+        if (elsewhere.getOrDefault(world, "").isEmpty()) {
+            throw new IOException("no node runs the world " + world + " now");
+        }
+        try {
+            String stream =
+                    ClusterSharding.get(system)
+                            .entityRefFor(WORLDS, world)
+                            .ask(WorldCommand.Watch::new, ANSWER)
+                            .toCompletableFuture()
+                            .get()
+                            .stream();
+            if (stream.isEmpty()) {
+                throw new IOException("the world " + world + " is being opened or closed");
+            }
+            return FrameStream.open(stream, system);
+        } catch (ExecutionException silent) {
+            throw new IOException(
+                    "the node that runs the world "
+                            + world
+                            + " does not answer, or has an earlier version of REVE",
+                    silent);
+        }
+    }
+
+    @Override
     public void wanted(String world) {
         if (asleep.contains(world)) {
             wake(world);
@@ -633,7 +728,11 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
         if (isBeingRemoved()) {
             return refuge(world); // this node ends soon
         }
-        List<KnownNode> up = nodes().stream().filter(KnownNode::isUp).toList();
+        List<KnownNode> up =
+                nodes().stream()
+                        .filter(KnownNode::isUp)
+                        .sorted(Comparator.comparing(KnownNode::isWatching))
+                        .toList();
         String wanted = places.nodes().getOrDefault(world, "");
         String self = address().toString();
         Optional<String> ordered =
@@ -697,6 +796,9 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
                     "worlds",
                     known.stream().filter(world -> world.agents().equals(each.agents())).count());
             node.put("drained", ordered.drained().contains(each.address()));
+            if (each.isWatching()) {
+                node.put("watching", true);
+            }
             PostgresCatalog.Report report = reports.get(each.address());
             if (report != null) {
                 PostgresCatalog.Load load = report.load();

@@ -181,6 +181,11 @@ final class ClusterOrders {
                             + wanted.status()
                             + ", expected a node that is up; choose another one");
         }
+        if (wanted.isWatching()) {
+            throw new ActionRefused(
+                    "node-watching",
+                    "the node " + node + " only watches and runs no worlds; choose another node");
+        }
         if (catalog.places().drained().contains(node)) {
             throw new ActionRefused(
                     "node-drained",
@@ -200,6 +205,7 @@ final class ClusterOrders {
                         .noneMatch(
                                 each ->
                                         each.isUp()
+                                                && !each.isWatching()
                                                 && !each.address().equals(node)
                                                 && !places.drained().contains(each.address()));
         if (isLast) {

@@ -17,10 +17,14 @@ import java.util.TreeMap;
  * @param address HOST:PORT at which the other nodes reach it
  * @param agents HOST:PORT at which agents reach it; empty if the node has not announced it
  * @param status status of Pekko, or {@code unreachable}
+ * @param isWatching whether the node runs no worlds, but shows copies of worlds to observers
  */
-record KnownNode(String address, String agents, String status) {
+record KnownNode(String address, String agents, String status, boolean isWatching) {
     /** Begins the role of a node that contains its address for agents. */
     static final String AGENTS = "agents=";
+
+    /** Role of a node that runs no worlds, but shows copies of worlds to observers. */
+    static final String WATCHES = "watches";
 
     private static final String UNREACHABLE = "unreachable";
 
@@ -37,7 +41,13 @@ record KnownNode(String address, String agents, String status) {
                                     unreachable.contains(member.address())
                                             ? UNREACHABLE
                                             : member.status().toString().toLowerCase(Locale.ROOT);
-                            sorted.put(address, new KnownNode(address, agentsOf(member), status));
+                            sorted.put(
+                                    address,
+                                    new KnownNode(
+                                            address,
+                                            agentsOf(member),
+                                            status,
+                                            member.getRoles().contains(WATCHES)));
                         });
         return List.copyOf(sorted.values());
     }
@@ -47,7 +57,7 @@ record KnownNode(String address, String agents, String status) {
         return !status.equals(UNREACHABLE);
     }
 
-    /** Returns whether the node can run worlds. */
+    /** Returns whether the node is a full member of the cluster. */
     boolean isUp() {
         return status.equals("up");
     }

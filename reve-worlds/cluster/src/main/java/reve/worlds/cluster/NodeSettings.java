@@ -18,6 +18,7 @@ import java.util.Optional;
  * @param tls certificate and key of the node; without them, only programs of this machine may reach
  *     the node
  * @param sleepAfter time without clients after which a world sleeps; empty if worlds never sleep
+ * @param isWatching whether the node runs no worlds, but shows copies of worlds to observers
  */
 public record NodeSettings(
         String cluster,
@@ -25,7 +26,8 @@ public record NodeSettings(
         List<NodeAddress> seeds,
         String store,
         Optional<NodeTls.Files> tls,
-        Optional<Duration> sleepAfter) {
+        Optional<Duration> sleepAfter,
+        boolean isWatching) {
     /** Form of the name of a cluster. */
     public static final String NAME = "[A-Za-z0-9][A-Za-z0-9-]{0,63}";
 

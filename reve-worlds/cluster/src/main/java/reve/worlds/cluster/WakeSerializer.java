@@ -5,8 +5,8 @@ import org.apache.pekko.serialization.JSerializer;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Encodes the only message that nodes send each other about worlds. It has no content besides the
- * name of the world, which Pekko's envelope contains.
+ * Encodes the message that wakes a world. It has no content besides the name of the world, which
+ * Pekko's envelope contains.
  */
 public final class WakeSerializer extends JSerializer {
     /** Number that identifies this serializer. Pekko itself uses the numbers 0 to 40. */

@@ -9,6 +9,7 @@ import org.apache.pekko.actor.typed.javadsl.Behaviors;
 import org.apache.pekko.actor.typed.javadsl.Receive;
 import org.jspecify.annotations.Nullable;
 
+import reve.worlds.server.FrameFeed;
 import reve.worlds.server.WorldHost;
 
 import java.util.Optional;
@@ -67,6 +68,7 @@ final class WorldActor extends AbstractBehavior<WorldCommand> {
     public Receive<WorldCommand> createReceive() {
         return newReceiveBuilder()
                 .onMessage(WorldCommand.Wake.class, _ -> wake())
+                .onMessage(WorldCommand.Watch.class, this::watch)
                 .onMessage(WorldCommand.Stop.class, _ -> stop())
                 .onMessage(WorldCommand.Closed.class, this::closed)
                 .onSignal(PostStop.class, _ -> stopped())
@@ -80,10 +82,19 @@ final class WorldActor extends AbstractBehavior<WorldCommand> {
             try {
                 hosting = opener.open(reason -> self.tell(new WorldCommand.Closed(reason)));
             } catch (IllegalStateException stillClosing) {
-                // The exception is ignored. An earlier actor of this world has ended, but its world
-                // is not closed yet. The next message opens the world.
+                // The exception is ignored. Either this node only watches, or an earlier actor of
+                // this
+                // world has ended, but its world is not closed yet. The next message opens it then.
             }
         }
+        return this;
+    }
+
+    private Behavior<WorldCommand> watch(WorldCommand.Watch watch) {
+        Optional<FrameFeed> feed = hosting == null ? Optional.empty() : hosting.feed();
+        String stream =
+                feed.map(open -> FrameStream.offer(open, getContext().getSystem())).orElse("");
+        watch.reader().tell(new FrameOffer(stream));
         return this;
     }
 

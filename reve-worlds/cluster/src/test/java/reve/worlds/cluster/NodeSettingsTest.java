@@ -43,7 +43,8 @@ class NodeSettingsTest {
                                         List.of(),
                                         STORE,
                                         Optional.empty(),
-                                        Optional.empty())
+                                        Optional.empty(),
+                                        false)
                                 .database()
                                 .tls())
                 .containsEntry("sslmode", "disable");
@@ -57,7 +58,8 @@ class NodeSettingsTest {
                                             List.of(),
                                             STORE,
                                             Optional.empty(),
-                                            Optional.empty()))
+                                            Optional.empty(),
+                                            false))
                     .withMessageContaining("the cluster is called '" + name + "'");
         }
         assertThatIllegalArgumentException()
@@ -69,7 +71,8 @@ class NodeSettingsTest {
                                         List.of(),
                                         "my.db",
                                         Optional.empty(),
-                                        Optional.empty()))
+                                        Optional.empty(),
+                                        false))
                 .withMessageContaining("the store of a cluster is my.db");
         NodeAddress open = new NodeAddress("10.0.0.1", 2551);
         assertThatIllegalArgumentException()
@@ -81,12 +84,13 @@ class NodeSettingsTest {
                                         List.of(),
                                         STORE,
                                         Optional.empty(),
-                                        Optional.empty()))
+                                        Optional.empty(),
+                                        false))
                 .withMessageContaining("other machines reach 10.0.0.1:2551, so nodes take TLS");
     }
 
     @Test
-    void theOnlyMessageBetweenNodesHasNoContent() {
+    void theMessageThatWakesAWorldHasNoContent() {
         var serializer = new WakeSerializer();
         byte[] bytes = serializer.toBinary(WorldCommand.Wake.INSTANCE);
         assertThat(serializer.fromBinaryJava(bytes, null)).isEqualTo(WorldCommand.Wake.INSTANCE);

@@ -2,6 +2,7 @@
 package reve.worlds.journal;
 
 import reve.core.frame.Timing;
+import reve.core.image.CorruptException;
 import reve.core.image.PrototypeCodec;
 import reve.core.image.Trees;
 import reve.core.mesh.Assets;
@@ -9,6 +10,7 @@ import reve.core.mesh.WorldFolder;
 import reve.core.plugin.PluginInfo;
 import reve.core.world.WorldPrototype;
 
+import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
 
 import java.nio.file.Path;
@@ -47,6 +49,24 @@ public record WorldHeader(
     /** Returns this header with another folder, for a world whose files have moved. */
     public WorldHeader in(Path moved) {
         return new WorldHeader(name, prototype, timing, moved, plugins);
+    }
+
+    /** Returns the header as bytes. */
+    public byte[] write() {
+        return Trees.write(tree());
+    }
+
+    /**
+     * Reads the bytes of {@link #write}.
+     *
+     * @throws CorruptException with the reason, if they are damaged
+     */
+    public static WorldHeader read(byte[] bytes) {
+        try {
+            return read(Trees.read(bytes));
+        } catch (IllegalArgumentException | JacksonException e) {
+            throw new CorruptException("its header makes no sense: " + e.getMessage(), e);
+        }
     }
 
     Map<String, Object> tree() {

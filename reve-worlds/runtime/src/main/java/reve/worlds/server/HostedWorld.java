@@ -23,6 +23,7 @@ import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.Recording;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.WorldHeader;
 import reve.worlds.render.Renderer;
 
 import java.io.IOException;
@@ -247,6 +248,11 @@ final class HostedWorld implements AutoCloseable {
 
     String name() {
         return plan.description().name();
+    }
+
+    /** Returns the header of the world's frames. */
+    WorldHeader header() {
+        return simulation.header(plan.persistence().folder());
     }
 
     /** Returns the interface through which an agent server uses the world. */

@@ -645,13 +645,7 @@ public final class Simulation implements AutoCloseable {
             Journal.Plan plan,
             JournalSink sink,
             Consumer<String> problems) {
-        WorldHeader header =
-                new WorldHeader(
-                        description.name(),
-                        description.prototype(),
-                        description.timing(),
-                        folder,
-                        Plugins.current().infos());
+        WorldHeader header = header(folder);
         lawPath.remember(physics.laws().libraries());
         physics.laws()
                 .addListener(
@@ -681,6 +675,20 @@ public final class Simulation implements AutoCloseable {
                         problems);
         ruleListeners.add(journal::rulesChanged);
         return journal;
+    }
+
+    /**
+     * Returns the header of the world's frames.
+     *
+     * @param folder the folder of the world file
+     */
+    WorldHeader header(Path folder) {
+        return new WorldHeader(
+                description.name(),
+                description.prototype(),
+                description.timing(),
+                folder,
+                Plugins.current().infos());
     }
 
     private void restore(SimulationImage image, long frame) {

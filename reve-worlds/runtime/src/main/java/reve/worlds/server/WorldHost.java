@@ -26,12 +26,21 @@ import java.util.concurrent.locks.ReentrantLock;
  * Each world has its own thread, which builds, runs and closes it. For any thread.
  */
 public final class WorldHost implements AutoCloseable {
+    /** Time after which a copy that has failed is tried again [ns]. */
+    private static final long RETRY_NANOSECONDS = 10_000_000_000L;
+
     private final Pacing pacing;
     private final Optional<Path> lawsFolder;
     private final ServerEvents events;
     private final AgentServer agents;
     private final Watchdog watchdog;
     private final Map<String, Hosting> worlds = new ConcurrentHashMap<>();
+
+    /** The copies of worlds of other servers, by name. Added with the lock of this map. */
+    private final Map<String, WatchedWorld> copies = new ConcurrentHashMap<>();
+
+    /** The times at which copies failed [ns], by the name of the world. */
+    private final Map<String, Long> failedCopies = new ConcurrentHashMap<>();
 
     /**
      * This lock is held while a world is built. Only one world at a time is built, so that it can
@@ -133,6 +142,56 @@ public final class WorldHost implements AutoCloseable {
     }
 
     /**
+     * Shows a copy of a world that another server runs to observers, as long as there are any.
+     * Returns at once; does nothing if the host has the copy already or is being closed.
+     *
+     * @param plan makes the plan of the world, of which the copy uses the files; on a thread of the
+     *     copy
+     * @return false if the copy failed a short time ago, which was reported
+     */
+    public boolean watch(String world, Callable<WorldPlan> plan, FrameSource.Connector connector) {
+        Long failed = failedCopies.get(world);
+        if (failed != null && System.nanoTime() - failed < RETRY_NANOSECONDS) {
+            return false;
+        }
+        synchronized (copies) {
+            if (closing || copies.containsKey(world)) {
+                return true;
+            }
+            var copy =
+                    new WatchedWorld(
+                            world,
+                            plan,
+                            connector,
+                            this,
+                            new NamedEvents(world, events),
+                            hasFailed -> copyEnded(world, hasFailed));
+            copies.put(world, copy);
+            copy.start();
+            return true;
+        }
+    }
+
+    private void copyEnded(String world, boolean hasFailed) {
+        if (hasFailed) {
+            failedCopies.put(world, System.nanoTime());
+        } else {
+            failedCopies.remove(world);
+        }
+        copies.remove(world);
+    }
+
+    /** Returns the cluster of the host; empty until the host has joined it. */
+    Optional<HostCluster> hostCluster() {
+        return cluster;
+    }
+
+    /** Returns the page that shows the worlds; empty if there is none. */
+    Optional<HostPage> page() {
+        return page;
+    }
+
+    /**
      * Puts the worlds to sleep that have no clients, and had none for a time: each of them writes
      * its state and is closed, until a client asks for it. A world whose store accepts no frames
      * continues. Waits for the event loop of the agent server, but for no world.
@@ -165,6 +224,15 @@ public final class WorldHost implements AutoCloseable {
         private final Callable<WorldPlan> plan;
         private final CloseListener whenClosed;
         private final Thread thread;
+
+        /** The readers of the world's frames on other servers. Guarded by this object's lock. */
+        private final List<FrameFeed> feeds = new ArrayList<>();
+
+        /** The last time at which a feed was closed [ns]. */
+        private volatile long fedNanos = System.nanoTime() - Duration.ofDays(365).toNanos();
+
+        /** Whether {@link #feed} may open feeds. Guarded by this object's lock. */
+        private boolean isServing;
 
         // The world; null before it is built. Guarded by this object's lock.
         private @Nullable HostedWorld hosted;
@@ -207,8 +275,49 @@ public final class WorldHost implements AutoCloseable {
             }
         }
 
+        /**
+         * Opens a feed of the world's frames for another server, which closes it. The feed ends
+         * when the world is closed.
+         *
+         * @return empty if the world is not open
+         */
+        public synchronized Optional<FrameFeed> feed() {
+            HostedWorld world = hosted;
+            if (!isServing || world == null) {
+                return Optional.empty();
+            }
+            var feed = new FrameFeed(world.simulation(), world.header(), this::forgetClosedFeeds);
+            feeds.add(feed);
+            return Optional.of(feed);
+        }
+
+        private synchronized void forgetClosedFeeds() {
+            feeds.removeIf(FrameFeed::isClosed);
+            fedNanos = System.nanoTime();
+        }
+
+        private void beginFeeds() {
+            synchronized (this) {
+                isServing = true;
+            }
+        }
+
+        /** Closes all feeds. Waits until no feed reads the world. */
+        private void endFeeds() {
+            List<FrameFeed> open;
+            synchronized (this) {
+                isServing = false;
+                open = List.copyOf(feeds);
+            }
+            open.forEach(FrameFeed::finish); // without the lock, which the end of a feed takes
+        }
+
+        private synchronized boolean isFed(Duration time) {
+            return !feeds.isEmpty() || System.nanoTime() - fedNanos < time.toNanos();
+        }
+
         private void sleepIfUnused(Duration time) {
-            if (isOpen() && isKept() && agents.endIfUnused(name, time)) {
+            if (isOpen() && isKept() && !isFed(time) && agents.endIfUnused(name, time)) {
                 synchronized (this) {
                     if (!stopped) {
                         shallSleep = true;
@@ -322,6 +431,7 @@ public final class WorldHost implements AutoCloseable {
             try {
                 watchdog.add(watched);
                 world.start(agents.address(), web());
+                beginFeeds();
                 RunReport report = world.run();
                 if (closing) {
                     synchronized (reports) {
@@ -335,6 +445,7 @@ public final class WorldHost implements AutoCloseable {
                                         ? "another server has taken the world " + name
                                         : "the world " + name + " was shut down");
             } finally {
+                endFeeds();
                 watchdog.remove(watched);
                 page.ifPresent(shown -> shown.remove(name)); // it is no failure that the world ends
                 world.handOver(agents.remove(name, next(world)));
@@ -402,6 +513,11 @@ public final class WorldHost implements AutoCloseable {
     @Override
     public void close() {
         willClose();
+        List<WatchedWorld> shown;
+        synchronized (copies) {
+            shown = List.copyOf(copies.values());
+        }
+        shown.forEach(WatchedWorld::close);
         List<Hosting> open = List.copyOf(worlds.values());
         open.forEach(hosting -> hosting.close(cluster.isPresent()));
         boolean interrupted = false;

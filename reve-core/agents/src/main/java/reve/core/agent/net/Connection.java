@@ -98,6 +98,11 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         return encoding;
     }
 
+    /** Returns whether another server of this process, such as the page, relays this connection. */
+    public boolean isRelayed() {
+        return relay != null;
+    }
+
     /**
      * Notifies the server that relays this connection that the client was admitted. Does nothing if
      * no server relays the connection. Called before the welcome is queued.

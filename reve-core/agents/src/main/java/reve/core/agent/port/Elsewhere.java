@@ -64,4 +64,32 @@ public interface Elsewhere {
     default void wanted(String world) {
         // The worlds of most servers run without being asked for.
     }
+
+    /**
+     * Returns whether this server runs no worlds, but shows copies of the worlds of other servers
+     * to observers. All other clients are referred to the servers that run the worlds. For any
+     * thread; must return at once.
+     */
+    default boolean isWatching() {
+        return false;
+    }
+
+    /**
+     * Reports that an observer asks for a world of which this server has no copy yet, and may join
+     * it. Called on the event loop's thread; must return at once.
+     *
+     * @return what the client can do, if this server cannot copy the world; empty if it copies it
+     */
+    default Optional<String> watched(String world) {
+        return Optional.of("this server only has worlds of its own");
+    }
+
+    /**
+     * Returns the address (HOST:PORT) of another server at which an observer joins a world, because
+     * it shows a copy of the world; empty if the observer joins here. The address is the same for
+     * each attempt of the observer. Called on the event loop's thread; must return at once.
+     */
+    default Optional<String> forObserver(String world, String client) {
+        return Optional.empty();
+    }
 }

@@ -194,13 +194,25 @@ public interface WorldControl {
 
     /** Returns an implementation for a program without laws, pictures or images. */
     static WorldControl none() {
-        return NoControl.INSTANCE;
+        return new NoControl("this server has none for this world");
+    }
+
+    /**
+     * Returns an implementation that refuses every command.
+     *
+     * @param reason the reason, for the client
+     */
+    static WorldControl none(String reason) {
+        return new NoControl(reason);
     }
 
     /** An implementation that refuses every command. */
-    enum NoControl implements WorldControl {
-        /** The only instance. */
-        INSTANCE;
+    final class NoControl implements WorldControl {
+        private final String reason;
+
+        private NoControl(String reason) {
+            this.reason = reason;
+        }
 
         @Override
         public Change loadLaw(
@@ -272,8 +284,8 @@ public interface WorldControl {
             throw unsupported("images");
         }
 
-        private static ActionRefused unsupported(String what) {
-            return new ActionRefused("unsupported", "this server has no " + what);
+        private ActionRefused unsupported(String what) {
+            return new ActionRefused("unsupported", what + ": " + reason);
         }
     }
 }

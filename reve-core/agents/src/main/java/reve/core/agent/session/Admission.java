@@ -100,8 +100,7 @@ public final class Admission implements Door {
         }
         Optional<AgentToken> token = requireToken(connection, hello);
         requireRecord();
-        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
-        ServedWorld world = requireWorld(hello.world(), rights);
+        ServedWorld world = requireWorld(connection, hello, role, token);
         requireOpen(hello, role, token);
         int clients = worlds.stream().mapToInt(ServedWorld::clients).sum();
         if (clients >= maxClients) {
@@ -145,15 +144,15 @@ public final class Admission implements Door {
      * does not have it.
      */
     private void sendOn(Connection connection, ClientMessage.Hello hello) throws CloseReason {
+        Role role = requireAcceptable(hello);
+        boolean isHere = !meant(hello.world()).isEmpty() && hasSessions(role);
         boolean isElsewhere =
                 hello.world().isPresent()
-                        && meant(hello.world()).isEmpty()
+                        && !isHere
                         && (elsewhere.worlds().containsKey(hello.world().get())
                                 || !elsewhere.isComplete());
         if (isElsewhere) {
-            Rights rights =
-                    requireToken(connection, hello).map(AgentToken::rights).orElse(Rights.ALL);
-            requireWorld(hello.world(), rights);
+            requireWorld(connection, hello, role, requireToken(connection, hello));
         }
     }
 
@@ -169,11 +168,17 @@ public final class Admission implements Door {
      * Returns the world that the hello names. Returns the only world that the client may join if
      * the hello names no world.
      */
-    private ServedWorld requireWorld(Optional<String> name, Rights rights) throws CloseReason {
+    private ServedWorld requireWorld(
+            Connection connection, ClientMessage.Hello hello, Role role, Optional<AgentToken> token)
+            throws CloseReason {
+        Optional<String> name = hello.world();
+        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
         Map<String, ServedWorld> here = new TreeMap<>();
-        meant(Optional.empty()).stream()
-                .filter(world -> rights.opensWorld(world.name()))
-                .forEach(world -> here.put(world.name(), world));
+        if (hasSessions(role)) {
+            meant(Optional.empty()).stream()
+                    .filter(world -> rights.opensWorld(world.name()))
+                    .forEach(world -> here.put(world.name(), world));
+        }
         Map<String, String> there = new TreeMap<>(elsewhere.worlds());
         there.keySet().removeIf(world -> here.containsKey(world) || !rights.opensWorld(world));
         List<String> open =
@@ -193,12 +198,30 @@ public final class Admission implements Door {
         if (meant.size() == 1) {
             String world = meant.getFirst();
             ServedWorld served = here.get(world);
+            String address = there.getOrDefault(world, "");
+            boolean runs = served != null || !address.isEmpty();
+            if (role == Role.OBSERVER && !connection.isRelayed() && runs) {
+                Optional<String> watching = elsewhere.forObserver(world, hello.name());
+                if (watching.isPresent()) {
+                    throw CloseReason.moved(world, watching.get());
+                }
+            }
             if (served != null) {
                 return served;
             }
-            String address = there.getOrDefault(world, "");
+            requireOpen(hello, role, token); // others must not start a world
             if (address.isEmpty()) {
                 elsewhere.wanted(world);
+                throw starting(Optional.of(world));
+            }
+            if (elsewhere.isWatching() && role == Role.OBSERVER) {
+                Optional<String> problem = elsewhere.watched(world);
+                if (problem.isPresent()) {
+                    throw CloseReason.refused(
+                            "unsupported",
+                            "this server cannot show the world " + Text.quote(world),
+                            problem.get());
+                }
                 throw starting(Optional.of(world));
             }
             throw CloseReason.moved(world, address);
@@ -208,6 +231,11 @@ public final class Admission implements Door {
                         .orElse("this server has " + open.size() + " worlds");
         String names = open.stream().map(Text::quote).collect(Collectors.joining(" or "));
         throw CloseReason.refused("no-such-world", problem, "say hello with \"world\": " + names);
+    }
+
+    /** Returns whether clients of a role join the worlds of this server, not only observers. */
+    private boolean hasSessions(Role role) {
+        return role == Role.OBSERVER || !elsewhere.isWatching();
     }
 
     private static CloseReason starting(Optional<String> world) {

@@ -67,7 +67,7 @@ export class LawsPanel {
       this.show(await app.connection.report("laws"));
       if (this.ledgerSwitch.checked && app.role === "control") this.showLedger(await app.connection.report("ledger"));
     } catch (refused) {
-      if (refused.code === "unsupported") this.list.replaceChildren(h("p", { className: "empty" }, "this server has no laws"));
+      if (refused.code === "unsupported") this.list.replaceChildren(h("p", { className: "empty" }, refused.message));
     } finally {
       this.reading = false;
     }

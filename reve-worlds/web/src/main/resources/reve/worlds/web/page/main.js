@@ -53,6 +53,11 @@ class App {
   }
 
   enter(hello) {
+    this.asked = hello;
+    this.#open(hello);
+  }
+
+  #open(hello) {
     this.hello = hello;
     this.name = hello.name;
     this.connection.open(hello);
@@ -140,6 +145,10 @@ class App {
   }
 
   #ended(bye) {
+    if (bye?.code === "moved" && this.hello.role === "control") {
+      this.#open({ ...this.hello, role: "observer" }); // a node that watches admits observers only
+      return;
+    }
     this.role = null;
     document.body.dataset.state = "closed";
     $("status").textContent = "not connected";
@@ -147,7 +156,7 @@ class App {
     $("transport").hidden = true;
     const why = bye === null ? "The server cannot be reached." : bye.code === "bad-token" ? "This server admits clients with a token." : `${bye.message}${bye.hint ? ": " + bye.hint : ""}`;
     $("join-why").textContent = why;
-    $("join-role").value = this.hello.role;
+    $("join-role").value = this.asked.role;
     $("join-name").value = this.hello.name;
     if (!$("join").open) $("join").showModal();
   }

@@ -48,8 +48,9 @@ class NodeRow {
   show(node, self) {
     this.node = node;
     say(this.name, node.node + (node.node === self ? " (this one)" : ""));
-    say(this.status, node.drained ? "drained" : node.status);
+    say(this.status, node.drained ? "drained" : node.watching && node.status === "up" ? "watches" : node.status);
     this.status.className = node.status !== "up" ? "chip bad" : node.drained ? "chip warn" : "chip good";
+    this.drain.hidden = Boolean(node.watching);
     this.status.title = node.version === undefined ? "" : `REVE ${node.version}`;
     say(this.worlds, String(node.worlds));
     say(this.clients, node.clients === undefined ? "" : String(node.clients));
@@ -94,7 +95,7 @@ class WorldRow {
       this.link = link;
       this.name.replaceChildren(link ? h("a", { href: link, target: "_blank", rel: "noopener" }, this.label) : this.label);
     }
-    const places = nodes.filter((node) => node.status === "up" && !node.drained && node.node !== world.node).map((node) => node.node);
+    const places = nodes.filter((node) => node.status === "up" && !node.drained && !node.watching && node.node !== world.node).map((node) => node.node);
     if (places.join("\n") !== this.places || this.move.length === 0) {
       this.places = places.join("\n");
       this.move.replaceChildren(new Option("Move…", ""), ...places.map((place) => new Option(`to ${place}`, place)), new Option("to any node", ANY));
