@@ -26,6 +26,10 @@ import java.util.function.BiFunction;
 /** Reader of physical aspects: shape, material, colour, location and orientation. */
 final class PhysicalReader {
     private static final Unit METRE = Unit.parse("m");
+
+    /** Least whole number that is unlikely for an angle in radians. */
+    private static final double LEAST_WHOLE = 2;
+
     private static final Map<String, Set<String>> KEYS_BY_SHAPE =
             Map.of(
                     "sphere",
@@ -118,12 +122,16 @@ final class PhysicalReader {
     }
 
     /**
-     * Warns of an angle without a unit that exceeds a full turn. Such a number is in radians, but
-     * its author probably meant degrees.
+     * Warns of an angle without a unit that exceeds a full turn, or is a whole number from 2 on.
+     * Such a number is in radians, but its author probably meant degrees.
      */
     private void doubtAngle(Node node) {
         node.number()
-                .filter(radians -> Math.abs(radians) > 2 * Math.PI)
+                .filter(
+                        radians ->
+                                Math.abs(radians) > 2 * Math.PI
+                                        || Math.abs(radians) >= LEAST_WHOLE
+                                                && radians == Math.rint(radians))
                 .ifPresent(
                         radians ->
                                 problems.warn(
@@ -132,10 +140,15 @@ final class PhysicalReader {
                                                 Locale.ROOT,
                                                 "angle: %s rad are %.1f turns, because a number"
                                                         + " without a unit is in radians; write"
-                                                        + " `%s deg` if you mean degrees",
+                                                        + " `%s deg` if you mean degrees%s",
                                                 Rounded.of(radians),
                                                 Math.abs(radians) / (2 * Math.PI),
-                                                Rounded.of(radians))));
+                                                Rounded.of(radians),
+                                                Math.abs(radians) > 2 * Math.PI
+                                                        ? ""
+                                                        : ", or `"
+                                                                + Rounded.of(radians)
+                                                                + " rad`")));
     }
 
     private Optional<double[]> aroundAxis(Node node) {

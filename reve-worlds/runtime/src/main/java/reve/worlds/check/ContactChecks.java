@@ -12,6 +12,7 @@ import reve.pe.PhysicsLaw;
 
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.Comparator;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Locale;
@@ -27,6 +28,9 @@ final class ContactChecks {
     private static final double LOWEST_FLOOR = -1e8;
 
     private static final double ROUNDING = 1e-6;
+
+    /** Alpha of a colour that cannot be seen through. */
+    private static final int OPAQUE = 255;
 
     /**
      * Distance of a hull's centre from the origin above which a warning is given, as a fraction of
@@ -58,32 +62,15 @@ final class ContactChecks {
     }
 
     void run() {
-        checkRadii();
         checkForceSensors();
         if (laws.isUsed(LawFacts.MESH)) {
             checkHulls();
         }
-        if (laws.mover().isPresent() && !surfaces) {
+        if (laws.mover().isPresent()
+                && !surfaces
+                && laws.all().stream().noneMatch(laws::mayHold)) {
             down().ifPresent(this::checkFloors);
         }
-    }
-
-    /** Warns of balls whose radius no law reads, so that it only affects pictures. */
-    private void checkRadii() {
-        if (balls.isEmpty() || items.isSetByActions(LawFacts.RADIUS)) {
-            return;
-        }
-        findings.items(
-                items.all().stream().filter(ContactChecks::isDrawnBall).toList(),
-                "physical.radius",
-                ball ->
-                        "radius: "
-                                + balls.getFirst().name()
-                                + " reads `physics.radius`, which "
-                                + ball.name()
-                                + " does not set, so nothing touches it; add radius: "
-                                + Rounded.of(((Shape.Sphere) ball.item().shape()).radius())
-                                + " m under `physics`");
     }
 
     /** Warns of sensors of contact forces if no law of the world computes contact forces. */
@@ -180,13 +167,6 @@ final class ContactChecks {
         return String.format(Locale.ROOT, "(%.3g %.3g %.3g)", at[0], at[1], at[2]);
     }
 
-    private static boolean isDrawnBall(ItemFacts.Entry item) {
-        return item.isBody()
-                && item.item().hasPhysics()
-                && item.item().shape() instanceof Shape.Sphere
-                && !item.has(LawFacts.RADIUS);
-    }
-
     /** Returns the axis and the direction of gravity, if gravity acts along an axis. */
     private Optional<Down> down() {
         List<Double> gravity = world.constants().get(LawFacts.GRAVITY);
@@ -201,28 +181,48 @@ final class ContactChecks {
         }
         return gravity.get(axis) == 0
                 ? Optional.empty()
-                : Optional.of(new Down(axis, Math.signum(gravity.get(axis))));
+                : Optional.of(
+                        new Down(axis, Math.signum(gravity.get(axis)), Math.abs(gravity.get(axis))));
     }
 
-    private record Down(int axis, double sign) {}
+    /**
+     * The direction of gravity.
+     *
+     * @param sign of the component along the axis
+     * @param size magnitude of the component along the axis [m/s^2]
+     */
+    private record Down(int axis, double sign, double size) {}
 
     private void checkFloors(Down down) {
         List<Floor> floors = floors();
         Map<Fault, List<ItemFacts.Entry>> found = new LinkedHashMap<>();
         Map<Fault, Floor> below = new LinkedHashMap<>();
+        Optional<Floor> level = level(down);
         for (ItemFacts.Entry body : items.movable()) {
-            if (body.item().shape() == Shape.none()
-                    || body.has("appliedForce")
-                    || items.isReferredTo(body)) {
+            if (body.has("appliedForce")
+                    || items.isReferredTo(body)
+                    || body.item().shape() == Shape.none() && (!shapes || items.isCarrier(body))) {
                 continue;
             }
             List<Floor> reached =
-                    floors.stream().filter(floor -> isBelow(floor, body, down)).toList();
-            if (!reached.isEmpty() && reached.stream().noneMatch(floor -> holds(floor, body))) {
-                Fault fault = fault(body);
-                found.computeIfAbsent(fault, _ -> new ArrayList<>()).add(body);
-                below.putIfAbsent(fault, reached.getFirst());
-            }
+                    floors.stream()
+                            .filter(floor -> isBelow(floor, body, down))
+                            .sorted(Comparator.comparingDouble(floor -> floor.top(down) * down.sign))
+                            .toList();
+            Optional<Floor> passed =
+                    reached.stream().noneMatch(floor -> holds(floor, body))
+                            ? reached.stream().findFirst().or(() -> missed(level, body, down))
+                            : reached.stream()
+                                    .filter(Floor::solid)
+                                    .filter(floor -> landsOn(floor, body, down))
+                                    .findFirst()
+                                    .filter(floor -> !stops(floor, body, down));
+            passed.ifPresent(
+                    floor -> {
+                        Fault fault = fault(body);
+                        found.computeIfAbsent(fault, _ -> new ArrayList<>()).add(body);
+                        below.putIfAbsent(fault, floor);
+                    });
         }
         found.forEach((fault, bodies) -> report(fault, bodies, below.get(fault), down));
     }
@@ -232,12 +232,13 @@ final class ContactChecks {
         NO_LAW,
         NO_RADIUS,
         NO_FLOOR,
+        NO_SHAPE,
         SCENERY
     }
 
     private Fault fault(ItemFacts.Entry body) {
         if (shapes) {
-            return Fault.SCENERY;
+            return body.item().shape() == Shape.none() ? Fault.NO_SHAPE : Fault.SCENERY;
         }
         return balls.isEmpty()
                 ? Fault.NO_LAW
@@ -258,7 +259,7 @@ final class ContactChecks {
                                             + remedy(body, floor, down));
             case NO_RADIUS -> {
                 List<ItemFacts.Entry> others =
-                        bodies.stream().filter(body -> !isDrawnBall(body)).toList();
+                        bodies.stream().filter(body -> !BallChecks.isDrawnBall(body)).toList();
                 findings.items(
                         others,
                         "physical.shape",
@@ -287,6 +288,16 @@ final class ContactChecks {
                                             + floor.name
                                             + "; "
                                             + floorRemedy(balls.getFirst(), floor, down));
+            case NO_SHAPE ->
+                    findings.items(
+                            bodies,
+                            "physics.mass",
+                            body ->
+                                    body.name()
+                                            + " falls through "
+                                            + floor.name
+                                            + ", because a body without a shape touches nothing;"
+                                            + " set `shape` under `physical`");
             case SCENERY ->
                     findings.items(
                             bodies,
@@ -303,10 +314,22 @@ final class ContactChecks {
     }
 
     private String floorRemedy(PhysicsLaw law, Floor floor, Down down) {
-        return laws.parameter(law, LawFacts.FLOOR).isPresent() && down.axis == 1 && down.sign < 0
-                ? "set its parameter " + LawFacts.FLOOR + ": " + Rounded.of(floor.top(down)) + " m"
-                : "build the floor from immovable balls, or from items of kind surface with"
-                        + " surface_contact";
+        Optional<Double> height = laws.parameter(law, LawFacts.FLOOR);
+        boolean other = height.filter(at -> at > LOWEST_FLOOR).isPresent();
+        String set =
+                height.isPresent() && floor.level && down.axis == 1 && down.sign < 0
+                        ? "set its parameter "
+                                + LawFacts.FLOOR
+                                + ": "
+                                + Rounded.of(floor.top(down))
+                                + " m"
+                        : "build "
+                                + floor.name
+                                + " from immovable balls, or from items of kind surface with"
+                                + " surface_contact";
+        return other || !floor.level
+                ? set + laws.rigidContact().map(advice -> ", or " + advice).orElse("")
+                : set;
     }
 
     /**
@@ -314,8 +337,9 @@ final class ContactChecks {
      * falling through a floor.
      */
     private String remedy(ItemFacts.Entry body, Floor floor, Down down) {
-        if (!laws.shipped("rigid_contact").isEmpty()) {
-            return "add rigid_contact to `laws`, and give " + floor.name + " physics: {mass: 0}";
+        if (laws.rigidContact().isPresent()) {
+            return laws.rigidContact().get()
+                    + (floor.drawn ? "" : ", with an item with a shape as the floor");
         }
         return body.item().shape() instanceof Shape.Sphere && down.axis == 1
                 ? "add sphere_contact to `laws` with its parameter floorHeight: "
@@ -327,8 +351,22 @@ final class ContactChecks {
                         + " from items of kind surface with a hardness";
     }
 
-    /** The bounding box of an item that has a shape and is moved by no law. */
-    private record Floor(String name, boolean physics, double radius, double[] low, double[] high) {
+    /**
+     * The bounding box of an item that has a shape and is moved by no law.
+     *
+     * @param drawn false for the floor of a law, which is no item
+     * @param level whether the shape has the same height everywhere
+     * @param solid whether the shape fills its box and cannot be seen through
+     */
+    private record Floor(
+            String name,
+            boolean physics,
+            double radius,
+            boolean drawn,
+            boolean level,
+            boolean solid,
+            double[] low,
+            double[] high) {
         double top(Down down) {
             return down.sign < 0 ? high[down.axis] : low[down.axis];
         }
@@ -359,7 +397,53 @@ final class ContactChecks {
             low[axis] = at[axis] - half[axis];
             high[axis] = at[axis] + half[axis];
         }
-        return new Floor(entry.name(), item.hasPhysics(), entry.number(LawFacts.RADIUS), low, high);
+        boolean flat = item.shape() instanceof Shape.Box || item.shape() instanceof Shape.Plane;
+        return new Floor(
+                entry.name(),
+                item.hasPhysics(),
+                entry.number(LawFacts.RADIUS),
+                true,
+                flat && isUpright(item),
+                flat && item.colour().rgba() >>> 24 == OPAQUE,
+                low,
+                high);
+    }
+
+    /** Returns whether the y axis of an item is vertical. */
+    private static boolean isUpright(ItemDefinition item) {
+        double[] q = item.orientation();
+        return q[0] * q[0] + q[2] * q[2] < ROUNDING;
+    }
+
+    /** Returns the floor that a law of contacts between balls has at a height. */
+    private Optional<Floor> level(Down down) {
+        if (down.axis != 1 || down.sign > 0 || shapes || items.isSetByActions(LawFacts.RADIUS)) {
+            return Optional.empty();
+        }
+        return balls.stream()
+                .map(law -> laws.parameter(law, LawFacts.FLOOR).orElse(LOWEST_FLOOR))
+                .filter(height -> height > LOWEST_FLOOR)
+                .findFirst()
+                .map(ContactChecks::level);
+    }
+
+    private static Floor level(double height) {
+        double far = Double.POSITIVE_INFINITY;
+        return new Floor(
+                "the floor at the height " + Rounded.of(height) + " m",
+                true,
+                0,
+                false,
+                true,
+                true,
+                new double[] {-far, height, -far},
+                new double[] {far, height, far});
+    }
+
+    /** Returns the floor of a law that a body misses because the body has no radius. */
+    private Optional<Floor> missed(Optional<Floor> level, ItemFacts.Entry body, Down down) {
+        return level.filter(_ -> !body.has(LawFacts.RADIUS) && !BallChecks.isDrawnBall(body))
+                .filter(floor -> isBelow(floor, body, down));
     }
 
     /** Returns the half extents of an item's shape along the axes of the world [m]. */
@@ -398,7 +482,9 @@ final class ContactChecks {
 
     /** Returns whether a law of this world keeps this body from falling through this floor. */
     private boolean holds(Floor floor, ItemFacts.Entry body) {
-        if (shapes && (floor.physics || laws.isUsed(LawFacts.SCENERY))) {
+        if (shapes
+                && body.item().shape() != Shape.none()
+                && (floor.physics || laws.isUsed(LawFacts.SCENERY))) {
             return true;
         }
         return body.has(LawFacts.RADIUS)
@@ -409,5 +495,42 @@ final class ContactChecks {
                                                 || laws.parameter(law, LawFacts.FLOOR)
                                                                 .orElse(LOWEST_FLOOR)
                                                         > LOWEST_FLOOR);
+    }
+
+    /**
+     * Returns whether a body starts above a floor and falls onto it, if only gravity acts on the
+     * body.
+     */
+    private static boolean landsOn(Floor floor, ItemFacts.Entry body, Down down) {
+        double[] at = body.item().location();
+        double half = extents(body.item())[down.axis];
+        double height = (floor.top(down) - at[down.axis]) * down.sign - half;
+        if (height < -half / 2) {
+            return false;
+        }
+        double[] v = body.item().physics(LawFacts.VELOCITY).orElse(new double[3]);
+        double speed = v[down.axis] * down.sign;
+        double seconds =
+                (Math.sqrt(speed * speed + 2 * down.size * Math.max(height, 0)) - speed) / down.size;
+        for (int axis = 0; axis < 3; axis++) {
+            double place = at[axis] + v[axis] * seconds;
+            if (axis != down.axis && !(place >= floor.low[axis] && place <= floor.high[axis])) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    /**
+     * Returns whether a law of this world stops a body near the top of this floor. A body that
+     * sinks by less than its radius counts as stopped.
+     */
+    private boolean stops(Floor floor, ItemFacts.Entry body, Down down) {
+        if (shapes || !body.has(LawFacts.RADIUS) || floor.physics && floor.radius > 0) {
+            return true;
+        }
+        return balls.stream()
+                .map(law -> laws.parameter(law, LawFacts.FLOOR).orElse(LOWEST_FLOOR))
+                .anyMatch(height -> height >= floor.top(down) - body.number(LawFacts.RADIUS));
     }
 }

@@ -3,10 +3,14 @@ package reve.worlds.check;
 
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
+import reve.core.access.Operand;
 import reve.core.file.WorldDescription;
+import reve.core.rule.Expression;
 import reve.core.rule.Rule;
 import reve.core.world.Action;
+import reve.core.world.Instrument;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Sensor;
 import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
@@ -59,8 +63,10 @@ final class ItemFacts {
     private final List<ItemDefinition> additional = new ArrayList<>();
     private final Set<String> setByActions = new HashSet<>();
     private final Set<String> referredTo = new HashSet<>();
-    private final Set<String> readByRules = new HashSet<>();
+    private final Set<String> carriers = new HashSet<>();
+    private final Set<String> readByExpressions = new HashSet<>();
     private boolean pushed;
+    private boolean weighed;
 
     ItemFacts(WorldDescription world) {
         Set<Action> seen = Collections.newSetFromMap(new IdentityHashMap<>());
@@ -69,25 +75,53 @@ final class ItemFacts {
             entries.add(entry);
             byName.put(item.name(), entry);
             item.references().values().forEach(referredTo::addAll);
+            item.parent().ifPresent(carriers::add);
+            readSensors(item);
             readActions(item, seen);
             item.levels()
                     .forEach(level -> level.items().forEach(each -> addAdditional(each, seen)));
         }
         world.agents().template().ifPresent(body -> addAdditional(body, seen));
         for (Rule rule : world.rules()) {
-            readByRules.addAll(rule.source().uses());
+            rule.source().uses().forEach(this::readName);
         }
+        weighed |= world.prototype().symbol("strength").isPresent();
     }
 
     private void addAdditional(ItemDefinition item, Set<Action> seen) {
         additional.add(item);
         item.references().values().forEach(referredTo::addAll);
+        readSensors(item);
         readActions(item, seen);
+    }
+
+    private void readSensors(ItemDefinition item) {
+        weighed |=
+                item.sensors().stream()
+                        .map(Sensor::instrument)
+                        .anyMatch(instrument -> instrument.orElse(null) instanceof Instrument.Imu);
+    }
+
+    /** Notes the property that a name such as {@code actor.physics.mass} reads. */
+    private void readName(String name) {
+        int aspect = name.lastIndexOf("physics.");
+        if (aspect >= 0) {
+            readByExpressions.add(name.substring(aspect + "physics.".length()));
+        }
+    }
+
+    private void readOperand(Operand operand) {
+        if (operand instanceof Operand.Computed computed) {
+            computed.expression().uses().forEach(this::readName);
+        }
     }
 
     private void readActions(ItemDefinition item, Set<Action> seen) {
         for (Action action : item.actions()) {
             if (seen.add(action) && action instanceof DeclaredAction declared) {
+                declared.terms().conditions().stream()
+                        .map(Expression::uses)
+                        .forEach(names -> names.forEach(this::readName));
                 for (Effect effect : declared.effects()) {
                     readEffect(effect, seen);
                 }
@@ -97,9 +131,22 @@ final class ItemFacts {
 
     private void readEffect(Effect effect, Set<Action> seen) {
         switch (effect) {
-            case Effect.Impulse _, Effect.Force _ -> pushed = true;
-            case Effect.SetProperty set -> setByActions.add(set.property());
+            case Effect.Impulse impulse -> {
+                pushed = true;
+                readOperand(impulse.impulse());
+            }
+            case Effect.Force force -> {
+                pushed = true;
+                readOperand(force.force());
+            }
+            case Effect.SetProperty set -> {
+                setByActions.add(set.property());
+                readOperand(set.to());
+            }
+            case Effect.SetSymbol set -> readOperand(set.to());
+            case Effect.Raise raise -> raise.with().values().forEach(this::readOperand);
             case Effect.Create create -> {
+                create.with().values().forEach(this::readOperand);
                 addAdditional(create.definition(), seen);
                 create.with().keySet().stream()
                         .filter(key -> key.startsWith("physics."))
@@ -107,12 +154,10 @@ final class ItemFacts {
             }
             case Effect.Attach _,
                     Effect.Detach _,
-                    Effect.Raise _,
                     Effect.Remove _,
                     Effect.SetColour _,
                     Effect.SetLocation _,
-                    Effect.SetOrientation _,
-                    Effect.SetSymbol _ -> {}
+                    Effect.SetOrientation _ -> {}
         }
     }
 
@@ -173,9 +218,22 @@ final class ItemFacts {
         return setByActions.contains(property);
     }
 
-    /** Returns whether a rule reads a property of items. */
-    boolean isReadByRules(String property) {
-        return readByRules.contains("physics." + property);
+    /** Returns whether a rule, a condition or a value of an action reads a property of items. */
+    boolean isReadByExpressions(String property) {
+        return readByExpressions.contains(property);
+    }
+
+    /**
+     * Returns whether the world itself reads the constant {@code gravity}: for the symbol {@code
+     * tooHeavy}, which follows from the symbol {@code strength}, or for an inertial sensor.
+     */
+    boolean isWeighed() {
+        return weighed;
+    }
+
+    /** Returns whether another item is attached to an item. */
+    boolean isCarrier(Entry entry) {
+        return carriers.contains(entry.name());
     }
 
     /** Returns whether an action pushes items by impulses or forces. */

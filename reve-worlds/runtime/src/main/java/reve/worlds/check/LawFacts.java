@@ -7,6 +7,7 @@ import reve.core.world.PropertyDescriptor;
 import reve.core.world.WorldPrototype;
 import reve.pe.Access;
 import reve.pe.LawParameter;
+import reve.pe.Phase;
 import reve.pe.PhysicsLaw;
 import reve.pe.PropertyUse;
 import reve.pe.ScalarType;
@@ -27,6 +28,7 @@ final class LawFacts {
     static final String ORIENTATION = "orientation";
     static final String FORCE = "externalForce";
     static final String GRAVITY = "gravity";
+    static final String TORQUE = "torque";
     static final String RADIUS = "radius";
     static final String SURFACE = "surface";
     static final String FLOOR = "floorHeight";
@@ -44,7 +46,7 @@ final class LawFacts {
                     "angularVelocity",
                     FORCE,
                     "appliedForce",
-                    "torque",
+                    TORQUE,
                     WorldPrototype.SPECIFIC_FORCE,
                     WorldPrototype.ANGULAR_RATE,
                     WorldPrototype.CONTACT_FORCE,
@@ -115,6 +117,17 @@ final class LawFacts {
                             return given.getOrDefault(
                                     name, given.getOrDefault(law.name() + "." + name, standard));
                         });
+    }
+
+    /** Returns the first law of this release that has a parameter of this name. */
+    Optional<PhysicsLaw> withParameter(String name) {
+        return laws.stream()
+                .filter(this::isShipped)
+                .filter(
+                        law ->
+                                law.parameters().stream()
+                                        .anyMatch(parameter -> parameter.name().equals(name)))
+                .findFirst();
     }
 
     private Optional<PhysicsLaw> first(Predicate<PropertyUse> use) {
@@ -260,6 +273,48 @@ final class LawFacts {
                                 use.kind().equals(WorldPrototype.BODY)
                                         && !use.access().contains(Access.WRITE)
                                         && EXTENT.matcher(use.name()).matches());
+    }
+
+    /**
+     * Returns whether a law may keep bodies above a floor without their shapes and radii. The law
+     * reads the positions of bodies, and moves bodies or exerts forces on them. The checks know the
+     * contacts of the laws of this release only.
+     */
+    boolean mayHold(PhysicsLaw law) {
+        return !isShipped(law)
+                && law.uses().stream().anyMatch(use -> isBody(use, POSITION) && reads(use))
+                && law.uses().stream()
+                        .anyMatch(
+                                use ->
+                                        isBody(use, FORCE)
+                                                        && use.access().contains(Access.ACCUMULATE)
+                                                || (isBody(use, POSITION) || isBody(use, VELOCITY))
+                                                        && use.access().contains(Access.WRITE));
+    }
+
+    /**
+     * Returns the advice to use rigid_contact, and the laws of this world that it replaces. Empty
+     * if this release does not contain rigid_contact.
+     */
+    Optional<String> rigidContact() {
+        if (shipped("rigid_contact").isEmpty()) {
+            return Optional.empty();
+        }
+        List<String> replaced =
+                laws.stream()
+                        .filter(
+                                law ->
+                                        law.phase() == Phase.INTEGRATE
+                                                || isShipped(law) && touchesBalls(law))
+                        .map(PhysicsLaw::name)
+                        .distinct()
+                        .toList();
+        return Optional.of(
+                "use rigid_contact"
+                        + (replaced.isEmpty()
+                                ? ""
+                                : " instead of " + String.join(" and ", replaced))
+                        + " in `laws`");
     }
 
     /** Returns whether the law is of a library that ships with this release. */

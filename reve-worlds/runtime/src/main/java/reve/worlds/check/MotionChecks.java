@@ -14,6 +14,7 @@ import java.util.Optional;
 final class MotionChecks {
     private static final String SPIN = "angularVelocity";
     private static final String INERTIA = "inertia";
+    private static final String ACCELERATION = "acceleration";
     private static final String INTEGRATOR =
             "; add a law that moves bodies to `laws`, for example newton_motion";
 
@@ -38,6 +39,50 @@ final class MotionChecks {
         }
         checkTurns(complete);
         checkImmovable();
+        if (world.age() == 0) {
+            checkSums();
+        }
+    }
+
+    /**
+     * Warns of values that each step replaces. A saved world (with an age) contains the values of
+     * its last step.
+     */
+    private void checkSums() {
+        checkSum(
+                LawFacts.FORCE,
+                "because each step replaces it by the sum of the forces of laws; set `appliedForce`"
+                        + " instead");
+        checkSum(
+                LawFacts.TORQUE,
+                "because each step replaces it by the sum of the torques of laws; set"
+                        + " `angularVelocity`, or add a law that exerts the torque, for example as"
+                        + " text");
+        checkSum(
+                ACCELERATION,
+                "because laws compute it from the forces; set `appliedForce` to the mass times the"
+                        + " acceleration");
+    }
+
+    private void checkSum(String property, String reason) {
+        boolean isInput =
+                laws.isRead(WorldPrototype.BODY, property)
+                        && property.equals(ACCELERATION)
+                        && !laws.isWritten(WorldPrototype.BODY, property);
+        if (isInput || items.isReadByExpressions(property) || items.isSetByActions(property)) {
+            return;
+        }
+        findings.items(
+                items.all().stream()
+                        .filter(body -> body.isBody() && body.has(property))
+                        .toList(),
+                "physics." + property,
+                body ->
+                        property
+                                + ": the value of "
+                                + body.name()
+                                + " has no effect, "
+                                + reason);
     }
 
     /** Warns if no law of the world moves bodies. */

@@ -2,7 +2,10 @@
 package reve.worlds.check;
 
 import reve.core.file.WorldDescription;
+import reve.core.text.Suggestion;
+import reve.core.world.PropertyDescriptor;
 import reve.core.world.WorldPrototype;
+import reve.pe.Access;
 import reve.pe.PhysicsLaw;
 import reve.pe.PropertyUse;
 
@@ -34,6 +37,18 @@ final class RowChecks {
 
     private static final List<String> EFFECTIVE =
             List.of("charge", "dragCoefficient", "linearDragCoefficient");
+
+    /** Properties of contacts that rigid_contact reads. */
+    private static final List<String> CONTACT =
+            List.of(
+                    "friction",
+                    "restitution",
+                    "rollingFriction",
+                    "spinFriction",
+                    "touchLayer",
+                    "passesLayers",
+                    "touchSensor",
+                    "partOfBody");
 
     private final WorldDescription world;
     private final LawFacts laws;
@@ -72,6 +87,8 @@ final class RowChecks {
         checkSprings();
         if (complete) {
             checkUnread();
+            checkContact();
+            laws.all().forEach(this::checkOwn);
         }
     }
 
@@ -274,7 +291,7 @@ final class RowChecks {
             }
         }
         for (String property : EFFECTIVE) {
-            if (!laws.isRead(WorldPrototype.BODY, property) && !items.isReadByRules(property)) {
+            if (!laws.isRead(WorldPrototype.BODY, property) && !items.isReadByExpressions(property)) {
                 findings.items(
                         items.all().stream()
                                 .filter(entry -> entry.isBody() && entry.has(property))
@@ -291,13 +308,84 @@ final class RowChecks {
         }
         if (laws.pusher().isEmpty()) {
             for (String constant : world.constants().keySet()) {
-                if (READERS.containsKey(constant) && !laws.isRead(WorldPrototype.WORLD, constant)) {
+                if (READERS.containsKey(constant)
+                        && !laws.isRead(WorldPrototype.WORLD, constant)
+                        && !items.isReadByExpressions(constant)
+                        && !(constant.equals(LawFacts.GRAVITY) && items.isWeighed())) {
                     findings.constant(
                             constant,
                             constant
                                     + " has no effect, because no law of this world reads it"
                                     + reader(constant));
                 }
+            }
+        }
+    }
+
+    /** Warns of properties of contacts in a world whose laws of contact do not read them. */
+    private void checkContact() {
+        if (laws.mover().isEmpty() || laws.rigidContact().isEmpty()) {
+            return;
+        }
+        for (String property : CONTACT) {
+            if (laws.isRead(WorldPrototype.BODY, property)
+                    || items.isReadByExpressions(property)) {
+                continue;
+            }
+            findings.items(
+                    items.all().stream()
+                            .filter(entry -> entry.isBody())
+                            .filter(entry -> entry.item().physics(property).isPresent())
+                            .toList(),
+                    "physics." + property,
+                    entry ->
+                            property
+                                    + ": no law of this world reads the "
+                                    + property
+                                    + " of "
+                                    + entry.name()
+                                    + "; "
+                                    + laws.withParameter(property)
+                                            .map(
+                                                    law ->
+                                                            "set the parameter "
+                                                                    + property
+                                                                    + " of "
+                                                                    + law.name()
+                                                                    + " for all bodies, or ")
+                                            .orElse("")
+                                    + laws.rigidContact().orElseThrow()
+                                    + ", which reads it");
+        }
+    }
+
+    /**
+     * Warns of a property that a law declares for itself, if the world has a property of nearly the
+     * same name that no law uses.
+     */
+    private void checkOwn(PhysicsLaw law) {
+        for (PropertyUse use : law.uses()) {
+            if (!use.access().contains(Access.SCRATCH) || !laws.isText(law)) {
+                continue;
+            }
+            List<String> unused =
+                    world.prototype().properties().stream()
+                            .filter(own -> own.kind().equals(use.kind()))
+                            .map(PropertyDescriptor::name)
+                            .filter(own -> !world.prototype().isStandard(use.kind(), own))
+                            .filter(own -> !laws.isRead(use.kind(), own))
+                            .filter(own -> !laws.isWritten(use.kind(), own))
+                            .filter(own -> !items.isReadByExpressions(own))
+                            .toList();
+            String similar = Suggestion.of(use.name(), unused);
+            if (!similar.isEmpty()) {
+                findings.law(
+                        laws.reference(law),
+                        "has a property "
+                                + use.name()
+                                + " of its own, which is 0 at first, and no law reads the property"
+                                + " of the world with a similar name"
+                                + similar);
             }
         }
     }

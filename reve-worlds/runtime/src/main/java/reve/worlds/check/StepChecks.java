@@ -4,6 +4,7 @@ package reve.worlds.check;
 import reve.core.file.LawReference;
 import reve.core.file.WorldDescription;
 import reve.core.text.Rounded;
+import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
 import reve.pe.Access;
 import reve.pe.LawParameter;
@@ -13,6 +14,7 @@ import reve.pe.PhysicsLaw;
 import java.util.Comparator;
 import java.util.List;
 import java.util.Optional;
+import java.util.OptionalDouble;
 
 /**
  * The checks for steps that are too long for the forces of laws. The checks use the stiffness k,
@@ -28,6 +30,9 @@ final class StepChecks {
 
     /** Minimum number of steps during a contact of two balls. */
     private static final double STEPS_PER_CONTACT = 5;
+
+    /** Longest flight of a body that counts as straight [s]. */
+    private static final double FLIGHT = 0.5;
 
     private final WorldDescription world;
     private final LawFacts laws;
@@ -64,6 +69,104 @@ final class StepChecks {
         if (laws.isRead(WorldPrototype.BODY, "linearDragCoefficient")) {
             checkDrag();
         }
+        if (laws.all().stream().anyMatch(law -> laws.isShipped(law) && laws.touchesShapes(law))) {
+            checkWalls();
+        }
+    }
+
+    /** Warns of bodies that fly towards an immovable box and jump over it in one step. */
+    private void checkWalls() {
+        List<ItemFacts.Entry> walls =
+                items.all().stream()
+                        .filter(item -> item.isBody() && !item.isMovable())
+                        .filter(item -> item.item().parent().isEmpty())
+                        .filter(item -> item.item().shape() instanceof Shape.Box)
+                        .toList();
+        for (ItemFacts.Entry body : items.movable()) {
+            double jump = speed(body) * dt;
+            if (body.item().shape() == Shape.none() || jump == 0 || items.isReferredTo(body)) {
+                continue;
+            }
+            Optional<ItemFacts.Entry> wall =
+                    walls.stream()
+                            .filter(one -> jump > chord(body, one).orElse(jump) + extent(body))
+                            .findFirst();
+            if (wall.isPresent()) {
+                findings.items(
+                        List.of(body),
+                        "physics.velocity",
+                        one ->
+                                "velocity: "
+                                        + one.name()
+                                        + " moves by "
+                                        + Rounded.of(jump)
+                                        + " m in a step of "
+                                        + Rounded.of(dt)
+                                        + " s and may pass through "
+                                        + wall.get().name()
+                                        + ", which is thinner"
+                                        + remedy(
+                                                chord(one, wall.get()).orElseThrow()
+                                                        / speed(one)
+                                                        / 2));
+                return;
+            }
+        }
+    }
+
+    private static double extent(ItemFacts.Entry body) {
+        Shape shape = body.item().shape();
+        return Math.max(shape.size(0), Math.max(shape.size(1), shape.size(2)));
+    }
+
+    /**
+     * Returns the length of the part of a body's straight path that is inside a box [m]. Empty if
+     * the path misses the box, or if the body needs more than {@link #FLIGHT} to it.
+     */
+    private static OptionalDouble chord(ItemFacts.Entry body, ItemFacts.Entry box) {
+        double[] q = box.item().orientation();
+        double[] from = body.item().location();
+        double[] to = box.item().location();
+        double[] v = body.item().physics(LawFacts.VELOCITY).orElseThrow();
+        double enter = 0;
+        double leave = FLIGHT;
+        for (int axis = 0; axis < 3; axis++) {
+            double[] along = new double[3];
+            along[axis] = 1;
+            along = turned(q, along);
+            double place = 0;
+            double speed = 0;
+            for (int i = 0; i < 3; i++) {
+                place += (from[i] - to[i]) * along[i];
+                speed += v[i] * along[i];
+            }
+            double half = box.item().shape().size(axis) / 2;
+            if (speed == 0) {
+                if (Math.abs(place) > half) {
+                    return OptionalDouble.empty();
+                }
+                continue;
+            }
+            double one = (-half - place) / speed;
+            double other = (half - place) / speed;
+            enter = Math.max(enter, Math.min(one, other));
+            leave = Math.min(leave, Math.max(one, other));
+        }
+        return enter > 0 && enter < leave
+                ? OptionalDouble.of((leave - enter) * speed(body))
+                : OptionalDouble.empty();
+    }
+
+    /** Returns a vector after the rotation by a unit quaternion. */
+    private static double[] turned(double[] q, double[] v) {
+        double x = 2 * (q[1] * v[2] - q[2] * v[1]);
+        double y = 2 * (q[2] * v[0] - q[0] * v[2]);
+        double z = 2 * (q[0] * v[1] - q[1] * v[0]);
+        return new double[] {
+            v[0] + q[3] * x + q[1] * z - q[2] * y,
+            v[1] + q[3] * y + q[2] * x - q[0] * z,
+            v[2] + q[3] * z + q[0] * y - q[1] * x
+        };
     }
 
     /**

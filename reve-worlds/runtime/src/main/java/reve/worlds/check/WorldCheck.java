@@ -42,6 +42,7 @@ public final class WorldCheck {
         new VoiceChecks(world, items, findings).run();
         if (complete) {
             new ContactChecks(world, facts, items, findings).run();
+            new BallChecks(world, facts, items, findings).run();
         }
         List<Problem> all = new ArrayList<>(world.warnings());
         all.addAll(findings.all());
