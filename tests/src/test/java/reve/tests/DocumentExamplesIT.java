@@ -6,15 +6,19 @@ import static org.assertj.core.api.Assertions.assertThat;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import reve.core.file.Problem;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
+import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
 import reve.core.world.ItemDefinition;
+import reve.pe.PhysicsException;
 import reve.tests.Reve.Outcome;
 import reve.worlds.server.Simulation;
 
 import java.awt.image.BufferedImage;
 import java.io.ByteArrayOutputStream;
+import java.io.IOException;
 import java.net.URL;
 import java.net.URLClassLoader;
 import java.nio.charset.StandardCharsets;
@@ -22,7 +26,9 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Optional;
 import java.util.stream.Collectors;
+import java.util.stream.Stream;
 
 import javax.imageio.ImageIO;
 import javax.tools.ToolProvider;
@@ -40,6 +46,9 @@ class DocumentExamplesIT {
                 }
             }
             """;
+
+    /** Least number of worlds of the pages that need no other files. */
+    private static final int WORLDS_OF_PAGES = 30;
 
     @TempDir private Path folder;
 
@@ -166,6 +175,70 @@ class DocumentExamplesIT {
         assertThat(items.get(1).shape().size(1)).as("-5 m to 40 m").isEqualTo(45);
         assertThat(items.get(2).shape().size(1)).isEqualTo(2);
         assertThat(items.get(3).physics("mass").orElseThrow()).containsExactly(700);
+    }
+
+    /** Returns the pages whose examples of worlds are complete. */
+    private static List<Path> pages() throws IOException {
+        List<Path> pages = new ArrayList<>(List.of(Project.ROOT.resolve("README.md")));
+        for (Path folder : List.of(Path.of("docs"), Path.of("laws/rigid_contact"))) {
+            try (Stream<Path> files = Files.list(Project.ROOT.resolve(folder))) {
+                files.filter(file -> file.toString().endsWith(".md")).sorted().forEach(pages::add);
+            }
+        }
+        return pages;
+    }
+
+    @Test
+    void theCheckHasNoWarningsAboutTheWorldsOfThePages() throws Exception {
+        int checked = 0;
+        for (Path page : pages()) {
+            for (Document.Block block : Document.read(page).blocks()) {
+                boolean isWorld = block.text().lines().limit(2).anyMatch("reve: 1"::equals);
+                Optional<List<Problem>> found = isWorld ? warnings(block) : Optional.empty();
+                if (found.isPresent()) {
+                    assertThat(found.get())
+                            .as(page + "\n" + block.text())
+                            .hasSize(block.text().contains("name: silent\n") ? 2 : 0);
+                    checked++;
+                }
+            }
+        }
+        assertThat(checked).isGreaterThanOrEqualTo(WORLDS_OF_PAGES);
+    }
+
+    /** Returns the warnings about a world. Empty if it needs other files, or laws of its page. */
+    private static Optional<List<Problem>> warnings(Document.Block block) {
+        byte[] text = block.text().getBytes(StandardCharsets.UTF_8);
+        try (Simulation simulation = new Simulation(WorldFile.parse("w", text), Pacing.FAST)) {
+            return Optional.of(simulation.warnings(true));
+        } catch (WorldFileException | PhysicsException _) {
+            return Optional.empty();
+        }
+    }
+
+    @Test
+    void theCheckHasNoWarningsAboutTheSampleWorlds() throws Exception {
+        for (WorldsIT.Sample sample : WorldsIT.samples()) {
+            try (Simulation simulation = sample.load()) {
+                assertThat(simulation.warnings(true)).as(sample.toString()).isEmpty();
+            }
+        }
+    }
+
+    @Test
+    void theClothOfThePageOfWorldFilesHangsTogether() throws Exception {
+        String cloth =
+                Document.read(Project.ROOT.resolve("docs/world-file.md")).blocks().stream()
+                        .map(Document.Block::text)
+                        .filter(text -> text.contains("name: cloth\n"))
+                        .findFirst()
+                        .orElseThrow();
+        WorldDescription world =
+                WorldFile.parse("cloth.yaml", cloth.getBytes(StandardCharsets.UTF_8));
+        try (Simulation simulation = new Simulation(world, Pacing.FAST)) {
+            simulation.loop().run(600);
+            assertThat(simulation.events().faults()).isEmpty();
+        }
     }
 
     @Test
