@@ -273,7 +273,9 @@ final class BallChecks {
         return v[0] != 0 || v[2] != 0;
     }
 
-    /** Warns of balls that sink into their support, because the law is too soft for their weight. */
+    /**
+     * Warns of balls that sink into their support, because the law is too soft for their weight.
+     */
     private void checkWeights(PhysicsLaw law) {
         String name = "stiffness";
         double stiffness =

@@ -66,9 +66,7 @@ final class ContactChecks {
         if (laws.isUsed(LawFacts.MESH)) {
             checkHulls();
         }
-        if (laws.mover().isPresent()
-                && !surfaces
-                && laws.all().stream().noneMatch(laws::mayHold)) {
+        if (laws.mover().isPresent() && !surfaces && laws.all().stream().noneMatch(laws::mayHold)) {
             down().ifPresent(this::checkFloors);
         }
     }
@@ -182,7 +180,8 @@ final class ContactChecks {
         return gravity.get(axis) == 0
                 ? Optional.empty()
                 : Optional.of(
-                        new Down(axis, Math.signum(gravity.get(axis)), Math.abs(gravity.get(axis))));
+                        new Down(
+                                axis, Math.signum(gravity.get(axis)), Math.abs(gravity.get(axis))));
     }
 
     /**
@@ -207,7 +206,9 @@ final class ContactChecks {
             List<Floor> reached =
                     floors.stream()
                             .filter(floor -> isBelow(floor, body, down))
-                            .sorted(Comparator.comparingDouble(floor -> floor.top(down) * down.sign))
+                            .sorted(
+                                    Comparator.comparingDouble(
+                                            floor -> floor.top(down) * down.sign))
                             .toList();
             Optional<Floor> passed =
                     reached.stream().noneMatch(floor -> holds(floor, body))
@@ -316,20 +317,21 @@ final class ContactChecks {
     private String floorRemedy(PhysicsLaw law, Floor floor, Down down) {
         Optional<Double> height = laws.parameter(law, LawFacts.FLOOR);
         boolean other = height.filter(at -> at > LOWEST_FLOOR).isPresent();
-        String set =
-                height.isPresent() && floor.level && down.axis == 1 && down.sign < 0
-                        ? "set its parameter "
-                                + LawFacts.FLOOR
-                                + ": "
-                                + Rounded.of(floor.top(down))
-                                + " m"
-                        : "build "
-                                + floor.name
-                                + " from immovable balls, or from items of kind surface with"
-                                + " surface_contact";
-        return other || !floor.level
-                ? set + laws.rigidContact().map(advice -> ", or " + advice).orElse("")
-                : set;
+        Optional<String> advice = laws.rigidContact().filter(_ -> other || !floor.level);
+        String rigid = advice.map(text -> text + ", or ").orElse("");
+        if (height.isPresent() && floor.level && down.axis == 1 && down.sign < 0) {
+            return rigid
+                    + "set its parameter "
+                    + LawFacts.FLOOR
+                    + ": "
+                    + Rounded.of(floor.top(down))
+                    + " m"
+                    + (other ? " if the world has no other floor" : "");
+        }
+        return rigid
+                + "build "
+                + floor.name
+                + " from immovable balls, or from items of kind surface with surface_contact";
     }
 
     /**
@@ -511,7 +513,8 @@ final class ContactChecks {
         double[] v = body.item().physics(LawFacts.VELOCITY).orElse(new double[3]);
         double speed = v[down.axis] * down.sign;
         double seconds =
-                (Math.sqrt(speed * speed + 2 * down.size * Math.max(height, 0)) - speed) / down.size;
+                (Math.sqrt(speed * speed + 2 * down.size * Math.max(height, 0)) - speed)
+                        / down.size;
         for (int axis = 0; axis < 3; axis++) {
             double place = at[axis] + v[axis] * seconds;
             if (axis != down.axis && !(place >= floor.low[axis] && place <= floor.high[axis])) {

@@ -73,16 +73,9 @@ final class MotionChecks {
             return;
         }
         findings.items(
-                items.all().stream()
-                        .filter(body -> body.isBody() && body.has(property))
-                        .toList(),
+                items.all().stream().filter(body -> body.isBody() && body.has(property)).toList(),
                 "physics." + property,
-                body ->
-                        property
-                                + ": the value of "
-                                + body.name()
-                                + " has no effect, "
-                                + reason);
+                body -> property + ": the value of " + body.name() + " has no effect, " + reason);
     }
 
     /** Warns if no law of the world moves bodies. */

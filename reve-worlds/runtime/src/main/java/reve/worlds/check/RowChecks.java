@@ -291,7 +291,8 @@ final class RowChecks {
             }
         }
         for (String property : EFFECTIVE) {
-            if (!laws.isRead(WorldPrototype.BODY, property) && !items.isReadByExpressions(property)) {
+            if (!laws.isRead(WorldPrototype.BODY, property)
+                    && !items.isReadByExpressions(property)) {
                 findings.items(
                         items.all().stream()
                                 .filter(entry -> entry.isBody() && entry.has(property))
@@ -328,8 +329,7 @@ final class RowChecks {
             return;
         }
         for (String property : CONTACT) {
-            if (laws.isRead(WorldPrototype.BODY, property)
-                    || items.isReadByExpressions(property)) {
+            if (laws.isRead(WorldPrototype.BODY, property) || items.isReadByExpressions(property)) {
                 continue;
             }
             findings.items(
