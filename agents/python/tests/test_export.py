@@ -37,6 +37,10 @@ items:
   - {name: tent, physical: {shape: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
      triangles: [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], location: [6, 1, 6]}}
   - {name: rope, kind: spring, physics: {end1: ball, end2: crate, springConstant: 50 N/m, length: 2}}
+  - {name: cord, kind: spring, physical: {colour: "#336699", width: 5 cm},
+     physics: {end1: crate, end2: pill, length: 2}}
+  - {name: lost, kind: spring, physical: {colour: "#33669900"},
+     physics: {end1: crate, end2: pill, length: 2}}
   - {name: sail, kind: surface, physics: {vertices: [ball, crate, pill], hardness: 0}}
 """
 
@@ -167,7 +171,10 @@ class McapTest(unittest.TestCase):
         self.assertEqual(shapes["pill"].cylinders[0].size.z, 1.5)
         self.assertEqual(len(shapes["tent"].triangles[0].points), 12)
         connections = seen["/connections"].entities[0]
-        self.assertEqual(len(connections.lines[0].points), 2)
+        self.assertEqual([len(lines.points) for lines in connections.lines], [2, 2])
+        cord = connections.lines[1]
+        self.assertEqual([cord.thickness, cord.scale_invariant], [0.05, False])
+        self.assertAlmostEqual(cord.colors[0].r, 0x33 / 255)
         last = {row["item"]: row for row in self.table("body")[-7:]}
         for point, item in zip(connections.triangles[0].points, ("ball", "crate", "pill")):
             self.assertEqual(point.x, float(last[item]["position.x [m]"]))

@@ -3,6 +3,7 @@ package reve.core.file;
 
 import reve.core.mesh.Assets;
 import reve.core.world.Action;
+import reve.core.world.ConnectionLook;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Level;
 import reve.core.world.PropertyDescriptor;
@@ -630,9 +631,20 @@ final class ItemReader {
                         physical.read(aspect, into);
                     },
                     item::physicalOf);
+        } else if (place.isPresent() && ConnectionLook.KINDS.contains(kind)) {
+            read(
+                    node,
+                    place.get(),
+                    kind,
+                    hasPhysics,
+                    item,
+                    (aspect, into) -> physical.readLook(aspect, kind, into),
+                    item::physicalOf);
         } else if (place.isPresent()) {
             problems.addAtKey(
-                    place.get(), "only items of kind body have `physical`, this is a " + kind);
+                    place.get(),
+                    "only items of kind body, spring or surface have `physical`, this is a "
+                            + kind);
         }
         if (node.get("semantic").isPresent()) {
             read(

@@ -3,6 +3,7 @@ package reve.core.file;
 
 import reve.core.world.Action;
 import reve.core.world.Colour;
+import reve.core.world.ConnectionLook;
 import reve.core.world.ItemClass;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Level;
@@ -91,6 +92,7 @@ public final class ItemWriter {
         Map<String, Object> physical = shape(ANYBODY, item.shape());
         item.material()
                 .ifPresent(material -> physical.put("material", material(ANYBODY, material)));
+        putLook(physical, item.look());
         putIfAny(tree, "physical", physical);
         putIfAny(tree, "access", actions(ANYBODY, item.actions()));
         putCapabilities(tree, item.capabilities());
@@ -256,6 +258,7 @@ public final class ItemWriter {
         if (!item.colour().equals(Colour.defaultOf(item.shape(), item.material()))) {
             aspect.put("colour", hex(item.colour()));
         }
+        putLook(aspect, item.look());
         // A pose relative to a parent is written with full precision, because it is not stored in a
         // column. Columns round their values to the real type of the world.
         ScalarType real =
@@ -268,6 +271,13 @@ public final class ItemWriter {
             aspect.put("orientation", numbers(real, turn));
         }
         return aspect;
+    }
+
+    private static void putLook(Map<String, Object> physical, ConnectionLook look) {
+        look.colour().ifPresent(colour -> physical.put("colour", hex(colour)));
+        if (look.width() != 0) {
+            physical.put(ConnectionLook.WIDTH, YamlWriter.Numeral.of(look.width()));
+        }
     }
 
     private static String hex(Colour colour) {

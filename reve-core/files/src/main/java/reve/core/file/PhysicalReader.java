@@ -6,6 +6,7 @@ import reve.core.mesh.Assets;
 import reve.core.text.Rounded;
 import reve.core.unit.Unit;
 import reve.core.world.Colour;
+import reve.core.world.ConnectionLook;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Material;
 import reve.core.world.Mesh;
@@ -68,6 +69,9 @@ final class PhysicalReader {
                     "file",
                     "heightRange");
 
+    /** The keys of springs. Surfaces have only the first one. */
+    static final Set<String> CONNECTION_KEYS = Set.of("colour", ConnectionLook.WIDTH);
+
     private final WorldPrototype prototype;
     private final PhysicsReader physics;
     private final Assets assets;
@@ -95,9 +99,55 @@ final class PhysicalReader {
 
     void read(Node aspect, ItemDefinition.Builder item) {
         aspect.children().forEach(value -> readPlaceOrColour(value, item));
+        aspect.get(ConnectionLook.WIDTH)
+                .ifPresent(width -> problems.addAtKey(width, noWidth(WorldPrototype.BODY)));
         aspect.get("orientation").flatMap(node -> node.get("angle")).ifPresent(this::doubtAngle);
         shape(aspect, item);
         aspect.get("material").filter(Node::isMapping).ifPresent(node -> material(node, item));
+    }
+
+    /** Reads the appearance of a spring or a surface. */
+    void readLook(Node aspect, String kind, ItemDefinition.Builder item) {
+        for (Node value : aspect.children()) {
+            switch (value.key()) {
+                case "colour" ->
+                        value.text()
+                                .ifPresent(
+                                        text ->
+                                                attempt(
+                                                        value,
+                                                        () -> setColour(item, Colour.parse(text))));
+                case ConnectionLook.WIDTH -> readWidth(value, kind, item);
+                default ->
+                        problems.addAtKey(
+                                value,
+                                "`"
+                                        + value.key()
+                                        + "` does not go with kind "
+                                        + kind
+                                        + "; in `physical`, a spring has only `colour` and `width`,"
+                                        + " and a surface only `colour`");
+            }
+        }
+    }
+
+    private static void setColour(ItemDefinition.Builder item, Colour colour) {
+        item.look(item.look().with(colour));
+    }
+
+    private void readWidth(Node value, String kind, ItemDefinition.Builder item) {
+        if (!kind.equals(WorldPrototype.SPRING)) {
+            problems.addAtKey(value, noWidth(kind));
+            return;
+        }
+        quantities
+                .number(value, METRE)
+                .filter(metres -> physics.isWorkable(value, metres))
+                .ifPresent(metres -> attempt(value, () -> item.look(item.look().with(metres))));
+    }
+
+    private static String noWidth(String kind) {
+        return "only items of kind spring have a `width`, this is a " + kind;
     }
 
     /** Reads a value if its key is location, orientation or colour. Ignores other keys. */

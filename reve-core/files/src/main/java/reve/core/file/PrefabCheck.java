@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
+import reve.core.world.ConnectionLook;
 import reve.core.world.WorldPrototype;
 
 import java.util.HashMap;
@@ -103,14 +104,25 @@ final class PrefabCheck {
         return item.withValue(fields);
     }
 
+    /** Returns whether a physical aspect has a key that springs and surfaces do not have. */
+    private static boolean isOfBody(Node physical) {
+        return physical.children().stream()
+                .anyMatch(value -> !PhysicalReader.CONNECTION_KEYS.contains(value.key()));
+    }
+
     /**
      * Returns the declared kind of a prefab. Returns the kind to which most of the prefab's
      * properties belong if no kind is declared.
      */
     private String kind(Node prefab) {
         Optional<String> declaredKind = prefab.get("kind").flatMap(Node::text);
+        Optional<Node> physical = prefab.get("physical");
+        if (declaredKind.isEmpty()
+                && physical.flatMap(aspect -> aspect.get(ConnectionLook.WIDTH)).isPresent()) {
+            return WorldPrototype.SPRING;
+        }
         if (declaredKind.isPresent()
-                || prefab.get("physical").isPresent()
+                || physical.filter(PrefabCheck::isOfBody).isPresent()
                 || prefab.get("sensors").isPresent()
                 || prefab.get("voice").isPresent()
                 || prefab.get("physics").isEmpty()) {

@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.world.Action;
 import reve.core.world.ActionRefused;
+import reve.core.world.ConnectionLook;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
@@ -407,7 +408,9 @@ public sealed interface WorldEdit {
         switch (key) {
             case "shape" -> item.physical().setShape(values.shape());
             case "material" -> item.physical().setMaterial(values.material());
-            case "colour" -> item.physical().setColour(values.colour());
+            case "colour" ->
+                    item.physical().setColour(values.look().colour().orElseGet(values::colour));
+            case ConnectionLook.WIDTH -> item.physical().setWidth(values.look().width());
             case "location" -> {
                 double[] at = values.location();
                 item.physical().setLocation(at[0], at[1], at[2]);

@@ -7,6 +7,7 @@ import reve.core.mesh.Assets;
 import reve.core.world.Action;
 import reve.core.world.Colour;
 import reve.core.world.Column;
+import reve.core.world.ConnectionLook;
 import reve.core.world.Force;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
@@ -240,6 +241,12 @@ public final class ChangeCodec {
                                                             Trees.text("the field to", to))));
             case "colour" ->
                     item.physical().setColour(Colour.parse(Trees.text("the field to", to)));
+            case ConnectionLook.WIDTH -> {
+                if (!to.isNumber()) {
+                    throw new CorruptException("found " + to + ", expected a width [m]");
+                }
+                item.physical().setWidth(to.asDouble());
+            }
             default ->
                     throw new CorruptException(
                             "the physical aspect has no " + property + " that could be set");

@@ -14,6 +14,8 @@ import org.junit.jupiter.params.provider.CsvSource;
 import reve.core.image.WorldDigest;
 import reve.core.rule.Rule;
 import reve.core.world.ActionRefused;
+import reve.core.world.Colour;
+import reve.core.world.ConnectionLook;
 import reve.core.world.Item;
 import reve.core.world.ItemId;
 import reve.core.world.OffHeapArena;
@@ -482,5 +484,19 @@ class WorldEditTest {
                 .hasMessage("the world would have 257 rules, expected at most 256");
         assertThat(rules(full, "r7", null)).hasSize(255);
         assertThat(rules(full, "r9", "\"semantic.r8\"")).hasSize(256);
+    }
+
+    @Test
+    void aSpringChangesItsLook() throws Exception {
+        make(change("s", "{\"physical\": {\"width\": \"3 cm\"}}"));
+        assertThat(item("s").physical().look()).isEqualTo(ConnectionLook.DEFAULT.with(0.03));
+        make(change("s", "{\"physical\": {\"colour\": \"#ff0000\"}}"));
+        assertThat(item("s").definition().look())
+                .isEqualTo(new ConnectionLook(Optional.of(Colour.parse("#ff0000")), 0.03));
+        assertThatThrownBy(() -> change("sign", "{\"physical\": {\"width\": 1}}"))
+                .hasMessageContaining("only items of kind spring have a `width`, this is a body");
+        assertThatThrownBy(() -> item("sign").physical().setWidth(1))
+                .isInstanceOf(IllegalArgumentException.class)
+                .hasMessageContaining("is a body, expected a spring: only springs have a width");
     }
 }

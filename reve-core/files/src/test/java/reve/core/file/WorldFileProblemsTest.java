@@ -490,4 +490,39 @@ class WorldFileProblemsTest {
         assertThat(problems.getLast())
                 .endsWith("no more than 100 problems are shown; there may be others");
     }
+
+    /** The physical aspect of a spring or a surface, on line 6. */
+    @ParameterizedTest(name = "{0}")
+    @CsvSource(
+            delimiter = '!',
+            textBlock =
+                    """
+                    spring ! {width: -3 cm}   ! 36 ! width: found -0.03 m, expected 0 or more
+                    spring ! {width: 3 kg}    ! 36 ! width: unit kg does not fit m
+                    spring ! {width: 1e200}   ! 36 ! width: 1.0E200 is beyond 1e100; its powers would be no numbers, so expected a smaller one
+                    spring ! {location: 1}    ! 29 ! `location` does not go with kind spring; in `physical`, a spring has only `colour` and `width`, and a surface only `colour`
+                    surface ! {width: 3 cm}   ! 30 ! only items of kind spring have a `width`, this is a surface
+                    body ! {width: 3 cm}      ! 27 ! only items of kind spring have a `width`, this is a body
+                    """)
+    void refusesInTheLookOf(String kind, String physical, int column, String message) {
+        String physics =
+                switch (kind) {
+                    case "spring" -> "{end1: a, end2: b}";
+                    case "surface" -> "{vertices: [a, b, c]}";
+                    default -> "{mass: 1}";
+                };
+        assertThat(
+                        problems(
+                                "reve: 1\nname: w\nitems:\n- {name: a, physics: {mass: 1}}\n"
+                                        + "- {name: b, like: a}\n"
+                                        + "- {kind: "
+                                        + kind
+                                        + ", physical: "
+                                        + physical
+                                        + ", name: s, physics: "
+                                        + physics
+                                        + "}\n- {name: c, physics: {mass: 1}}\n"
+                                        + "prefabs: {a: {physics: {mass: 1}}}"))
+                .containsExactly("w:6:" + column + ": " + message);
+    }
 }

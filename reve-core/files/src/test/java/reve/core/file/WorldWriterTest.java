@@ -321,4 +321,45 @@ class WorldWriterTest {
         }
         return values;
     }
+
+    @Test
+    void springsAndSurfacesKeepTheirLook() throws WorldFileException {
+        String items =
+                """
+                  - name: red
+                    kind: spring
+                    physical: {colour: '#ff0000', width: 0.03}
+                    physics: {length: 1, end1: a, end2: b}
+                  - name: hidden
+                    kind: spring
+                    physical: {colour: '#ff000000'}
+                    physics: {length: 1, end1: a, end2: b}
+                  - name: cloth
+                    kind: surface
+                    physical: {colour: '#00ff00'}
+                    physics: {vertices: [a, b, c]}
+                """;
+        WorldDescription world =
+                WorldFileTest.parse(
+                        """
+                        reve: 1
+                        name: w
+                        prefabs:
+                          rope: {physical: {colour: "#ff0000", width: 3 cm}, physics: {length: 1 m}}
+                          cord: {physical: {width: 3 cm}}
+                          thread: {physical: {colour: "#ff0000"}, physics: {length: 1 m}}
+                        items:
+                          - {name: a, physics: {mass: 1}}
+                          - {name: b, physics: {mass: 1}}
+                          - {name: c, physics: {mass: 1}}
+                          - {name: red, kind: spring, like: rope, physics: {end1: a, end2: b}}
+                          - {name: hidden, like: rope, kind: spring, physical: {colour: "#ff000000", width: 0},
+                              physics: {end1: a, end2: b}}
+                          - {name: cloth, kind: surface, physical: {colour: "#00ff00"},
+                              physics: {vertices: [a, b, c]}}
+                        """);
+        String written = WorldWriter.write(world);
+        assertThat(written).endsWith(items);
+        assertThat(WorldWriter.write(WorldFileTest.parse(written))).isEqualTo(written);
+    }
 }

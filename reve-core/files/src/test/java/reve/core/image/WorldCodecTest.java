@@ -13,6 +13,7 @@ import reve.core.mesh.WorldFolder;
 import reve.core.unit.Unit;
 import reve.core.world.Colour;
 import reve.core.world.Column;
+import reve.core.world.ConnectionLook;
 import reve.core.world.Force;
 import reve.core.world.FrameControl;
 import reve.core.world.Item;
@@ -383,11 +384,16 @@ class WorldCodecTest {
                     world.add(
                             ItemDefinition.named("spring " + random.nextLong())
                                     .kind("spring")
+                                    .look(ConnectionLook.DEFAULT.with(random.nextInt(2)))
                                     .physics("length", random.nextDouble())
                                     .reference("end1", one.name())
                                     .reference("end2", other.name())
                                     .build());
             spring.physics().setReferences("end1", other.id());
+            if (random.nextBoolean()) {
+                spring.physical().setColour(new Colour(random.nextInt()));
+                spring.physical().setWidth(random.nextDouble());
+            }
         }
     }
 

@@ -113,6 +113,7 @@ final class DefinitionCheck {
                             + definition.kind()
                             + " has no place, shape or colour: only kind body has");
         }
+        definition.look().require("item " + definition.name(), definition.kind());
         ScalarType real = world.prototype.realType();
         for (double metres : definition.sharedLocation()) {
             if (real == ScalarType.F32 && !Float.isFinite((float) metres)) {

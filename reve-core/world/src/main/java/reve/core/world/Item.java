@@ -117,6 +117,7 @@ public final class Item {
             now.location = physical().location();
             now.orientation = physical().orientation();
         }
+        now.look = symbols.look();
         Attachment attachment = symbols.attachment();
         if (attachment != null) {
             now.parent = world.symbols.name(attachment.parent());

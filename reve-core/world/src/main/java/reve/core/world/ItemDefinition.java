@@ -22,6 +22,7 @@ public final class ItemDefinition {
     private final Shape shape;
     private final Optional<Material> material;
     private final Colour colour;
+    private final ConnectionLook look;
     private final double[] location;
     private final double[] orientation;
     private final Optional<String> parent;
@@ -41,6 +42,7 @@ public final class ItemDefinition {
         shape = builder.shape;
         material = builder.material;
         colour = builder.colour != null ? builder.colour : Colour.defaultOf(shape, material);
+        look = builder.look;
         location = builder.location;
         orientation = builder.orientation;
         parent = Optional.ofNullable(builder.parent);
@@ -101,6 +103,7 @@ public final class ItemDefinition {
         copy.shape = shape;
         copy.material = material;
         copy.colour = colour;
+        copy.look = look;
         copy.location = location;
         copy.orientation = orientation;
         copy.parent = parent.orElse(null);
@@ -133,6 +136,11 @@ public final class ItemDefinition {
     /** Returns the declared colour, or the default of {@link Colour#defaultOf}. */
     public Colour colour() {
         return colour;
+    }
+
+    /** Returns the appearance of a spring or surface; the default for other kinds. */
+    public ConnectionLook look() {
+        return look;
     }
 
     /**
@@ -259,6 +267,7 @@ public final class ItemDefinition {
         Shape shape = Shape.none();
         Optional<Material> material = Optional.empty();
         @Nullable Colour colour;
+        ConnectionLook look = ConnectionLook.DEFAULT;
         double[] location = {0, 0, 0};
         double[] orientation = {0, 0, 0, 1};
         @Nullable String parent;
@@ -314,6 +323,17 @@ public final class ItemDefinition {
             return this;
         }
 
+        /** Sets the appearance of a spring or surface. */
+        public Builder look(ConnectionLook newLook) {
+            look = newLook;
+            return this;
+        }
+
+        /** Returns the appearance of a spring or surface. */
+        public ConnectionLook look() {
+            return look;
+        }
+
         /**
          * Sets the location of the origin [m]: in the world's reference frame, or relative to the
          * parent if there is one.
@@ -362,12 +382,13 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Takes place, shape, material and colour from another definition, without a copy. */
+        /** Takes place, shape and appearance from another definition, without a copy. */
         public Builder physicalOf(ItemDefinition other) {
             placed = other.placed;
             shape = other.shape;
             material = other.material;
             colour = other.colour;
+            look = other.look;
             location = other.location;
             orientation = other.orientation;
             return this;

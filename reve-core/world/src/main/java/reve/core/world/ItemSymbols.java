@@ -81,6 +81,11 @@ public record ItemSymbols(
         return likeness.material();
     }
 
+    /** Returns the appearance of a spring or surface; the default for other kinds. */
+    public ConnectionLook look() {
+        return likeness.look();
+    }
+
     /** Returns the actions on the item. */
     public List<Action> actions() {
         return likeness.actions();

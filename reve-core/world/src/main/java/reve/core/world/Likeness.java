@@ -9,6 +9,7 @@ import java.util.Optional;
  * data and share one object. Immutable.
  *
  * @param material material of the whole shape; if empty, a mesh keeps the materials of its file
+ * @param look appearance of a spring or surface
  * @param actions actions that agents can perform on the item
  * @param capabilities capabilities of the item as the body of an agent
  * @param sensors sensors for an agent with this item as its body; if empty, the agent perceives
@@ -20,6 +21,7 @@ public record Likeness(
         String kind,
         Shape shape,
         Optional<Material> material,
+        ConnectionLook look,
         List<Action> actions,
         List<String> capabilities,
         List<Sensor> sensors,
@@ -31,6 +33,7 @@ public record Likeness(
                 definition.kind(),
                 definition.shape(),
                 definition.material(),
+                definition.look(),
                 definition.actions(),
                 definition.capabilities(),
                 definition.sensors(),
@@ -40,16 +43,21 @@ public record Likeness(
 
     Likeness with(Shape newShape) {
         return new Likeness(
-                kind, newShape, material, actions, capabilities, sensors, voice, levels);
+                kind, newShape, material, look, actions, capabilities, sensors, voice, levels);
     }
 
     Likeness with(Optional<Material> newMaterial) {
         return new Likeness(
-                kind, shape, newMaterial, actions, capabilities, sensors, voice, levels);
+                kind, shape, newMaterial, look, actions, capabilities, sensors, voice, levels);
+    }
+
+    Likeness with(ConnectionLook newLook) {
+        return new Likeness(
+                kind, shape, material, newLook, actions, capabilities, sensors, voice, levels);
     }
 
     Likeness with(List<Action> newActions) {
         return new Likeness(
-                kind, shape, material, newActions, capabilities, sensors, voice, levels);
+                kind, shape, material, look, newActions, capabilities, sensors, voice, levels);
     }
 }

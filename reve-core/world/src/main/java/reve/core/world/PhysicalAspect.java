@@ -10,7 +10,8 @@ import java.util.Optional;
 /**
  * The physical aspect of a body: its place, shape and appearance, as a view of its row. Items of
  * other kinds have an empty aspect, in which every method except {@link #isEmpty} throws an
- * exception. For the world's thread only.
+ * exception. Springs and surfaces nevertheless have the appearance {@link #look}. For the world's
+ * thread only.
  */
 public final class PhysicalAspect {
 
@@ -115,8 +116,33 @@ public final class PhysicalAspect {
         return new Colour(item.table().column("colour").getInt(row, 0));
     }
 
-    /** Sets the colour. */
+    /** Returns the appearance of a spring or surface; the default for other kinds. */
+    public ConnectionLook look() {
+        item.checkedRow();
+        return item.symbols().look();
+    }
+
+    /**
+     * Sets the width of a spring.
+     *
+     * @param metres diameter [m], 0 or more; 0 for a thin line
+     * @throws IllegalArgumentException if the item is no spring, or the width is out of range
+     */
+    public void setWidth(double metres) {
+        ConnectionLook.requireWidth(item.toString(), item.kind());
+        double from = look().width();
+        setLook(look().with(metres));
+        note(ConnectionLook.WIDTH, from, metres);
+    }
+
+    /** Sets the colour of a body, a spring or a surface. */
     public void setColour(Colour colour) {
+        if (ConnectionLook.KINDS.contains(item.kind())) {
+            Optional<Colour> from = look().colour();
+            setLook(look().with(colour));
+            note("colour", from.orElse(null), colour);
+            return;
+        }
         Colour from = colour();
         writeColour(colour);
         note("colour", from, colour);
@@ -151,6 +177,10 @@ public final class PhysicalAspect {
         writeShape(definition.shape());
         table.column("boundsMin").write(row, NO_CORNER);
         table.column("boundsMax").write(row, NO_CORNER);
+    }
+
+    private void setLook(ConnectionLook look) {
+        item.change(item.symbols().with(item.symbols().likeness().with(look)));
     }
 
     private void writeShape(Shape shape) {

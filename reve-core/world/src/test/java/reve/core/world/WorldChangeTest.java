@@ -104,6 +104,30 @@ class WorldChangeTest {
     }
 
     @Test
+    void tellsTheColourAndTheWidthOfASpring() {
+        Item spring =
+                world.add(
+                        ItemDefinition.named("s")
+                                .kind("spring")
+                                .reference("end1", "ball")
+                                .reference("end2", "ball")
+                                .build());
+        spring.physical().setColour(Colour.WHITE);
+        spring.physical().setColour(Colour.DEFAULT);
+        spring.physical().setWidth(0.5);
+        assertThat(world.changes())
+                .endsWith(
+                        new Edited(spring.id(), Aspect.PHYSICAL, "colour", null, Colour.WHITE),
+                        new Edited(
+                                spring.id(),
+                                Aspect.PHYSICAL,
+                                "colour",
+                                Colour.WHITE,
+                                Colour.DEFAULT),
+                        new Edited(spring.id(), Aspect.PHYSICAL, "width", 0.0, 0.5));
+    }
+
+    @Test
     void tellsWhereReferencesPointNow() {
         Item spring =
                 world.add(

@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.world.Colour;
 import reve.core.world.ColumnView;
+import reve.core.world.ConnectionLook;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Material;
@@ -23,6 +24,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.TreeMap;
 
 /**
  * The messages that describe shapes. Bodies are described in their own reference frames, which
@@ -53,7 +55,6 @@ final class SceneMessages {
     private static final double PLANE_THICKNESS = 1e-3;
     private static final int LINE_LIST = 2;
     private static final double LINE_PIXELS = 2;
-    private static final int SPRING_RGBA = 0xff82766e;
 
     private Map<String, Look> shown = Map.of();
     private long shownNanos;
@@ -62,6 +63,9 @@ final class SceneMessages {
 
     /** The appearance of a body, with which the appearance in the next frame is compared. */
     private record Look(Shape shape, Optional<Material> material, int rgba) {}
+
+    /** A spring or a surface, with the rows of its bodies. */
+    private record Connection(ConnectionLook look, int[] rows) {}
 
     /** Returns the name of a body's reference frame, which is the name of the body. */
     static String frameOf(String body) {
@@ -243,48 +247,57 @@ final class SceneMessages {
      */
     byte @Nullable [] connections(WorldSnapshot snapshot, long nanos) {
         TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);
-        List<int[]> lines = new ArrayList<>();
-        List<int[]> triangles = new ArrayList<>();
+        // The springs by width. Those without a width are always the first ones.
+        Map<Double, List<Connection>> lines = new TreeMap<>();
+        lines.put(0.0, new ArrayList<>());
+        List<Connection> triangles = new ArrayList<>();
         for (TableSnapshot table : snapshot.tables()) {
             for (int row = 0; row < table.rowCount(); row++) {
+                ConnectionLook look = snapshot.symbols().get(table.idAt(row)).look();
+                if (look.isHidden()) {
+                    continue;
+                }
                 if (table.kind().equals(WorldPrototype.SPRING)) {
                     addIfWhole(
-                            lines,
+                            lines.computeIfAbsent(look.width(), width -> new ArrayList<>()),
+                            look,
                             rowOf(bodies, table.column("end1"), row, 0),
                             rowOf(bodies, table.column("end2"), row, 0));
                 } else if (table.kind().equals(WorldPrototype.SURFACE)) {
                     ColumnView vertices = table.column("vertices");
                     addIfWhole(
                             triangles,
+                            look,
                             rowOf(bodies, vertices, row, 0),
                             rowOf(bodies, vertices, row, 1),
                             rowOf(bodies, vertices, row, 2));
                 }
             }
         }
-        boolean any = !lines.isEmpty() || !triangles.isEmpty();
+        boolean any =
+                lines.values().stream().anyMatch(all -> !all.isEmpty()) || !triangles.isEmpty();
         if (!any && !anyConnections) {
             return null;
         }
         anyConnections = any;
         JsonText text = new JsonText().beginList("deletions").endList().beginList("entities");
         begin(text, WORLD, "connections", nanos).beginList("lines");
-        pose(text.begin().put("type", LINE_LIST), NO_MOVE, NO_TURN)
-                .put("thickness", LINE_PIXELS)
-                .put("scale_invariant", true)
-                .beginList("points");
-        corners(text, bodies, lines);
-        text.endList().colour("color", SPRING_RGBA).beginList("colors").endList();
-        text.beginList("indices").endList().end().endList().beginList("triangles");
+        lines.forEach((width, springs) -> lines(text, bodies, width, springs));
+        text.endList().beginList("triangles");
         if (!triangles.isEmpty()) {
             ColumnView colour = bodies.column("colour");
             pose(text.begin(), NO_MOVE, NO_TURN).beginList("points");
             corners(text, bodies, triangles);
             text.endList().colour("color", Colour.DEFAULT.rgba()).beginList("colors");
             triangles.forEach(
-                    rows -> {
-                        for (int row : rows) {
-                            corner(text, colour.getInt(row, 0) | 0xff000000);
+                    surface -> {
+                        for (int row : surface.rows()) {
+                            int rgba =
+                                    surface.look()
+                                            .colour()
+                                            .map(Colour::rgba)
+                                            .orElseGet(() -> colour.getInt(row, 0));
+                            corner(text, rgba | 0xff000000);
                         }
                     });
             text.endList().beginList("indices").endList().end();
@@ -292,19 +305,38 @@ final class SceneMessages {
         return text.endList().end().endList().done();
     }
 
-    private static void addIfWhole(List<int[]> all, int... rows) {
+    /** The springs of one width. Their message has a colour for each point if a spring sets one. */
+    private static void lines(
+            JsonText text, TableSnapshot bodies, double width, List<Connection> springs) {
+        pose(text.begin().put("type", LINE_LIST), NO_MOVE, NO_TURN)
+                .put("thickness", width == 0 ? LINE_PIXELS : width)
+                .put("scale_invariant", width == 0)
+                .beginList("points");
+        corners(text, bodies, springs);
+        text.endList().colour("color", ConnectionLook.SPRING_COLOUR.rgba()).beginList("colors");
+        if (springs.stream().anyMatch(spring -> spring.look().colour().isPresent())) {
+            for (Connection spring : springs) {
+                int rgba = spring.look().colour().orElse(ConnectionLook.SPRING_COLOUR).rgba();
+                corner(text, rgba);
+                corner(text, rgba);
+            }
+        }
+        text.endList().beginList("indices").endList().end();
+    }
+
+    private static void addIfWhole(List<Connection> all, ConnectionLook look, int... rows) {
         for (int row : rows) {
             if (row < 0) {
                 return;
             }
         }
-        all.add(rows);
+        all.add(new Connection(look, rows));
     }
 
-    private static void corners(JsonText text, TableSnapshot bodies, List<int[]> all) {
+    private static void corners(JsonText text, TableSnapshot bodies, List<Connection> all) {
         ColumnView position = bodies.column("position");
-        for (int[] rows : all) {
-            for (int row : rows) {
+        for (Connection connection : all) {
+            for (int row : connection.rows()) {
                 point(
                         text,
                         position.getDouble(row, 0),

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
+import reve.core.world.Colour;
 import reve.core.world.ColumnView;
+import reve.core.world.ConnectionLook;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Material;
@@ -19,12 +21,13 @@ import java.util.Optional;
 
 /**
  * Builder of a scene from the state of a world at the end of a frame. Bodies are drawn by shape and
- * material, springs as lines. Surfaces are drawn as triangles in the colours of the bodies at their
- * corners. Items whose size or distance from the origin exceeds {@link #FARTHEST} are omitted, so
- * that one item cannot prevent all pictures. The number of a drawn item is the value of its {@link
- * ItemId}. A body whose colour has alpha 0 is hidden. A surface is hidden if all its corners are
- * hidden bodies. Planes have a grid. A faint ground that fades with distance is added to a world
- * without planes, so that depth and motion are visible.
+ * material, springs as lines or, if they have a width, as cylinders. Surfaces are drawn as
+ * triangles in their own colour, or in the colours of the bodies at their corners. Items whose size
+ * or distance from the origin exceeds {@link #FARTHEST} are omitted, so that one item cannot
+ * prevent all pictures. The number of a drawn item is the value of its {@link ItemId}. An item
+ * whose colour has alpha 0 is hidden. A surface without a colour of its own is hidden if all its
+ * corners are hidden bodies. Planes have a grid. A faint ground that fades with distance is added
+ * to a world without planes, so that depth and motion are visible.
  *
  * @param image size and quality
  * @param environment background and light
@@ -48,7 +51,6 @@ public record SceneBuilder(
     private static final ValueLayout.OfFloat FLOAT = ValueLayout.JAVA_FLOAT;
     private static final ValueLayout.OfInt INT = ValueLayout.JAVA_INT;
 
-    private static final int SPRING_RGBA = 0xff82766e;
     private static final int GROUND_RGBA = 0xfff1eeec;
 
     /** Width of a spring's line as a fraction of the picture's height. */
@@ -80,6 +82,10 @@ public record SceneBuilder(
 
         double at(long index) {
             return single ? segment.getAtIndex(FLOAT, index) : segment.getAtIndex(DOUBLE, index);
+        }
+
+        Point point(long index) {
+            return new Point(at(index), at(index + 1), at(index + 2));
         }
 
         /** Returns whether the three numbers from an index on can be drawn. */
@@ -202,7 +208,7 @@ public record SceneBuilder(
         forEachSurface(
                 snapshot,
                 bodies,
-                (surface, corners) -> {
+                (surface, own, corners) -> {
                     for (int row : corners) {
                         box.add(position, position, row * 3L);
                     }
@@ -210,11 +216,11 @@ public record SceneBuilder(
     }
 
     /**
-     * A function that is called for each visible surface, with the rows of the bodies at its
-     * corners.
+     * A function that is called for each visible surface, with its own colour and the rows of the
+     * bodies at its corners.
      */
     private interface SurfaceVisitor {
-        void visit(ItemId surface, int[] corners);
+        void visit(ItemId surface, Optional<Colour> colour, int[] corners);
     }
 
     private static void forEachSurface(
@@ -228,18 +234,23 @@ public record SceneBuilder(
             ColumnView vertices = surfaces.column("vertices");
             int[] rows = new int[3];
             for (int row = 0; row < surfaces.rowCount(); row++) {
-                boolean seen = false;
+                ConnectionLook look = look(snapshot, surfaces, row);
+                boolean seen = look.colour().isPresent();
                 boolean complete = true;
                 for (int corner = 0; corner < 3; corner++) {
                     rows[corner] = rowOf(bodies, vertices, row, corner);
                     complete &= rows[corner] >= 0 && position.isDrawable(3L * rows[corner]);
                     seen |= rows[corner] >= 0 && !isHidden(colour.getAtIndex(INT, rows[corner]));
                 }
-                if (seen && complete) {
-                    visitor.visit(surfaces.idAt(row), rows);
+                if (seen && complete && !look.isHidden()) {
+                    visitor.visit(surfaces.idAt(row), look.colour(), rows);
                 }
             }
         }
+    }
+
+    private static ConnectionLook look(WorldSnapshot snapshot, TableSnapshot table, int row) {
+        return snapshot.symbols().get(table.idAt(row)).look();
     }
 
     private static boolean isHidden(int rgba) {
@@ -258,7 +269,7 @@ public record SceneBuilder(
         addSurfaces(scene, snapshot, bodies);
         for (TableSnapshot table : snapshot.tables()) {
             if (table.kind().equals(WorldPrototype.SPRING)) {
-                addSprings(scene, table, bodies);
+                addSprings(scene, snapshot, table, bodies);
             }
         }
         return scene;
@@ -403,7 +414,7 @@ public record SceneBuilder(
         forEachSurface(
                 snapshot,
                 bodies,
-                (surface, corners) -> {
+                (surface, own, corners) -> {
                     scene.triangles().item(surface.value());
                     for (int row : corners) {
                         long at = 3L * row;
@@ -412,12 +423,14 @@ public record SceneBuilder(
                                         position.at(at),
                                         position.at(at + 1),
                                         position.at(at + 2),
-                                        colour.getAtIndex(INT, row));
+                                        own.map(Colour::rgba)
+                                                .orElseGet(() -> colour.getAtIndex(INT, row)));
                     }
                 });
     }
 
-    private void addSprings(Scene scene, TableSnapshot springs, TableSnapshot bodies) {
+    private void addSprings(
+            Scene scene, WorldSnapshot snapshot, TableSnapshot springs, TableSnapshot bodies) {
         var position = new Reals(bodies, "position");
         ColumnView end1 = springs.column("end1");
         ColumnView end2 = springs.column("end2");
@@ -425,15 +438,47 @@ public record SceneBuilder(
         for (int row = 0; row < springs.rowCount(); row++) {
             long from = 3L * rowOf(bodies, end1, row, 0);
             long to = 3L * rowOf(bodies, end2, row, 0);
-            if (from < 0 || to < 0 || !position.isDrawable(from) || !position.isDrawable(to)) {
+            ConnectionLook look = look(snapshot, springs, row);
+            if (from < 0
+                    || to < 0
+                    || look.isHidden()
+                    || !(look.width() <= FARTHEST)
+                    || !position.isDrawable(from)
+                    || !position.isDrawable(to)) {
+                continue;
+            }
+            long item = springs.idAt(row).value();
+            int rgba = look.colour().orElse(ConnectionLook.SPRING_COLOUR).rgba();
+            if (look.width() > 0) {
+                addRod(scene, position.point(from), position.point(to), look.width())
+                        .colour(rgba)
+                        .flags(0)
+                        .item(item);
                 continue;
             }
             scene.segments(width)
-                    .colour(SPRING_RGBA)
-                    .item(springs.idAt(row).value())
+                    .colour(rgba)
+                    .item(item)
                     .from(position.at(from), position.at(from + 1), position.at(from + 2))
                     .to(position.at(to), position.at(to + 1), position.at(to + 2));
         }
+    }
+
+    /** Adds a cylinder between two points, without colour, flags and item. */
+    private static Instances addRod(Scene scene, Point from, Point to, double width) {
+        Point along = to.plus(-1, from);
+        double length = Math.sqrt(along.dot(along));
+        Point axis = length > 0 ? along.normalized() : new Point(0, 1, 0);
+        Point middle = from.plus(0.5, along);
+        Instances rod =
+                scene.instances(Cylinder.MESH, Material.DEFAULT)
+                        .position(middle.x(), middle.y(), middle.z())
+                        .size(width, length, width);
+        // The shortest rotation from +Y to the axis: half is the cosine of half its angle.
+        double half = Math.sqrt((1 + axis.y()) / 2);
+        return half > 1e-6
+                ? rod.orientation(axis.z() / (2 * half), 0, -axis.x() / (2 * half), half)
+                : rod.orientation(1, 0, 0, 0);
     }
 
     /** Returns the row of the referenced body; negative if there is none. */

@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.world.Colour;
 import reve.core.world.Column;
+import reve.core.world.ConnectionLook;
 import reve.core.world.Item;
 import reve.core.world.ItemId;
 import reve.core.world.Material;
@@ -172,6 +173,7 @@ record ShadowFrame(
             case "shape" -> item.physical().setShape((Shape) to);
             case "material" -> item.physical().setMaterial(Optional.ofNullable((Material) to));
             case "colour" -> item.physical().setColour((Colour) to);
+            case ConnectionLook.WIDTH -> item.physical().setWidth((Double) to);
             default ->
                     throw new IllegalArgumentException(
                             "the physical aspect has no " + edited.property());

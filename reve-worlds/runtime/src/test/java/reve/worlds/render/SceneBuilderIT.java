@@ -11,6 +11,7 @@ import org.junit.jupiter.params.provider.ValueSource;
 
 import reve.core.derive.BoundingBoxes;
 import reve.core.world.Colour;
+import reve.core.world.ConnectionLook;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Material;
 import reve.core.world.Mesh;
@@ -380,5 +381,72 @@ class SceneBuilderIT {
                     .isThrownBy(() -> new SceneBuilder(SMALL, FLAT, Optional.empty()).build(old))
                     .withMessageContaining("frame 1 was overwritten");
         }
+    }
+
+    private static void spring(World world, String name, String end, ConnectionLook look) {
+        world.add(
+                ItemDefinition.named(name)
+                        .kind("spring")
+                        .look(look)
+                        .physics("length", 1)
+                        .reference("end1", "origin")
+                        .reference("end2", end)
+                        .build());
+    }
+
+    private static ConnectionLook look(String colour, double width) {
+        return new ConnectionLook(Optional.of(Colour.parse(colour)), width);
+    }
+
+    @Test
+    void springsHaveTheirColourAndWidthAndHiddenOnesNoPixels() {
+        World world = world("si-f64");
+        world.add(ItemDefinition.named("origin").at(-5, 0, 0).physics("mass", 1).build());
+        world.add(ItemDefinition.named("right").at(5, 0, 0).physics("mass", 1).build());
+        world.add(ItemDefinition.named("up").at(-5, 8, 0).physics("mass", 1).build());
+        world.add(ItemDefinition.named("down").at(-5, -8, 0).physics("mass", 1).build());
+        spring(world, "rod", "right", look("#ff0000", 2));
+        spring(world, "line", "up", look("#00ff00", 0));
+        spring(world, "hidden rod", "down", look("#0000ff00", 2));
+        spring(world, "hidden line", "down", look("#0000ff00", 0));
+        Picture picture = draw(world, Optional.of(FRONT));
+        assertThat(isMostly(picture.at(100, 92), 16)).as("0.8 m above the axis").isTrue();
+        assertThat(isMostly(picture.at(100, 108), 16)).as("0.8 m below the axis").isTrue();
+        assertThat(picture.at(100, 85)).as("above the rod").isZero();
+        assertThat(picture.at(155, 100)).as("behind its end").isZero();
+        assertThat(isMostly(picture.at(50, 50), 8)).isTrue();
+        assertThat(picture.at(55, 50)).as("beside the line").isZero();
+        assertThat(picture.count(rgb -> isMostly(rgb, 0))).isZero();
+        assertThat(picture.at(50, 150)).as("where a hidden spring is").isZero();
+
+        world.find("rod").orElseThrow().physical().setColour(Colour.parse("#0000ff"));
+        world.find("rod").orElseThrow().physical().setWidth(4);
+        Picture changed = draw(world, Optional.of(FRONT));
+        assertThat(isMostly(changed.at(100, 83), 0)).as("1.7 m above the axis").isTrue();
+    }
+
+    @Test
+    void aSurfaceWithAColourOfItsOwnIsShownInIt() {
+        World world = world("si-f64");
+        world.add(corner("a", "#ff000000").at(-5, -5, 0).build());
+        world.add(corner("b", "#00ff0000").at(5, -5, 0).build());
+        world.add(corner("c", "#ff0000").at(0, 5, 0).build());
+        surface(world, "face", look("#0000ff", 0));
+        Picture picture = draw(world, Optional.of(FRONT));
+        assertThat(isMostly(picture.at(100, 120), 0)).isTrue();
+        assertThat(isMostly(picture.at(100, 57), 0)).as("at the red corner").isTrue();
+
+        world.find("face").orElseThrow().physical().setColour(Colour.parse("#0000ff00"));
+        assertThat(draw(world, Optional.of(FRONT)).count(rgb -> isMostly(rgb, 0))).isZero();
+    }
+
+    private static void surface(World world, String name, ConnectionLook look) {
+        world.add(
+                ItemDefinition.named(name)
+                        .kind("surface")
+                        .look(look)
+                        .physics("hardness", 1)
+                        .reference("vertices", "a", "b", "c")
+                        .build());
     }
 }

@@ -351,6 +351,7 @@ final class Scene {
         return !before.name().equals(after.name())
                 || looksOther(before.shape(), after.shape())
                 || !before.material().equals(after.material())
+                || !before.look().equals(after.look())
                 || !before.sensors().equals(after.sensors())
                 || !before.get("class").equals(after.get("class"));
     }

@@ -209,6 +209,15 @@ final class SceneWriter {
             }
             item.material().ifPresent(material -> write(json, scene, material));
         }
+        item.look()
+                .colour()
+                .ifPresent(
+                        colour ->
+                                json.writeNumberProperty(
+                                        "colour", Integer.toUnsignedLong(colour.rgba())));
+        if (item.look().width() != 0) {
+            json.writeNumberProperty("width", item.look().width());
+        }
         writeSensors(json, item);
         int[] references = scene.references(slot);
         if (references.length > 0) {

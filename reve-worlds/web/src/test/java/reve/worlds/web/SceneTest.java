@@ -105,4 +105,24 @@ class SceneTest {
         assertThat(scene.assets()).isEmpty();
         assertThat(scene.assetId(texture)).isZero();
     }
+
+    @Test
+    void anotherLookOfASpringChangesTheStructure() {
+        world.add(ItemDefinition.named("a").physics("mass", 1).build());
+        world.add(ItemDefinition.named("b").physics("mass", 1).build());
+        Item spring =
+                world.add(
+                        ItemDefinition.named("s")
+                                .kind("spring")
+                                .reference("end1", "a")
+                                .reference("end2", "b")
+                                .build());
+        read();
+        int before = scene.version();
+        read();
+        assertThat(scene.hasNewStructure(before)).isFalse();
+        spring.physical().setWidth(0.1);
+        read();
+        assertThat(scene.hasNewStructure(before)).isTrue();
+    }
 }

@@ -77,7 +77,8 @@ class WebServerNativeTest {
               - name: anchor
                 physical: {location: [0, 3, 0]}
                 physics: {mass: 0}
-              - {name: rope, kind: spring, physics: {end1: anchor, end2: ball, length: 1}}
+              - {name: rope, kind: spring, physical: {colour: "#336699", width: 5 cm},
+                  physics: {end1: anchor, end2: ball, length: 1}}
               - {name: floor, physical: {shape: plane, size: [20, 20]}}
             """;
 
@@ -399,6 +400,8 @@ class WebServerNativeTest {
             int stone = items.get("stone").get("slot").asInt();
             assertThat(items.get("ball").get("shape").asInt()).isEqualTo(1);
             assertThat(items.get("rope").get("refers").get(1).asInt()).isEqualTo(ball);
+            assertThat(items.get("rope").get("colour").longValue()).isEqualTo(0xff996633L);
+            assertThat(items.get("rope").get("width").doubleValue()).isEqualTo(0.05);
             assertThat(column(first, SceneColumns.SIZE).get(stone)).containsExactly(1, 2, 3);
             int colour = Float.floatToRawIntBits(column(first, SceneColumns.COLOUR).get(ball)[0]);
             assertThat(colour).isEqualTo(0xff996633);

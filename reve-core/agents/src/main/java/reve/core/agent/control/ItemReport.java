@@ -5,6 +5,7 @@ import reve.core.world.Action;
 import reve.core.world.Attachment;
 import reve.core.world.Colour;
 import reve.core.world.ColumnSnapshot;
+import reve.core.world.ConnectionLook;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Level;
@@ -25,6 +26,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Locale;
 import java.util.Map;
+import java.util.Optional;
 import java.util.Set;
 
 /** The report of an item: its four aspects in one frame, with the unit of each number. */
@@ -49,7 +51,7 @@ final class ItemReport {
                 "physical",
                 item.kind().equals(WorldPrototype.BODY) && row >= 0
                         ? physical(snapshot, table, row, item)
-                        : List.of());
+                        : look(item));
         content.put("semantic", item.symbols());
         if (!item.levels().isEmpty()) {
             content.put("levels", item.levels().stream().map(Level::name).toList());
@@ -92,6 +94,20 @@ final class ItemReport {
         if (attachment != null) {
             ItemSymbols parent = snapshot.symbols().get(attachment.parent());
             all.add(property("attached to", parent == null ? "?" : parent.name(), "", false));
+        }
+        return all;
+    }
+
+    /** Returns the appearance of a spring or a surface; empty for other kinds. */
+    private static List<Object> look(ItemSymbols item) {
+        var all = new ArrayList<Object>();
+        ConnectionLook look = item.look();
+        boolean isSpring = item.kind().equals(WorldPrototype.SPRING);
+        look.colour()
+                .or(() -> isSpring ? Optional.of(ConnectionLook.SPRING_COLOUR) : Optional.empty())
+                .ifPresent(colour -> all.add(property("colour", colour.toString(), "", true)));
+        if (isSpring) {
+            all.add(property(ConnectionLook.WIDTH, look.width(), "m", true));
         }
         return all;
     }

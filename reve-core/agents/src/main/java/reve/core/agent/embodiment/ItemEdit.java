@@ -4,6 +4,7 @@ package reve.core.agent.embodiment;
 import reve.core.agent.protocol.Text;
 import reve.core.world.ActionRefused;
 import reve.core.world.Colour;
+import reve.core.world.ConnectionLook;
 import reve.core.world.Item;
 import reve.core.world.LevelChange;
 import reve.core.world.Possible;
@@ -121,6 +122,8 @@ final class ItemEdit {
                 item.physical().setOrientation(turn[0], turn[1], turn[2], turn[3]);
             }
             case "colour" -> item.physical().setColour(colour(item, value));
+            case ConnectionLook.WIDTH ->
+                    item.physical().setWidth(numbers(item, property, value, 1)[0]);
             default -> throw noSuchProperty("physical." + property);
         }
     }
@@ -131,7 +134,7 @@ final class ItemEdit {
                 "there is no property "
                         + Text.quote(property)
                         + "; expected physical.location, physical.orientation, physical.colour,"
-                        + " physics.NAME or semantic.NAME");
+                        + " physical.width, physics.NAME or semantic.NAME");
     }
 
     private static Colour colour(Item item, Object value) {

@@ -165,7 +165,7 @@ export class ItemPanel {
           const value = h("td", { className: "value" });
           this.cells.set(path, value);
           const canEdit = edits && (property.editable || aspect === "semantic" && !["name", "dimensions"].includes(property.name));
-          const numeric = aspect !== "semantic" && property.editable && property.name !== "colour";
+          const numeric = aspect !== "semantic" && property.editable && property.name !== "colour" && path !== "physical.width";
           return h("tr", null,
             h("th", { scope: "row", title: property.doc ?? "" }, property.name), value,
             unit ? h("td", { className: "unit" }, property.unit && property.unit !== "1" ? property.unit : "") : null,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a View. Bodies are drawn as instances, springs as lines, and surfaces as triangles. It also
-// draws aids such as a ground, a grid and arrows.
+// Draws a View. Bodies are drawn as instances, springs as lines or, if they have a width, as
+// cylinders, and surfaces as triangles. It also draws aids such as a ground, a grid and arrows.
 import * as THREE from "three";
 import { OrbitControls } from "./three/OrbitControls.js";
 import { CAPSULE, CYLINDER, ELLIPSOID, MESH_SHAPE, NONE, PLANE, SPHERE } from "./view.js";
@@ -11,6 +11,9 @@ const TRAIL_ITEMS = 120;
 /** Number of lines of a circle in the outline of a sensor. */
 const RING = 32;
 const MANY = 600;
+/** Colour of springs without a colour of their own. Its low byte is red. */
+const SPRING_RGBA = 0xffa59a8f;
+const UP = new THREE.Vector3(0, 1, 0);
 const SLOW_SECONDS = 0.09;
 /** Maximum length of a velocity arrow, as the time in which the body moves along it [s]. This limit
  *  keeps the arrows of bodies almost at rest short. */
@@ -22,6 +25,16 @@ const LINEAR = Float32Array.from({ length: 256 }, (_, i) => {
   const c = i / 255;
   return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
 });
+
+/** Returns whether an item has a colour of its own with alpha 0, which hides it. */
+function isHidden({ colour }) {
+  return colour !== undefined && colour >>> 24 === 0;
+}
+
+/** Writes the linear red, green and blue of a colour into an array. */
+function putColour(rgba, array, at) {
+  for (let k = 0; k < 3; k++) array[at + k] = LINEAR[(rgba >>> (8 * k)) & 255];
+}
 
 /** Adds a grid in metres to a material; with `fade`, the grid fades out with distance. */
 function withGrid(material, uniforms, fade) {
@@ -118,7 +131,9 @@ export class Scene {
     this.groups = new Map();
     this.geometries = new Map();
     this.materials = new Map();
-    this.lines = this.#lineObject(0x8f9aa5, 1);
+    this.lines = this.#lineObject(0xffffff, 1);
+    this.lines.material.vertexColors = true;
+    this.rodMesh = this.#rodObject(8);
     this.velocityLines = this.#lineObject(0x4fd1c5, 2);
     this.forceLines = this.#lineObject(0xf6ad55, 2);
     this.boxLines = this.#lineObject(0x93a4b3, 1);
@@ -163,6 +178,19 @@ export class Scene {
     return lines;
   }
 
+  /** Returns the springs that have a width, as cylinders. */
+  #rodObject(capacity) {
+    const rods = new THREE.InstancedMesh(new THREE.CylinderGeometry(0.5, 0.5, 1, 16), new THREE.MeshStandardMaterial({ roughness: 0.45 }), capacity);
+    rods.instanceMatrix.setUsage(THREE.DynamicDrawUsage);
+    rods.instanceColor = new THREE.InstancedBufferAttribute(new Float32Array(3 * capacity), 3);
+    rods.count = 0;
+    rods.frustumCulled = false;
+    rods.boundingSphere = EVERYWHERE;
+    rods.castShadow = rods.receiveShadow = true;
+    this.three.add(rods);
+    return rods;
+  }
+
   setTheme(dark) {
     const sky = new THREE.Color(dark ? 0x1b2833 : 0xdfe8ef);
     this.three.background = sky;
@@ -178,6 +206,7 @@ export class Scene {
     const wanted = new Map();
     this.bodies = [];
     this.springs = [];
+    this.rods = [];
     this.triangles = [];
     let hasPlane = false;
     for (const item of view.items) {
@@ -189,8 +218,10 @@ export class Scene {
         const key = this.#key(item);
         if (!wanted.has(key)) wanted.set(key, []);
         wanted.get(key).push(item.slot);
+      } else if (isHidden(item)) {
+        continue;
       } else if (item.refers?.length === 2) {
-        this.springs.push(item);
+        (item.width ? this.rods : this.springs).push(item);
       } else if (item.refers?.length === 3) {
         this.triangles.push(item);
       }
@@ -216,13 +247,52 @@ export class Scene {
       group.slots = slots;
       group.mesh.count = slots.length;
     }
-    this.#resize(this.lines, 6 * this.springs.length);
+    this.#colourSprings();
     const corners = 3 * this.triangles.length;
     this.surfaces.geometry.dispose();
     this.surfaces.geometry = new THREE.BufferGeometry();
     this.surfaces.geometry.boundingSphere = EVERYWHERE;
     this.surfaces.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * corners), 3));
     this.surfaces.geometry.setAttribute("color", new THREE.BufferAttribute(new Float32Array(3 * corners), 3));
+  }
+
+  #colourSprings() {
+    const places = this.#resize(this.lines, 6 * this.springs.length);
+    const colours = new Float32Array(places.array.length);
+    for (const [i, { colour }] of this.springs.entries()) {
+      putColour(colour ?? SPRING_RGBA, colours, 6 * i);
+      putColour(colour ?? SPRING_RGBA, colours, 6 * i + 3);
+    }
+    this.lines.geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
+    if (this.rodMesh.instanceMatrix.count < this.rods.length) {
+      this.three.remove(this.rodMesh);
+      this.rodMesh.dispose();
+      this.rodMesh = this.#rodObject(Math.ceil(this.rods.length * 1.25));
+    }
+    this.rodMesh.count = this.rods.length;
+    for (const [i, { colour }] of this.rods.entries()) putColour(colour ?? SPRING_RGBA, this.rodMesh.instanceColor.array, 3 * i);
+    this.rodMesh.instanceColor.needsUpdate = true;
+  }
+
+  #placeRods() {
+    const { position } = this.view;
+    const matrix = new THREE.Matrix4(), turn = new THREE.Quaternion(), middle = new THREE.Vector3(), size = new THREE.Vector3();
+    const from = new THREE.Vector3(), along = new THREE.Vector3();
+    for (const [i, { refers: [a, b], width }] of this.rods.entries()) {
+      const whole = a >= 0 && b >= 0;
+      if (whole) {
+        from.fromArray(position, 3 * a);
+        along.fromArray(position, 3 * b).sub(from);
+        middle.copy(from).addScaledVector(along, 0.5);
+        size.set(width, along.length(), width);
+        turn.setFromUnitVectors(UP, along.lengthSq() > 0 ? along.normalize() : UP);
+        matrix.compose(middle, turn, size);
+      } else {
+        matrix.makeScale(0, 0, 0);
+      }
+      this.rodMesh.setMatrixAt(i, matrix);
+    }
+    this.rodMesh.instanceMatrix.needsUpdate = true;
   }
 
   #key(item) {
@@ -394,7 +464,9 @@ export class Scene {
   #placeLines() {
     const { position } = this.view;
     this.lines.visible = this.options.springs;
+    this.rodMesh.visible = this.options.springs;
     if (this.options.springs) {
+      this.#placeRods();
       const attribute = this.lines.geometry.getAttribute("position");
       const to = attribute.array;
       let at = 0;
@@ -411,12 +483,13 @@ export class Scene {
       const colours = this.surfaces.geometry.getAttribute("color");
       const bytes = this.view.colourBytes;
       let at = 0;
-      for (const { refers } of this.triangles) {
-        const whole = refers.every((slot) => slot >= 0) && refers.some((slot) => bytes[4 * slot + 3] !== 0);
+      for (const { refers, colour } of this.triangles) {
+        const whole = refers.every((slot) => slot >= 0) && (colour !== undefined || refers.some((slot) => bytes[4 * slot + 3] !== 0));
         for (const slot of refers) {
           for (let k = 0; k < 3; k++, at++) {
             places.array[at] = whole ? position[3 * slot + k] : 0;
-            colours.array[at] = whole ? LINEAR[bytes[4 * slot + k]] : 0;
+            const byte = colour === undefined ? bytes[4 * slot + k] : (colour >>> (8 * k)) & 255;
+            colours.array[at] = whole ? LINEAR[byte] : 0;
           }
         }
       }
@@ -679,6 +752,10 @@ export class Scene {
         if (!best || distance < best.distance) best = { distance, slot: group.slots[hit.instanceId] };
         break;
       }
+    }
+    if (this.rodMesh.visible && this.rods?.length) {
+      const hit = this.raycaster.intersectObject(this.rodMesh, false)[0];
+      if (hit && (!best || hit.distance < best.distance)) best = { distance: hit.distance, slot: this.rods[hit.instanceId].slot };
     }
     for (const [object, items, per] of [[this.lines, this.springs, 2], [this.surfaces, this.triangles, 3]]) {
       if (!object.visible || items.length === 0) continue;
