@@ -753,6 +753,48 @@ class PageIT {
                         + "'; document.querySelector('#join-go').click()");
     }
 
+    /** A spring with a width is a cylinder, one without a width is a line. */
+    @Test
+    void springsAndSurfacesAreShownInTheirLook() throws Exception {
+        Path world =
+                Files.writeString(
+                        folder.resolve("looks.yaml"),
+                        """
+                        reve: 1
+                        name: looks
+                        items:
+                          - {name: a, physical: {shape: sphere, radius: 0.2, location: [-1, 1, 0]}, physics: {mass: 1}}
+                          - {name: b, physical: {shape: sphere, radius: 0.2, location: [1, 1, 0]}, physics: {mass: 1}}
+                          - {name: c, physical: {shape: sphere, radius: 0.2, location: [0, 3, 0]}, physics: {mass: 1}}
+                          - {name: rod, kind: spring, physical: {colour: "#ff0000", width: 0.1}, physics: {end1: a, end2: b}}
+                          - {name: line, kind: spring, physical: {colour: "#0000ff"}, physics: {end1: b, end2: c}}
+                          - {name: hidden, kind: spring, physical: {colour: "#00ff0000"}, physics: {end1: a, end2: c}}
+                          - {name: cloth, kind: surface, physical: {colour: "#00ff00"}, physics: {vertices: [a, b, c]}}
+                        """);
+        try (Server server =
+                Server.start(
+                        folder, "serve", world.toString(), "--port", "0", "--web", "0", "--json")) {
+            browser.size(640, 400);
+            open(server);
+            browser.await(OPEN);
+            browser.await(
+                    "reve.scene.rodMesh.count === 1 && reve.scene.springs.length === 1"
+                            + " && reve.scene.triangles.length === 1");
+            browser.await(
+                    "[1, 0, 0].every((part, i) => reve.scene.rodMesh.instanceColor.array[i] === part)"
+                            + " && [[0, 0], [1, 0.1], [4, 2], [12, 0], [13, 1], [14, 0]].every("
+                            + "([i, size]) => Math.abs(Math.abs("
+                            + "reve.scene.rodMesh.instanceMatrix.array[i]) - size) < 1e-5)");
+            browser.await(
+                    "[0, 0, 1, 0, 0, 1].every((part, i) =>"
+                            + " reve.scene.lines.geometry.getAttribute('color').array[i] === part)");
+            browser.await(
+                    "[0, 1, 0].every((part, i) =>"
+                            + " reve.scene.surfaces.geometry.getAttribute('color').array[i] === part)");
+            browser.picture(PICTURES.resolve("looks.png"));
+        }
+    }
+
     /** An ellipsoid is a stretched sphere, and a terrain from an image is a mesh. */
     @Test
     void ellipsoidsAndTerrainsAreShownInTheirSize() throws Exception {
