@@ -418,6 +418,13 @@ class WebServerNativeTest {
             assertThat(column(later, SceneColumns.VELOCITY).get(ball)[1])
                     .isCloseTo((float) (-9.81 * later.time()), within(1e-2f));
             assertThat(dt).isCloseTo(1 / 60.0, within(1e-9));
+            client.say("{\"t\":\"inspect\",\"id\":5,\"item\":\"rope\"}");
+            JsonNode rope = client.answer(5).at("/content/physical");
+            assertThat(rope)
+                    .extracting(property -> property.get("name").asString())
+                    .containsExactly("colour", "width");
+            assertThat(rope.at("/0/value").asString()).isEqualTo("#336699ff");
+            assertThat(rope.at("/1/value").doubleValue()).isEqualTo(0.05);
         }
     }
 
