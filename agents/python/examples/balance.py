@@ -44,10 +44,13 @@ class Balance(Task):
     def observe(self, perception: reve.Perception) -> Numbers:
         """Returns position [m] and speed [m/s] of the cart, and tilt [1] and its rate [1/s] of the
         pole."""
-        cart, tip = perception.find("cart"), perception.find("tip")
-        speed, tip_speed = cart.symbols["velocity"][0], tip.symbols["velocity"][0]
-        lean = tip.location[0] - cart.location[0]
-        return numpy.array([cart.location[0], speed, lean, tip_speed - speed])
+        cart, tip = perception["cart"], perception["tip"]
+        place, tip_place = numpy.array(cart.location), numpy.array(tip.location)
+        speed = numpy.array(cart.symbols["velocity"])
+        tip_speed = numpy.array(tip.symbols["velocity"])
+        return numpy.array(
+            [place[0], speed[0], tip_place[0] - place[0], tip_speed[0] - speed[0]]
+        )
 
     def act(self, action: Numbers) -> Iterable[reve.Act]:
         return [reve.Act("cart", "drive", {"force": STRONGEST * float(action[0])})]
@@ -57,7 +60,7 @@ class Balance(Task):
 
     def is_over(self, perception: reve.Perception) -> bool:
         where, _, lean, _ = self.observe(perception)
-        return abs(where) > FAR or abs(lean) > math.sin(FALLEN)
+        return bool(abs(where) > FAR or abs(lean) > math.sin(FALLEN))
 
 
 def play(environment: Environment, weights: Numbers, seed: int) -> float:

@@ -96,10 +96,10 @@ class Curious:
         frames = self.options.frames
         if frames is not None and perception.frame - self.frames[0] >= frames:
             return True
-        return perception.time - begun >= self.options.seconds
+        return bool(perception.time - begun >= self.options.seconds)
 
     def look(self, perception: reve.Perception) -> None:
-        me = perception.find(self.agent.body)
+        me = perception.find(self.agent.body or "")
         item = self.most_interesting(perception)
         if item is None or item.location is None:
             return
@@ -108,11 +108,11 @@ class Curious:
         if self.last_seen is not None:
             self.path += math.dist(item.location, self.last_seen)
         self.last_seen = item.location
-        if math.dist(item.location, self.found_at) > _MOVED_ENOUGH:
+        if math.dist(item.location, self.found_at or item.location) > _MOVED_ENOUGH:
             self.moved.append(item.name)
-            self.lose_interest(perception.time)
+            self.lose_interest(item, perception.time)
         elif perception.time - self.chosen_at > _PATIENCE:
-            self.lose_interest(perception.time)
+            self.lose_interest(item, perception.time)
         position = me.location if me is not None and me.location is not None else (0.0, 0.0, 0.0)
         if me is not None and "force" in me.actions.get("roll", {}):
             self.do(me, "roll", force=along(position, item.location, self.options.force))
@@ -140,8 +140,8 @@ class Curious:
         self.found_at, self.last_seen = item.location, None
         self.next_push = time
 
-    def lose_interest(self, time: float) -> None:
-        self.bored_until[self.favourite] = time + _BORED_FOR
+    def lose_interest(self, item: reve.Item, time: float) -> None:
+        self.bored_until[item.name] = time + _BORED_FOR
         self.favourite = None
 
     def do(self, item: reve.Item, action: str, **arguments: List[float]) -> reve.Result:

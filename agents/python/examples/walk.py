@@ -86,6 +86,14 @@ def angle(perception: reve.Perception, joint: str) -> float:
     return value
 
 
+def trunk(perception: reve.Perception) -> Tuple[Sequence[float], Sequence[float]]:
+    """Returns location and orientation of the trunk."""
+    item = perception.find("trunk")
+    if item is None or item.location is None:
+        raise SystemExit("walk: the world has no item trunk, expected worlds/walker")
+    return item.location, item.orientation
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description="Walks a robot with four legs.")
     parser.add_argument("--host", default="127.0.0.1")
@@ -102,17 +110,14 @@ def main() -> int:
         timeout=60,
     ) as agent:
         perception = agent.observe()
+        start, ahead = trunk(perception)
+        here = start
         rounds = round(given.seconds * _FRAMES)
         for frame in range(rounds):
-            trunk = perception.find("trunk")
-            if trunk is None or trunk.location is None or trunk.orientation is None:
-                raise SystemExit("walk: the world has no item trunk, expected worlds/walker")
-            here = trunk.location
-            if frame == 0:
-                start, ahead = here, trunk.orientation
+            here, orientation = trunk(perception)
             lowest = min(lowest, here[1])
             # The robot starts in the direction +X, so its left side is in the direction -Z.
-            turned = heading(trunk.orientation, ahead)
+            turned = heading(orientation, ahead)
             wanted = targets(frame / _FRAMES, start[2] - here[2], turned)
             perception = agent.step(
                 *(

@@ -29,6 +29,8 @@ from .protocol import (
 )
 from .server import experiment, pack, serve
 
+__version__ = "1.0.0"
+
 __all__ = [
     "Act",
     "Agent",

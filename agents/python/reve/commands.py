@@ -225,7 +225,10 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("unload-law", library=library)
 
     def picture(self) -> R:
-        """Saves a picture of the next frame in the server's folder for pictures."""
+        """Saves a picture of the next frame in the server's folder for pictures.
+
+        The result's `value["file"]` is the name of the file in this folder.
+        """
         return self._command("picture")
 
     def state(self, round_trips: bool = False) -> Q:

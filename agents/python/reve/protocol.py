@@ -254,6 +254,13 @@ class Perception:
         """Returns the item of that name; None if it was not perceived."""
         return next((item for item in self.items if item.name == name), None)
 
+    def __getitem__(self, name: str) -> Item:
+        """Returns the item of that name; KeyError if it was not perceived."""
+        item = self.find(name)
+        if item is None:
+            raise KeyError(f"no item {name!r} was perceived in frame {self.frame}")
+        return item
+
     def updated(self, update: Update) -> Perception:
         """Returns this perception with an update applied."""
         if update.since != self.frame:

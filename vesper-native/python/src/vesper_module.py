@@ -10,6 +10,7 @@ import math
 import sys
 import traceback
 import types
+import typing
 
 import _vesper
 import numpy
@@ -207,6 +208,18 @@ def _near(name, names):
     return f"; did you mean {near[0]}?" if near else "; it has " + ", ".join(sorted(names))
 
 
+def _uses(function):
+    """Returns the annotations of a function. The annotation `Annotated[TYPE, use]` counts as the
+    use. Other annotations are types for type checkers."""
+    uses = {}
+    for name, use in inspect.get_annotations(function, eval_str=True).items():
+        if typing.get_origin(use) is typing.Annotated:
+            found = [each for each in use.__metadata__ if isinstance(each, (_Column, Parameter))]
+            use = found[0] if len(found) == 1 else use
+        uses[name] = use
+    return uses
+
+
 class _Law:
     """A law: a function with its declarations, checked against the properties of the world."""
 
@@ -228,10 +241,10 @@ class _Law:
         node, arguments = self.node, self.node.args
         if arguments.vararg or arguments.kwarg or arguments.posonlyargs:
             self.file.refuse(node, "found *, ** or / among the arguments, expected names only")
-        annotations = inspect.get_annotations(self.function, eval_str=True)
+        annotations = _uses(self.function)
         for argument in [*arguments.args, *arguments.kwonlyargs]:
             name, use = argument.arg, annotations.get(argument.arg)
-            if use is None and name in _STEP:
+            if (use is None or use is float) and name in _STEP:
                 self.step.append(name)
             elif isinstance(use, Parameter):
                 self.parameters.append((name, use))
@@ -379,18 +392,18 @@ class _ProvidedField(_Law):
         node = self.node
         if node.args.vararg or node.args.kwarg or node.args.posonlyargs:
             self.file.refuse(node, "found *, ** or / among the arguments, expected names only")
-        annotations = inspect.get_annotations(self.function, eval_str=True)
+        annotations = _uses(self.function)
         arguments = [*node.args.args, *node.args.kwonlyargs]
         first = node.args.args[0].arg if node.args.args else "dt"
-        if first in _STEP or first in annotations:
+        if first in _STEP or isinstance(annotations.get(first), (_Column, Parameter)):
             self.file.refuse(
                 node,
                 f"the first argument of the field {self.name} are the positions; expected a name"
-                " without annotation, such as place",
+                " without annotation or with a type, such as place",
             )
         for argument in arguments[1:]:
             name, use = argument.arg, annotations.get(argument.arg)
-            if use is None and name == "time":
+            if (use is None or use is float) and name == "time":
                 self.step.append(name)
             elif isinstance(use, Parameter):
                 self.parameters.append((name, use))

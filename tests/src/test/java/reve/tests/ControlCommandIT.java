@@ -286,6 +286,7 @@ class ControlCommandIT {
                     .contains("edit-refused: /physics/mass: mass: unit m does not fit kg");
             assertThat(control(port, "change", "item=moon", "physics.mass=2 kg").code()).isZero();
             assertThat(control(port, "batch", batch.toString()).code()).isZero();
+            forksShowWhatWouldHappen(port, folder);
             assertThat(control(port, "rule", "name=heavy", "rule=physics.mass > 1.5").code())
                     .isZero();
             assertThat(control(port, "change", "item=rock", "semantic.mark=no. 5").code()).isZero();
@@ -318,9 +319,41 @@ class ControlCommandIT {
         }
     }
 
+    /** The world has the items blue and rock. A fork removes one of them in its copy only. */
+    private static void forksShowWhatWouldHappen(String port, Path folder) throws Exception {
+        Path changes =
+                Files.writeString(folder.resolve("gone.yaml"), "- {t: remove, item: blue}\n");
+        Reve.Outcome text = control(port, "fork", "frames=5");
+        assertThat(text.out())
+                .as(text.err())
+                .matches("(?s)fork: frame \\d+, \\d+\\.\\d{3} s; locations \\[m\\]:\\R\\{.*")
+                .contains("\"blue\" : [ ", "\"rock\" : [ 3.0, 9.0, 0.0 ]");
+        for (String file : List.of(changes.toString(), "file=" + changes)) {
+            Reve.Outcome changed = control(port, "fork", "frames=5", file);
+            assertThat(changed.code()).as(changed.err()).isZero();
+            assertThat(changed.out()).contains("rock").doesNotContain("blue");
+        }
+        JsonNode json =
+                new JsonMapper().readTree(control(port, "fork", "frames=60", "--json").out());
+        assertThat(json.get("frame").asLong()).isPositive();
+        assertThat(json.get("time").asDouble()).isPositive();
+        JsonNode rock = null;
+        for (JsonNode item : json.get("items")) {
+            rock = item.get("name").asString().equals("rock") ? item : rock;
+        }
+        assertThat(rock).isNotNull();
+        assertThat(rock.get("location").get(1).asDouble()).isEqualTo(9);
+        assertThat(rock.get("orientation").size()).isEqualTo(4);
+        assertThat(rock.get("symbols").get("class").asString()).isEqualTo("stone");
+        assertThat(control(port, "fork", "frames=2000000").err()).contains("fork-refused");
+        assertThat(control(port, "fork", "frames=0.5").err())
+                .contains("frames is 0.5, expected a number of frames, e.g. fork frames=60");
+        assertThat(control(port, "fork").err()).contains("frames is missing");
+    }
+
     @Test
     void whatNobodyCouldAnswerIsNotSaid() throws Exception {
-        assertRefused(2, "'fork' is no command", "rewind", "control", "fork", "frames=3");
+        assertRefused(2, "'foresee' is no command", "rewind", "control", "foresee", "frames=3");
         assertRefused(
                 2, "step has no field 'frams'", "it has frames", "control", "step", "frams=3");
         assertRefused(2, "--port is 99999", "65535", "control", "pause", "--port", "99999");

@@ -40,6 +40,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CompletionException;
+import java.util.concurrent.atomic.AtomicReference;
 
 /** Commands of the role control on a world with a real engine, over the protocol. */
 @Tag("slow")
@@ -179,9 +180,9 @@ class ControlIT {
 
     @Test
     void aPictureIsTakenOfTheFrameThatItsResultNames() throws Exception {
+        AtomicReference<ActResult> result = new AtomicReference<>();
         long frame =
-                serve(boss -> assertThat(accepted(boss, "picture", Map.of())).isPositive())
-                        .frames();
+                serve(boss -> result.set(boss.command("picture", Map.of()))).frames();
         Event taken =
                 events.stream()
                         .filter(event -> event.type().equals("snapshot"))
@@ -190,6 +191,9 @@ class ControlIT {
         Path file = Path.of((String) taken.fields().get("file"));
         assertThat((Long) taken.fields().get("frame")).isBetween(1L, frame);
         assertThat(Files.readAllBytes(file)).startsWith(0x89, 'P', 'N', 'G');
+        assertThat(result.get().frame()).hasValue((Long) taken.fields().get("frame"));
+        assertThat(result.get().value().orElseThrow())
+                .isEqualTo(Map.of("file", file.getFileName().toString()));
     }
 
     @Test

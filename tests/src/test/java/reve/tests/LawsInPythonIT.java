@@ -83,6 +83,39 @@ class LawsInPythonIT {
     }
 
     @Test
+    void aLawWithTypesKeepsTheContract() throws Exception {
+        Files.writeString(folder.resolve("drag.py"), page.titled("drag.py").text());
+        assertThat(shell.run(page.titled("test.sh").text().replace("spin.py", "drag.py")))
+                .contains("PASS  rollback", "PASS  mass-0", " 0 failed, ");
+        Files.writeString(
+                folder.resolve("timed.py"),
+                """
+                from __future__ import annotations
+
+                from typing import Annotated
+
+                import numpy
+                import vesper
+
+
+                @vesper.law(phase="force")
+                def timed(
+                    time: float, force: Annotated[numpy.ndarray, "m", vesper.Accumulate("body", "N")]
+                ) -> None:
+                    "Force along x that grows with the time."
+                    force[:, 0] += time
+                """);
+        assertThat(shell.run(page.titled("test.sh").text().replace("spin.py", "timed.py")))
+                .contains("PASS  rollback", " 0 failed, ");
+        Files.writeString(
+                folder.resolve("drag.py"),
+                page.titled("drag.py").text().replace("numpy.ndarray, vesper.Read(", "vesper.Read("));
+        assertThatThrownBy(
+                        () -> shell.run(page.titled("test.sh").text().replace("spin", "drag")))
+                .hasMessageContaining("Annotated");
+    }
+
+    @Test
     void theEnergyOfThePageBelongsToItsForces() throws Exception {
         Files.writeString(folder.resolve("well.py"), page.titled("well.py").text());
         assertThat(run("test-energy.sh"))

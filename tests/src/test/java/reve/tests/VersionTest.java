@@ -34,7 +34,7 @@ class VersionTest {
 
     @Test
     void thePythonPackageHasIt() throws IOException {
-        assertThat(Files.readString(Project.ROOT.resolve("agents/python/pyproject.toml")))
-                .contains("\nversion = \"" + version + "\"\n");
+        assertThat(Files.readString(Project.ROOT.resolve("agents/python/reve/__init__.py")))
+                .contains("\n__version__ = \"" + version + "\"\n");
     }
 }

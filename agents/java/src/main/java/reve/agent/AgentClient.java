@@ -312,7 +312,8 @@ public final class AgentClient implements AutoCloseable {
     /**
      * Executes a command of the role control and waits for the result: pause, step, run, snapshot,
      * rewind, speed, edit, load-law, set-law, unload-law, picture, save or shut-down, with the
-     * fields that the protocol defines.
+     * fields that the protocol defines. The value of the result of picture has the name of the file
+     * as {@code file}.
      *
      * @param fields by name: a Number, a double[] or List of Numbers, a String, a Boolean, or a Map
      *     of Numbers

@@ -14,6 +14,7 @@ import picocli.CommandLine.Spec;
 import reve.agent.ActResult;
 import reve.agent.AgentClient;
 import reve.agent.AgentException;
+import reve.agent.Perception;
 import reve.core.text.Suggestion;
 
 import java.io.IOException;
@@ -25,6 +26,7 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Locale;
 import java.util.Map;
 import java.util.Set;
 import java.util.TreeMap;
@@ -36,7 +38,7 @@ import java.util.concurrent.Callable;
         name = "control",
         description =
                 "Sends a command to a running world: pause, step, run, speed, snapshot, rewind, "
-                        + "save, edit, add, change, remove, rule, batch, load-law, set-law, set-budget, "
+                        + "save, fork, edit, add, change, remove, rule, batch, load-law, set-law, set-budget, "
                         + "unload-law, release, profile, cluster, move-world, drain-node, "
                         + "add-world, changes, near, region, picture, shut-down; or asks: state, laws, inspect, search, "
                         + "perceived, ledger, audit. For example: "
@@ -47,10 +49,7 @@ import java.util.concurrent.Callable;
 public final class ControlCommand implements Callable<Integer> {
     private static final int MAX_TEXT_BYTES = 65_536;
 
-    /**
-     * Fields that each command accepts as FIELD=VALUE, by command. Only commands with a result are
-     * listed.
-     */
+    /** Fields that each command accepts as FIELD=VALUE, by command. */
     private static final Map<String, Set<String>> COMMANDS =
             new TreeMap<>(
                     Map.ofEntries(
@@ -60,6 +59,7 @@ public final class ControlCommand implements Callable<Integer> {
                             Map.entry("snapshot", Set.of("image")),
                             Map.entry("rewind", Set.of("image")),
                             Map.entry("save", Set.of("file")),
+                            Map.entry("fork", Set.of("frames")),
                             Map.entry("edit", Set.of("item", "property", "value")),
                             Map.entry("add", Set.of()),
                             Map.entry("change", Set.of("item")),
@@ -133,7 +133,7 @@ public final class ControlCommand implements Callable<Integer> {
                     "world");
 
     /** Commands whose fields are read from a file. */
-    private static final Set<String> FROM_FILES = Set.of("add", "change", "batch");
+    private static final Set<String> FROM_FILES = Set.of("add", "change", "batch", "fork");
 
     @Spec private CommandSpec spec = CommandSpec.create();
 
@@ -149,8 +149,8 @@ public final class ControlCommand implements Callable<Integer> {
             description =
                     "Fields of the command: a number, numbers separated by commas, "
                             + "true, false, null or text. Names and texts to search are "
-                            + "always text. add, change and batch also take a FILE "
-                            + "of YAML or JSON.")
+                            + "always text. add, change, batch and fork also take a "
+                            + "FILE of YAML or JSON.")
     private List<String> given = new ArrayList<>();
 
     @Mixin private ControlTarget target = new ControlTarget();
@@ -164,6 +164,10 @@ public final class ControlCommand implements Callable<Integer> {
         try (AgentClient client = target.connect()) {
             if (QUESTIONS.containsKey(command)) {
                 Json.print(spec, client.report(command, fields).content());
+                return ExitCode.OK;
+            }
+            if (command.equals("fork")) {
+                tell(foreseen(client, fields));
                 return ExitCode.OK;
             }
             if (OF_FRAMES.contains(command) && isPaused(client)) {
@@ -182,6 +186,24 @@ public final class ControlCommand implements Callable<Integer> {
         } catch (AgentException refused) {
             throw target.refused(refused);
         }
+    }
+
+    @SuppressWarnings("unchecked") // the server refuses changes that are no messages
+    private Perception foreseen(AgentClient client, Map<String, Object> fields) {
+        if (!(fields.get("frames") instanceof Double frames)
+                || frames.intValue() != frames
+                || frames < 1) {
+            throw wrong(
+                    "frames is "
+                            + fields.getOrDefault("frames", "missing")
+                            + ", expected a number of frames, e.g. fork frames=60");
+        }
+        Object changes = fields.getOrDefault("changes", List.of());
+        if (!(changes instanceof List<?> list)
+                || !list.stream().allMatch(each -> each instanceof Map<?, ?>)) {
+            throw wrong("the changes of fork are " + changes + ", expected a list as for batch");
+        }
+        return client.foresee(frames.intValue(), (List<Map<String, Object>>) list);
     }
 
     private static boolean isPaused(AgentClient client) {
@@ -207,6 +229,10 @@ public final class ControlCommand implements Callable<Integer> {
         for (String each : given) {
             if (FROM_FILES.contains(command) && ControlFields.isFile(each)) {
                 fields.putAll(ControlFields.read(command, Path.of(each)));
+                continue;
+            }
+            if (command.equals("fork") && each.startsWith("file=")) {
+                fields.putAll(ControlFields.read(command, Path.of(each.substring(5))));
                 continue;
             }
             int equals = each.indexOf('=');
@@ -321,6 +347,46 @@ public final class ControlCommand implements Callable<Integer> {
         } catch (NumberFormatException noNumber) {
             return text;
         }
+    }
+
+    /** Prints the last frame of a copy of the world. */
+    private void tell(Perception foreseen) {
+        if (json) {
+            List<Map<String, Object>> items = new ArrayList<>();
+            for (Perception.Item item : foreseen.items()) {
+                Map<String, Object> fields = new LinkedHashMap<>();
+                fields.put("name", item.name());
+                item.location().ifPresent(place -> fields.put("location", numbers(place)));
+                Perception.Orientation turned = item.orientation();
+                fields.put(
+                        "orientation", List.of(turned.x(), turned.y(), turned.z(), turned.w()));
+                fields.put("symbols", item.symbols());
+                items.add(fields);
+            }
+            Map<String, Object> fields = new LinkedHashMap<>();
+            fields.put("frame", foreseen.frame());
+            fields.put("time", foreseen.time());
+            fields.put("items", items);
+            Json.print(spec, fields);
+            return;
+        }
+        Map<String, Object> places = new LinkedHashMap<>();
+        for (Perception.Item item : foreseen.items()) {
+            item.location().ifPresent(place -> places.put(item.name(), numbers(place)));
+        }
+        PrintWriter out = spec.commandLine().getOut();
+        out.println(
+                String.format(
+                        Locale.ROOT,
+                        "fork: frame %d, %.3f s; locations [m]:",
+                        foreseen.frame(),
+                        foreseen.time()));
+        out.print(Json.text(places) + System.lineSeparator());
+        out.flush();
+    }
+
+    private static List<Double> numbers(Perception.Location place) {
+        return List.of(place.x(), place.y(), place.z());
     }
 
     private void tell(ActResult result) {

@@ -29,7 +29,7 @@ final class ControlFields {
     /**
      * Reads the fields of a command from a file.
      *
-     * @param command add, change or batch
+     * @param command add, change, batch or fork
      * @throws IOException if the file cannot be read, is not YAML, or does not fit the command
      */
     static Map<String, Object> read(String command, Path file) throws IOException {

@@ -62,6 +62,11 @@ public final class Pictures implements AutoCloseable {
         wanted = true;
     }
 
+    /** Returns the name of the file of a picture, without its folder. */
+    static String fileName(String world, long frame) {
+        return String.format(Locale.ROOT, "%s-%06d.png", world, frame);
+    }
+
     /** Returns a scene builder for a simulation, with the world's camera if it has one. */
     public static SceneBuilder sceneBuilder(Simulation simulation, ImageFormat format) {
         return sceneBuilder(format, simulation.description().camera().map(Camera::of));
@@ -83,13 +88,7 @@ public final class Pictures implements AutoCloseable {
         }
         next += listed ? 1 : 0;
         wanted = false;
-        Path file =
-                folder.resolve(
-                        String.format(
-                                Locale.ROOT,
-                                "%s-%06d.png",
-                                simulation.world().name(),
-                                frame.frame()));
+        Path file = folder.resolve(fileName(simulation.world().name(), frame.frame()));
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("frame", frame.frame());
         fields.put("time", frame.timeSeconds());

@@ -246,7 +246,20 @@ final class ServerControl implements WorldControl, AutoCloseable {
 
     @Override
     public Change picture() {
-        return (world, frame) -> pictures.takeNext();
+        return new Change() {
+            private String file = "";
+
+            @Override
+            public void make(World world, long frame) {
+                pictures.takeNext();
+                file = Pictures.fileName(world.name(), frame);
+            }
+
+            @Override
+            public Optional<Object> value() {
+                return Optional.of(Map.of("file", file));
+            }
+        };
     }
 
     @Override

@@ -532,7 +532,7 @@ public final class ControlDesk {
         public void execute(World world, FrameEvent event) {
             try {
                 change.make(world, event.frame());
-                done.accept(new Outcome.Done(event.frame()));
+                done.accept(new Outcome.Done(event.frame(), change.value()));
             } catch (ActionRefused e) {
                 done.accept(refused(e, event.frame()));
             } catch (RuntimeException e) {
@@ -560,7 +560,11 @@ public final class ControlDesk {
             ClientMessage.Request request, Outcome outcome) {
         return switch (outcome) {
             case Outcome.Done done ->
-                    Optional.of(new ServerMessage.Accepted(request.id(), done.frame()));
+                    Optional.of(
+                            done.value().isPresent()
+                                    ? new ServerMessage.Answer(
+                                            request.id(), done.frame(), done.value().get())
+                                    : new ServerMessage.Accepted(request.id(), done.frame()));
             case Outcome.Refused refused ->
                     Optional.of(
                             new ServerMessage.Refused(

@@ -10,8 +10,19 @@ import java.util.Optional;
 /** The result of applying an {@link AgentInput}. */
 public sealed interface Outcome {
 
-    /** Reports that the input took effect in the given frame. */
-    record Done(long frame) implements Outcome {}
+    /**
+     * Reports that the input took effect in the given frame.
+     *
+     * @param value the field {@code value} of the result, see {@link
+     *     reve.core.agent.protocol.ServerMessage.Answer}
+     */
+    record Done(long frame, Optional<Object> value) implements Outcome {
+
+        /** Creates an outcome without a value. */
+        public Done(long frame) {
+            this(frame, Optional.empty());
+        }
+    }
 
     /**
      * Reports that the agent joined the world, and has the body from the given frame on.

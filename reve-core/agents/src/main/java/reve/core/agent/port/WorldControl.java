@@ -40,6 +40,14 @@ public interface WorldControl {
             return Optional.empty();
         }
 
+        /**
+         * Returns the field {@code value} of the result; empty if the result has none. Called after
+         * {@link #make}.
+         */
+        default Optional<Object> value() {
+            return Optional.empty();
+        }
+
         /** Called instead of {@link #make} if the change is never made. */
         default void drop() {}
     }
@@ -123,7 +131,9 @@ public interface WorldControl {
      */
     Map<String, Object> ledger(Optional<Boolean> open) throws ActionRefused;
 
-    /** Prepares a picture of the frame that is being made. */
+    /**
+     * Prepares a picture of the frame that is being made. The value of the result names its file.
+     */
     Change picture() throws ActionRefused;
 
     /**

@@ -98,6 +98,8 @@ final class SessionCommands implements Requester {
         switch (result) {
             case ServerMessage.Accepted accepted ->
                     note(new FinishedCommand(accepted.id(), accepted.frame(), "", ""));
+            case ServerMessage.Answer answer -> // its value is not stored
+                    note(new FinishedCommand(answer.id(), answer.frame(), "", ""));
             case ServerMessage.Refused refused ->
                     note(new FinishedCommand(refused.id(), 0, refused.code(), refused.reason()));
             default ->
