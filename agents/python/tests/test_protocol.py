@@ -354,5 +354,14 @@ class ProtocolTest(unittest.TestCase):
                 protocol.encode(protocol.act(1, "duck", "push", {"impulse": value}))
 
 
+class PerceptionTest(unittest.TestCase):
+    def test_an_item_is_found_by_its_name(self):
+        duck = reve.Item("duck", (0.0, 1.0, 0.0), {}, {})
+        perception = reve.Perception(None, 7, 0.5, (duck,))
+        self.assertIs(perception["duck"], duck)
+        with self.assertRaisesRegex(KeyError, "no item 'swan' was perceived in frame 7"):
+            perception["swan"]
+
+
 if __name__ == "__main__":
     unittest.main()

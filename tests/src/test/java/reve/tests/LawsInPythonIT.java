@@ -86,7 +86,7 @@ class LawsInPythonIT {
     void aLawWithTypesKeepsTheContract() throws Exception {
         Files.writeString(folder.resolve("drag.py"), page.titled("drag.py").text());
         assertThat(shell.run(page.titled("test.sh").text().replace("spin.py", "drag.py")))
-                .contains("PASS  rollback", "PASS  mass-0", " 0 failed, ");
+                .contains("PASS  rollback", "PASS  guard-pages", " 0 failed, ");
         Files.writeString(
                 folder.resolve("timed.py"),
                 """

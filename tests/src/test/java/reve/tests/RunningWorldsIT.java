@@ -96,8 +96,7 @@ class RunningWorldsIT {
                     Map.entry("SemanticAspect.dropDerived", RULES),
                     Map.entry("Laws.addListener", BUILDS),
                     Map.entry("Laws.keepPreviousFor", BUILDS),
-                    Map.entry("Laws.removeListener", BUILDS),
-                    Map.entry("Simulation.addListener", BUILDS));
+                    Map.entry("Laws.removeListener", BUILDS));
 
     /** Messages that the server answers with a report. */
     private static final Set<String> REPORTS =

@@ -192,7 +192,7 @@ public final class ControlCommand implements Callable<Integer> {
     private Perception foreseen(AgentClient client, Map<String, Object> fields) {
         if (!(fields.get("frames") instanceof Double frames)
                 || frames.intValue() != frames
-                || frames < 1) {
+                || frames < 0) {
             throw wrong(
                     "frames is "
                             + fields.getOrDefault("frames", "missing")
