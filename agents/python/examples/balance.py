@@ -48,9 +48,7 @@ class Balance(Task):
         place, tip_place = numpy.array(cart.location), numpy.array(tip.location)
         speed = numpy.array(cart.symbols["velocity"])
         tip_speed = numpy.array(tip.symbols["velocity"])
-        return numpy.array(
-            [place[0], speed[0], tip_place[0] - place[0], tip_speed[0] - speed[0]]
-        )
+        return numpy.array([place[0], speed[0], tip_place[0] - place[0], tip_speed[0] - speed[0]])
 
     def act(self, action: Numbers) -> Iterable[reve.Act]:
         return [reve.Act("cart", "drive", {"force": STRONGEST * float(action[0])})]

@@ -181,8 +181,7 @@ class ControlIT {
     @Test
     void aPictureIsTakenOfTheFrameThatItsResultNames() throws Exception {
         AtomicReference<ActResult> result = new AtomicReference<>();
-        long frame =
-                serve(boss -> result.set(boss.command("picture", Map.of()))).frames();
+        long frame = serve(boss -> result.set(boss.command("picture", Map.of()))).frames();
         Event taken =
                 events.stream()
                         .filter(event -> event.type().equals("snapshot"))

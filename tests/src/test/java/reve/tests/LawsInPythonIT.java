@@ -109,9 +109,10 @@ class LawsInPythonIT {
                 .contains("PASS  rollback", " 0 failed, ");
         Files.writeString(
                 folder.resolve("drag.py"),
-                page.titled("drag.py").text().replace("numpy.ndarray, vesper.Read(", "vesper.Read("));
-        assertThatThrownBy(
-                        () -> shell.run(page.titled("test.sh").text().replace("spin", "drag")))
+                page.titled("drag.py")
+                        .text()
+                        .replace("numpy.ndarray, vesper.Read(", "vesper.Read("));
+        assertThatThrownBy(() -> shell.run(page.titled("test.sh").text().replace("spin", "drag")))
                 .hasMessageContaining("Annotated");
     }
 

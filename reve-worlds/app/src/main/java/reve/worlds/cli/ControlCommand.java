@@ -358,8 +358,7 @@ public final class ControlCommand implements Callable<Integer> {
                 fields.put("name", item.name());
                 item.location().ifPresent(place -> fields.put("location", numbers(place)));
                 Perception.Orientation turned = item.orientation();
-                fields.put(
-                        "orientation", List.of(turned.x(), turned.y(), turned.z(), turned.w()));
+                fields.put("orientation", List.of(turned.x(), turned.y(), turned.z(), turned.w()));
                 fields.put("symbols", item.symbols());
                 items.add(fields);
             }
