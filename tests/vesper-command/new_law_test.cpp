@@ -39,6 +39,18 @@ TEST(NewLawTest, NeverWritesOverWhatIsThere) {
   EXPECT_TRUE(std::filesystem::is_empty(folder / "mine"));
 }
 
+TEST(NewLawTest, QuotesAFolderWithABlankInTheCommands) {
+  const Folder folder;
+  const Outcome written = RunVesper({"new-law", "mine", "--dir", folder / "sp ace"});
+  ASSERT_EQ(written.exit_code, 0) << written.errors;
+  const std::string source = folder / "sp ace/mine";
+  EXPECT_NE(written.output.find("cmake -S '" + source + "' -B '" + source + "/build'"),
+            std::string::npos)
+      << written.output;
+  EXPECT_NE(written.output.find("cmake --build '" + source + "/build'\n"), std::string::npos);
+  EXPECT_NE(written.output.find("ctest --test-dir '" + source + "/build'\n"), std::string::npos);
+}
+
 TEST(NewLawTest, RefusesNamesThatNoLawCanHave) {
   for (const char* name : {"Drag", "2drag", "drag-law", "drag_", "a b"}) {
     EXPECT_EQ(RunVesper({"new-law", name}).exit_code, 2) << name;

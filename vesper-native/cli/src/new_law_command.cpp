@@ -57,8 +57,11 @@ std::filesystem::path ConfigFolder() {
 }
 
 /// Returns a path, quoted as one word of a shell command.
+/// Returns a path as a word of a shell, in quotes if it needs them.
 std::string Quoted(const std::filesystem::path& path) {
-  return "'" + Replace(path.string(), "'", "'\\''") + "'";
+  const std::string text = path.string();
+  if (std::regex_match(text, std::regex("[A-Za-z0-9._/-]+"))) return text;
+  return "'" + Replace(text, "'", "'\\''") + "'";
 }
 
 }  // namespace
@@ -88,9 +91,9 @@ int WriteNewLaw(const NewLawOptions& options) {
   const auto config = ConfigFolder();
   const std::string where = config.empty() ? "" : " -DVesper_DIR=" + Quoted(config);
   std::cout << folder.string() << ": written; build and test it with\n"
-            << "  cmake -S " << folder.string() << " -B " << (folder / "build").string() << where
-            << " && cmake --build " << (folder / "build").string() << "\n"
-            << "  ctest --test-dir " << (folder / "build").string() << "\n";
+            << "  cmake -S " << Quoted(folder) << " -B " << Quoted(folder / "build") << where
+            << " && cmake --build " << Quoted(folder / "build") << "\n"
+            << "  ctest --test-dir " << Quoted(folder / "build") << "\n";
   return kDone;
 }
 

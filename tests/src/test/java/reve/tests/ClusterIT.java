@@ -577,7 +577,7 @@ class ClusterIT {
         String world = Project.WORLDS.resolve("spring-orbit").toString();
         Outcome soon = Reve.run("cluster", "move", "w1", "127.0.0.1:1", "--timeout", "-1");
         assertThat(soon.code()).isEqualTo(2);
-        assertThat(soon.err()).contains("--timeout is -1.0, expected 0 to 86400 seconds");
+        assertThat(soon.err()).contains("--timeout is -1, expected 0 to 86400 seconds");
         Outcome noDatabase = Reve.run("cluster", "add-world", world, "--store", "my.db");
         assertThat(noDatabase.code()).isEqualTo(2);
         assertThat(noDatabase.err())

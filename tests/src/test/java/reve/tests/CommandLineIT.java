@@ -59,8 +59,7 @@ class CommandLineIT {
         assertThat(unknown.code()).isEqualTo(2);
         assertThat(unknown.err())
                 .contains("snapshots")
-                .contains("Did you mean")
-                .contains("snapshot")
+                .contains("did you mean `snapshot`?")
                 .endsWith("`./reve --help` says more\n");
         assertThat(unknown.err().lines()).hasSizeLessThanOrEqualTo(4);
         assertThat(Reve.run("run", SPRING_ORBIT, "--seconds", "-1").code()).isEqualTo(2);

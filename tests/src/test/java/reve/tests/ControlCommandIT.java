@@ -156,6 +156,21 @@ class ControlCommandIT {
             assertThat(Reve.run(load).err())
                     .contains("holds [1.0,2.0] for \"w\"", "the three numbers of a vector");
             assertThat(Reve.run("control", "pause", "--port", port).code()).isZero();
+            Reve.Outcome unanswered =
+                    Reve.run(
+                            "control",
+                            "change",
+                            "item=robot1",
+                            "physics.mass=2",
+                            "--port",
+                            port,
+                            "--answer-timeout",
+                            "1");
+            assertThat(unanswered.code()).isEqualTo(1);
+            assertThat(unanswered.err())
+                    .endsWith(
+                            "no answer, because the world is paused; change acts in its next"
+                                    + " frame\n");
             load[3] = "w=0,0,7";
             var waits = new FutureTask<>(() -> Reve.runAsProcess(load));
             Thread.ofVirtual().start(waits);
@@ -360,8 +375,8 @@ class ControlCommandIT {
         assertRefused(2, "--port is 99999", "65535", "control", "pause", "--port", "99999");
         assertRefused(
                 2,
-                "--answer-timeout is 0.0",
-                "0.1 to 3600.0 s",
+                "--answer-timeout is 0,",
+                "0.1 to 3600 s",
                 "control",
                 "pause",
                 "--answer-timeout",

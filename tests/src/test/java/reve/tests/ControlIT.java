@@ -140,6 +140,11 @@ class ControlIT {
         return Map.of("library", "fall.law", "text", "law fall\n  " + block + "\n");
     }
 
+    private static String reason(AgentClient boss, String command, Map<String, Object> fields)
+            throws IOException {
+        return boss.command(command, fields).reason().orElseThrow();
+    }
+
     @Test
     void aLawThatIsNotThereIsRefusedAndNothingElseHappens() throws Exception {
         serve(
@@ -148,9 +153,29 @@ class ControlIT {
                             boss.command("load-law", Map.of("library", "perpetual_motion"));
                     assertThat(refused.code()).contains("law-refused");
                     assertThat(refused.reason().orElseThrow())
-                            .contains("perpetual_motion")
+                            .startsWith("no law is called \"perpetual_motion\"; known are ")
                             .as("files of the server")
                             .doesNotContain("/");
+                    assertThat(reason(boss, "load-law", Map.of("library", "gravity_feld")))
+                            .isEqualTo(
+                                    "no law is called \"gravity_feld\"; did you mean"
+                                            + " `gravity_field`?");
+                    accepted(boss, "load-law", Map.of("library", "gravity_field"));
+                    for (String command : List.of("set-law", "unload-law")) {
+                        Map<String, Object> wrong =
+                                command.equals("set-law")
+                                        ? Map.of("library", "gravity_feld", "parameters", Map.of())
+                                        : Map.of("library", "gravity_feld");
+                        assertThat(reason(boss, command, wrong))
+                                .isEqualTo(
+                                        "no library \"gravity_feld\" is loaded; did you mean"
+                                                + " `gravity_field`?");
+                    }
+                    assertThat(reason(boss, "rewind", Map.of("image", "calm")))
+                            .endsWith("; none is kept: keep one with the command snapshot");
+                    accepted(boss, "snapshot", Map.of("image", "calm"));
+                    assertThat(reason(boss, "rewind", Map.of("image", "clam")))
+                            .endsWith("; kept are calm; did you mean `calm`?");
                     assertThat(
                                     boss.command("load-law", Map.of("library", "../../etc/passwd"))
                                             .code())

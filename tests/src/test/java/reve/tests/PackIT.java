@@ -63,6 +63,42 @@ class PackIT {
         assertThat(hash(moved.toString())).isEqualTo(before);
     }
 
+    /** The pack could not run anywhere. */
+    @Test
+    void aWorldWhoseLawDoesNotCompileIsNotPacked() throws Exception {
+        Path world = windy("here");
+        Files.writeString(
+                world.resolve("laws/wind.law"), "law wind\n  each body: force += velocty\n");
+        Outcome refused = reve("pack", world.toString(), "--out", file("a.reve"));
+        assertThat(refused.code()).as(refused.out()).isEqualTo(4);
+        assertThat(refused.err()).contains("wind.law:2:23: nothing here is called 'velocty'");
+        assertThat(folder.resolve("a.reve")).doesNotExist();
+    }
+
+    @Test
+    void thePackedWorldIsCheckedAndItsPythonIsCalledPython() throws Exception {
+        Path world = Files.createDirectories(folder.resolve("warned/laws")).getParent();
+        Files.writeString(
+                world.resolve("world.yaml"),
+                """
+                reve: 1
+                name: warned
+                constants: {gravity: [0, -9.81, 0]}
+                laws: [newton_motion]
+                items: [{name: one, physics: {mass: 1}}]
+                """);
+        Outcome packed = reve("pack", world.toString(), "--out", file("a.reve"), "--json");
+        assertThat(packed.code()).as(packed.err()).isZero();
+        assertThat(packed.err()).contains("world.yaml:3:", "gravity has no effect");
+        assertThat(new JsonMapper().readTree(packed.out()).path("warnings").size()).isEqualTo(1);
+
+        Files.writeString(world.resolve("laws/unused.py"), "# a law in Python\n");
+        Outcome python = reve("pack", world.toString(), "--out", file("b.reve"));
+        assertThat(python.out())
+                .contains("; it contains Python, which needs --trust where it runs")
+                .doesNotContain("native");
+    }
+
     @Test
     void anExperimentRunsAPackAsItRunsItsWorld() throws Exception {
         Path world = windy("world");

@@ -227,7 +227,7 @@ class PackedRecordingIT {
         Path log = recorded("world.yaml", "0.1");
         refused(2, "ends at frame 6, 0.1 s after its first state", log, "--at", "7");
         refused(2, "ends at frame 6", log, "--frame", "7");
-        refused(2, "--at is -1.0", log, "--at", "-1");
+        refused(2, "--at is -1,", log, "--at", "-1");
         refused(2, "--frame is -1", log, "--frame", "-1");
         refused(2, "leave one of them out", log, "--frame", "1", "--at", "1");
         Path world = folder.resolve("here");

@@ -252,6 +252,10 @@ class SecurityIT {
             assertThatThrownBy(() -> asEve(server, "load-law file=wind.law"))
                     .hasMessageContaining("not-permitted")
                     .hasMessageContaining("it may change only the laws drag.c, wind, not storm");
+            assertThatThrownBy(() -> asEve(server, "load-law library=gravity_feld"))
+                    .as("only clients that may load the law learn the reason")
+                    .hasMessageContaining("\"gravity_feld\" is refused; the server's log says why")
+                    .hasMessageNotContaining("gravity_field");
             for (String other :
                     List.of(
                             "pause",

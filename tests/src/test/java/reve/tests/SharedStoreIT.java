@@ -516,7 +516,7 @@ class SharedStoreIT {
         String[] snapshot = {"snapshot", NAME, "--store", url, "--out", out};
         Outcome late = Reve.run(with(snapshot, "--at", "1e6"));
         assertThat(late.code()).isEqualTo(2);
-        assertThat(late.err()).contains("--at is 1000000.0, but ", " s after its first state");
+        assertThat(late.err()).contains("--at is 1000000, but ", " s after its first state");
         Outcome sheet = Reve.run(with(snapshot, "--at", "1", "--sheet", "2x1"));
         assertThat(sheet.code()).isEqualTo(2);
         assertThat(sheet.err()).contains("--sheet runs a world from its beginning");

@@ -327,6 +327,9 @@ class StoreIT {
         assertThat(Reve.run("store", "laws", store.toString()).out())
                 .contains(
                         listed.path("laws").path(0).path("library").asString() + ": native, ",
+                        ", SHA-256 "
+                                + listed.path("laws").path(0).path("sha256").asString().substring(0, 12)
+                                + "…",
                         "to continue without a law: ./reve serve WORLD --store "
                                 + store
                                 + " --without-law NAME");

@@ -3,7 +3,9 @@ package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import static java.nio.file.StandardCopyOption.COPY_ATTRIBUTES;
 import static java.util.stream.Collectors.joining;
+import static java.util.stream.Collectors.toSet;
 
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
@@ -18,8 +20,10 @@ import reve.tests.Reve.Outcome;
 
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
+import java.util.Set;
 import java.util.concurrent.TimeUnit;
 import java.util.stream.Stream;
 
@@ -290,14 +294,140 @@ class UsageIT {
     @Test
     void aNumberHasDigitsOfOneScriptOnly() throws Exception {
         refused(
-                "'--audit-size': '\uff11' is not an int",
+                "'--audit-size': found '\uff11', expected a whole number",
                 "serve",
                 WORLD,
                 "--audit",
                 folder.resolve("a").toString(),
                 "--audit-size",
                 "\uff11");
-        refused("'--port': '99999999999' is not an int", "serve", WORLD, "--port", "99999999999");
+        refused(
+                "'--port': found '99999999999', expected a whole number up to 2147483647",
+                "serve",
+                WORLD,
+                "--port",
+                "99999999999");
+        for (String wrong : List.of("x", "nan", "Infinity", "2s", "1,5", "1e999")) {
+            refused(
+                    "'--seconds': found '"
+                            + wrong
+                            + "', expected a finite number without a unit, such as 2.5",
+                    "run",
+                    WORLD,
+                    "--seconds",
+                    wrong);
+        }
+        refused("'--port': found 'x', expected a whole number\n", "serve", WORLD, "--port", "x");
+        refused(
+                "'--law-memory': found '1.5', expected a whole number\n",
+                "run",
+                WORLD,
+                "--law-memory",
+                "1.5");
+        refused("--seconds is -5, expected a time of 0 s or more\n", "run", WORLD, "--seconds=-5");
+        refused(
+                "--seconds is 1e300, expected a time of at most 1.501e14 s\n",
+                "run",
+                WORLD,
+                "--seconds",
+                "1e300");
+    }
+
+    @Test
+    void aMisspeltCommandOrOptionIsRefusedWithASuggestion() throws Exception {
+        refused("./reve has no command 'rnu'; did you mean `run`?\n", "rnu", "x");
+        refused("./reve has no command 'hlep'; did you mean `help`?\n", "hlep");
+        refused("./reve has no command 'buidl'; did you mean `build`?\n", "buidl");
+        refused("./reve has no command 'rnu'; did you mean `run`?\n", "help", "rnu");
+        refused("./reve has no command 'nosuch', expected one of build, check, ", "help", "nosuch");
+        refused("./reve law has no command 'chekc'; did you mean `check`?\n", "law", "chekc", "x");
+        refused("./reve store has no command 'chekc'; did you mean `check`?\n", "store", "chekc");
+        refused(
+                "./reve run has no option '--secnods'; did you mean `--seconds`?\n",
+                "run",
+                WORLD,
+                "--secnods",
+                "5");
+        refused("'5' is one argument too many for ./reve run\n", "run", WORLD, "5");
+        refused(
+                "'puase' is no command of the role control; did you mean `pause`?\n",
+                "control",
+                "puase");
+        refused("it has image; did you mean `image`?\n", "control", "rewind", "imgae=calm");
+    }
+
+    /** A build may take minutes. */
+    @Test
+    void aCheckoutRefusesAnUnknownCommandWithoutBuilding() throws Exception {
+        Outcome near = Reve.launch("buidl");
+        assertThat(near.code()).isEqualTo(2);
+        assertThat(near.err()).contains("has no command 'buidl'; did you mean `build`?\n");
+        Path scripts = Files.createDirectories(folder.resolve("scripts/release"));
+        Files.copy(Project.ROOT.resolve("reve"), folder.resolve("reve"), COPY_ATTRIBUTES);
+        Files.copy(Project.ROOT.resolve("scripts/release/java.sh"), scripts.resolve("java.sh"));
+        for (List<String> words : List.of(List.of("buidl"), List.of("help", "buidl"))) {
+            List<String> command = new ArrayList<>(List.of(folder.resolve("reve").toString()));
+            command.addAll(words);
+            Outcome fresh = Reve.run(command);
+            assertThat(fresh.code()).isEqualTo(2);
+            assertThat(fresh.err())
+                    .startsWith("reve: ./reve has no command 'buidl', expected one of build test ");
+        }
+        assertThat(folder.resolve("build")).doesNotExist();
+    }
+
+    @Test
+    void theLauncherKnowsTheCommandsOfTheHelp() throws Exception {
+        Set<String> described =
+                Reve.run("--help")
+                        .out()
+                        .lines()
+                        .filter(line -> line.matches(" {2}[a-z]+ {2,}\\S.*"))
+                        .map(line -> line.strip().split(" ")[0])
+                        .collect(toSet());
+        Set<String> known =
+                Files.readString(Project.ROOT.resolve("reve"))
+                        .lines()
+                        .filter(line -> line.matches("(own|release)_commands=\".*\""))
+                        .flatMap(line -> Stream.of(line.split("\"")[1].split(" ")))
+                        .collect(toSet());
+        assertThat(known).isEqualTo(described);
+    }
+
+    @Test
+    void aWrongPathOfAWorldIsRefusedWithAWorldThatMayBeMeant() throws Exception {
+        Path near = Files.createDirectories(folder.resolve("worlds/near"));
+        Files.writeString(near.resolve("world.yaml"), "reve: 1\nname: near\nitems: []\n");
+        Files.writeString(
+                folder.resolve("worlds/far.yaml"), "reve: 1\nname: far\nitems: []\n");
+        Map<String, String> messages =
+                Map.of(
+                        "worlds/naer", "did you mean `" + folder + "/worlds/near`?\n",
+                        "worlds/naer/world.yaml",
+                                "did you mean `" + folder + "/worlds/near/world.yaml`?\n",
+                        "wrlds/near", "did you mean `" + folder + "/worlds/near`?\n",
+                        "worlds/far.yml", "did you mean `" + folder + "/worlds/far.yaml`?\n",
+                        "worlds", "; in " + folder + "/worlds are far.yaml, near\n",
+                        "worlds/other", "; in " + folder + "/worlds are far.yaml, near\n");
+        for (Map.Entry<String, String> each : messages.entrySet()) {
+            Outcome outcome = Reve.run("run", folder.resolve(each.getKey()).toString());
+            assertThat(outcome.code()).isEqualTo(1);
+            assertThat(outcome.err())
+                    .contains("there is no world file " + folder.resolve(each.getKey()))
+                    .endsWith(each.getValue());
+        }
+    }
+
+    /** A user may take the name of a sample world for its path. */
+    @Test
+    void theNameOfASampleWorldIsRefusedWithItsPath() throws Exception {
+        for (String name : List.of("pendulum", "pendulm")) {
+            List<String> command = Reve.command("check", name);
+            command.addAll(1, List.of("-C", Project.ROOT.toString()));
+            Outcome outcome = Reve.run(command);
+            assertThat(outcome.code()).isEqualTo(1);
+            assertThat(outcome.err()).endsWith("; did you mean `worlds/pendulum`?\n");
+        }
     }
 
     @Test

@@ -6,6 +6,7 @@ import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
 import reve.core.frame.TimeBudget;
+import reve.core.text.Suggestion;
 import reve.core.world.Item;
 import reve.core.world.RefusedSize;
 import reve.core.world.World;
@@ -225,9 +226,24 @@ public final class Laws {
     private int placeOf(String library) {
         int place = libraries().stream().map(LawLibrary::name).toList().indexOf(library);
         if (place < 0) {
-            throw new IllegalArgumentException("no library \"" + library + "\" is loaded");
+            throw new IllegalArgumentException(notLoaded(library));
         }
         return place;
+    }
+
+    /**
+     * Returns a message about a library that is not loaded. It suggests a similar name, or lists the
+     * names of the loaded libraries.
+     */
+    public String notLoaded(String library) {
+        List<String> names = libraries().stream().map(LawLibrary::name).toList();
+        String near = Suggestion.of(library, names);
+        return "no library \""
+                + library
+                + "\" is loaded"
+                + (near.isEmpty() && !names.isEmpty()
+                        ? "; loaded are " + String.join(", ", names)
+                        : near);
     }
 
     private void setParameters(long frame, int place, Map<String, Double> changed) {

@@ -27,6 +27,7 @@ import dev.cel.runtime.CelEvaluationException;
 import dev.cel.runtime.CelRuntime;
 import dev.cel.runtime.CelRuntimeFactory;
 
+import reve.core.unit.Unit;
 import reve.core.world.Parameter;
 import reve.core.world.SymbolType;
 
@@ -198,7 +199,7 @@ final class Language {
             String found = input.group(1) == null ? input.group(2) : input.group(1);
             return found.equals("<EOF>")
                     ? "the expression ends too early"
-                    : "`" + found.strip() + "` makes no sense here";
+                    : "`" + found.strip() + "` makes no sense here" + remedy(found.strip());
         }
         Matcher overload = NO_OVERLOAD.matcher(issue);
         return overload.matches()
@@ -207,6 +208,31 @@ final class Language {
                         + "` does not go with "
                         + words(overload.group(2))
                 : issue;
+    }
+
+    /** Returns what to write instead of a word of another language; empty for other words. */
+    private static String remedy(String found) {
+        return switch (found) {
+            case "and" -> "; write `&&`";
+            case "or" -> "; write `||`";
+            case "=" -> "; write `==` to compare";
+            default ->
+                    isUnit(found)
+                            ? "; numbers have no unit here, and properties are in SI units: write"
+                                    + " `> 1`, not `> 1 "
+                                    + found
+                                    + "`"
+                            : "";
+        };
+    }
+
+    private static boolean isUnit(String found) {
+        try {
+            Unit.parse(found);
+            return true;
+        } catch (IllegalArgumentException other) {
+            return false;
+        }
     }
 
     /**

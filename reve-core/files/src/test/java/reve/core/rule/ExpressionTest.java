@@ -186,7 +186,12 @@ class ExpressionTest {
                 "physics.mass > 'heavy'      | 13 | `>` does not go with (number, text)",
                 "null > physics.mass         | 5  | `>` does not go with (no value, number)",
                 "physics.mass >              | 14 | ends too early",
-                "physics.mass = 3            | 13 | `=` makes no sense here",
+                "physics.mass = 3            | 13 | `=` makes no sense here; write `==` to compare",
+                "true and physics.mass > 3   | 5  | `and` makes no sense here; write `&&`",
+                "true or physics.mass > 3    | 5  | `or` makes no sense here; write `||`",
+                "physics.mass > 1 kg         | 17 | `kg` makes no sense here; numbers have no unit"
+                        + " here, and properties are in SI units: write `> 1`, not `> 1 kg`",
+                "physics.mass > 1 heavy      | 17 | `heavy` makes no sense here",
                 "physics.velocity > 3        | 17 | `>` does not go with (list of numbers, number)",
                 "weather == 'rain'           | 0  | "
                         + "unknown name `weather`; known are item, physical, physics, semantic",

@@ -5,6 +5,7 @@ import java.util.Arrays;
 import java.util.Collection;
 import java.util.Comparator;
 import java.util.Locale;
+import java.util.Optional;
 
 /** Search for the known name that a misspelt name probably means. */
 public final class Suggestion {
@@ -29,8 +30,13 @@ public final class Suggestion {
      * no known name is similar.
      */
     public static String of(String wrong, Collection<String> known) {
+        return nearest(wrong, known).map(name -> "; did you mean `" + name + "`?").orElse("");
+    }
+
+    /** Returns the known name that is most similar; empty if no known name is similar. */
+    public static Optional<String> nearest(String wrong, Collection<String> known) {
         if (wrong.length() > MAX_LENGTH) {
-            return "";
+            return Optional.empty();
         }
         int limit = Math.clamp(wrong.length() / 3, 1, MAX_DISTANCE);
         String written = lower(wrong);
@@ -45,8 +51,7 @@ public final class Suggestion {
                                         && candidate.distance
                                                 < Math.min(wrong.length(), candidate.name.length()))
                 .min(Comparator.comparingInt(Candidate::distance))
-                .map(candidate -> "; did you mean `" + candidate.name + "`?")
-                .orElse("");
+                .map(Candidate::name);
     }
 
     private static String lower(String text) {

@@ -15,6 +15,7 @@ import reve.agent.ActResult;
 import reve.agent.AgentClient;
 import reve.agent.AgentException;
 import reve.core.agent.port.ClusterPort;
+import reve.core.text.Rounded;
 import reve.core.text.Visible;
 
 import java.io.IOException;
@@ -75,7 +76,7 @@ public final class ClusterCommand implements Runnable {
                 throw new ParameterException(
                         spec.commandLine(),
                         "--timeout is "
-                                + seconds
+                                + Rounded.of(seconds)
                                 + ", expected 0 to "
                                 + (long) MAX_TIMEOUT_SECONDS
                                 + " seconds");

@@ -6,6 +6,7 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
 
+import reve.core.text.Rounded;
 import reve.worlds.cluster.NodeAddress;
 import reve.worlds.cluster.NodeSettings;
 import reve.worlds.cluster.NodeTls;
@@ -182,7 +183,7 @@ final class ClusterOptions {
                     spec.commandLine(),
                     SLEEP_AFTER
                             + " is "
-                            + seconds
+                            + Rounded.of(seconds)
                             + ", expected "
                             + (long) MIN_SLEEP_AFTER
                             + " to "

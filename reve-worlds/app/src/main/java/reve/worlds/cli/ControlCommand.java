@@ -170,7 +170,8 @@ public final class ControlCommand implements Callable<Integer> {
                 tell(foreseen(client, fields));
                 return ExitCode.OK;
             }
-            if (OF_FRAMES.contains(command) && isPaused(client)) {
+            boolean waits = OF_FRAMES.contains(command) && isPaused(client);
+            if (waits) {
                 LinePrinter.message(
                         spec.commandLine().getErr(),
                         List.of(
@@ -180,7 +181,7 @@ public final class ControlCommand implements Callable<Integer> {
                                         + " one, `./reve control run` ends the pause"));
                 spec.commandLine().getErr().flush();
             }
-            ActResult result = client.command(command, fields);
+            ActResult result = waits ? answerWhilePaused(client, fields) : client.command(command, fields);
             tell(result);
             return result.accepted() ? ExitCode.OK : ExitCode.FAILURE;
         } catch (AgentException refused) {
@@ -206,6 +207,22 @@ public final class ControlCommand implements Callable<Integer> {
         return client.foresee(frames.intValue(), (List<Map<String, Object>>) list);
     }
 
+    private ActResult answerWhilePaused(AgentClient client, Map<String, Object> fields)
+            throws IOException {
+        try {
+            return client.command(command, fields);
+        } catch (AgentException unanswered) {
+            if (!unanswered.code().equals("no-answer")) {
+                throw unanswered;
+            }
+            throw new IOException(
+                    "no answer, because the world is paused; "
+                            + command
+                            + " acts in its next frame",
+                    unanswered);
+        }
+    }
+
     private static boolean isPaused(AgentClient client) {
         try {
             return client.report("state", Map.of()).content().get("paused") == Boolean.TRUE;
@@ -217,12 +234,14 @@ public final class ControlCommand implements Callable<Integer> {
     private Map<String, Object> fields() throws IOException {
         Set<String> known = COMMANDS.getOrDefault(command, QUESTIONS.get(command));
         if (known == null) {
+            String near = Suggestion.of(command, names());
             throw wrong(
                     "'"
                             + command
-                            + "' is no command of the role control, expected one of "
-                            + String.join(", ", names())
-                            + Suggestion.of(command, names()));
+                            + "' is no command of the role control"
+                            + (near.isEmpty()
+                                    ? ", expected one of " + String.join(", ", names())
+                                    : near));
         }
         Map<String, Object> fields = new LinkedHashMap<>();
         Map<String, Object> parameters = new LinkedHashMap<>();
@@ -264,7 +283,8 @@ public final class ControlCommand implements Callable<Integer> {
                                 + "'; it has "
                                 + (known.isEmpty()
                                         ? "none"
-                                        : String.join(", ", new TreeSet<>(known))));
+                                        : String.join(", ", new TreeSet<>(known)))
+                                + Suggestion.of(field, known));
             }
             Object value = value(field, each.substring(equals + 1));
             if (value != null) {

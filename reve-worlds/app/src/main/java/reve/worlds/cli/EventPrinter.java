@@ -156,14 +156,14 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     }
 
     /**
-     * Returns an event as a line for people. Omits the field with warnings, because warnings are
-     * printed to standard error.
+     * Returns an event as a line for people, with rounded numbers and shortened hashes. Omits the
+     * field with warnings, because warnings are printed to standard error.
      */
     private static String textLine(Event event) {
         return event.name
                 + event.fields.entrySet().stream()
                         .filter(field -> !field.getKey().equals("warnings"))
-                        .map(field -> " " + field.getKey() + "=" + field.getValue())
+                        .map(field -> " " + field.getKey() + "=" + Shortened.of(field.getValue()))
                         .collect(Collectors.joining());
     }
 }

@@ -14,6 +14,7 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
 import reve.core.image.CorruptException;
+import reve.core.text.Rounded;
 import reve.core.world.WorldSnapshot;
 import reve.worlds.Product;
 import reve.worlds.export.CsvExport;
@@ -164,7 +165,7 @@ public final class ExportCommand implements Callable<Integer> {
         if (pictures.isPresent() && (mcap.isEmpty() || !(pictures.get() > 0))) {
             throw wrong(
                     "--pictures is "
-                            + pictures.get()
+                            + Rounded.of(pictures.get())
                             + ", expected a time above 0, beside --mcap FILE");
         }
         if (pictures.isEmpty() && (camera.isPresent() || cameraWorld.isPresent())) {
@@ -219,9 +220,10 @@ public final class ExportCommand implements Callable<Integer> {
         }
         WorldArgument world = new WorldArgument(file);
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
-        WorldDescription description = world.load(spec.commandLine().getErr());
+        WorldDescription description = world.read();
         long frames = Frames.of(spec, "--at", at.orElse(0.0), description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST, lawPath)) {
+            Outcome outcome = new Outcome(spec, simulation);
             simulation.usePluginListeners();
             Progress progress = new Progress(System.err, frames);
             simulation.onPublish(
@@ -239,10 +241,10 @@ public final class ExportCommand implements Callable<Integer> {
                                         description.prototype(),
                                         snapshot,
                                         relations));
-                tell(1, snapshot.frame(), false, List.of(to));
+                tell(1, snapshot.frame(), false, List.of(to), Optional.of(outcome));
             }
+            return outcome.code();
         }
-        return ExitCode.OK;
     }
 
     private ParameterException wrong(String message) {
@@ -329,7 +331,7 @@ public final class ExportCommand implements Callable<Integer> {
                 export.close();
             }
         }
-        tell(frames, history.frame(), history.wasCut(), written);
+        tell(frames, history.frame(), history.wasCut(), written, Optional.empty());
         return ExitCode.OK;
     }
 
@@ -385,12 +387,13 @@ public final class ExportCommand implements Callable<Integer> {
         if (!isWritten && at.isPresent()) {
             throw wrong(
                     "--at is "
-                            + at.get()
+                            + Rounded.of(at.get())
                             + ", but "
                             + file
                             + " ends "
-                            + (double) (history.frame() - first)
-                                    / history.timing().framesPerSecond()
+                            + Rounded.of(
+                                    (double) (history.frame() - first)
+                                            / history.timing().framesPerSecond())
                             + " s after its first state");
         }
         if (!isWritten) {
@@ -414,13 +417,19 @@ public final class ExportCommand implements Callable<Integer> {
         }
     }
 
-    private void tell(long frames, long frame, boolean wasCut, List<Path> written) {
+    private void tell(
+            long frames,
+            long frame,
+            boolean wasCut,
+            List<Path> written,
+            Optional<Outcome> outcome) {
         if (json) {
             Map<String, Object> fields = new LinkedHashMap<>();
             fields.put("frames", frames);
             fields.put("frame", frame);
             fields.put("cut", wasCut);
             fields.put("files", written.stream().map(Path::toString).toList());
+            outcome.ifPresent(known -> known.addTo(fields));
             Json.print(spec, fields);
             return;
         }

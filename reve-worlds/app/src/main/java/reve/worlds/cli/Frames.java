@@ -5,6 +5,7 @@ import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.ParameterException;
 
 import reve.core.frame.Timing;
+import reve.core.text.Rounded;
 
 import java.util.Optional;
 
@@ -13,8 +14,8 @@ final class Frames {
     private Frames() {}
 
     /**
-     * Returns the frame nearest to a time [s]. Refuses negative and non-finite times, and times
-     * beyond 2^53 frames.
+     * Returns the frame nearest to a time [s]. Refuses negative times, and times beyond 2^53
+     * frames.
      */
     static long of(CommandSpec spec, String option, double seconds, Timing timing) {
         double frames = seconds * timing.framesPerSecond();
@@ -23,10 +24,13 @@ final class Frames {
                     spec.commandLine(),
                     option
                             + " is "
-                            + seconds
-                            + ", expected a time from 0 s to "
-                            + 0x1p53 / timing.framesPerSecond()
-                            + " s");
+                            + Rounded.of(seconds)
+                            + ", expected a time "
+                            + (frames < 0
+                                    ? "of 0 s or more"
+                                    : "of at most "
+                                            + Rounded.of(0x1p53 / timing.framesPerSecond())
+                                            + " s"));
         }
         return Math.round(frames);
     }

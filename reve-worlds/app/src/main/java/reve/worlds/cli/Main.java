@@ -8,7 +8,6 @@ import picocli.CommandLine.Model.UsageMessageSpec;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.ScopeType;
 import picocli.CommandLine.TypeConversionException;
-import picocli.CommandLine.UnmatchedArgumentException;
 
 import reve.core.file.Problem;
 import reve.core.file.WorldFileException;
@@ -28,7 +27,6 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
-import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
@@ -100,8 +98,6 @@ public final class Main {
     /** The options that print the version. */
     private static final List<String> VERSION = List.of("-V", "--version");
 
-    private static final Pattern INTEGER = Pattern.compile("[-+]?[0-9]+");
-
     private Main() {}
 
     /** Runs one command and ends the process with its exit code. */
@@ -153,8 +149,7 @@ public final class Main {
                 Stream.concat(launcher.stream(), Stream.of(usage.footer())).toArray(String[]::new));
         line.registerConverter(Path.class, Main::path);
         line.registerConverter(StoreArgument.class, Main::store);
-        line.registerConverter(Integer.class, Main::integer);
-        line.registerConverter(int.class, Main::integer);
+        NumberArguments.register(line);
         line.setParameterExceptionHandler(Main::explainUsage);
         line.setExecutionExceptionHandler(Main::explain);
         line.setCaseInsensitiveEnumValuesAllowed(true);
@@ -220,30 +215,13 @@ public final class Main {
     }
 
     /**
-     * Converts an option's text to a number. Unlike {@link Integer#valueOf}, it accepts only ASCII
-     * digits.
-     */
-    private static Integer integer(String given) {
-        if (INTEGER.matcher(given).matches()) {
-            try {
-                return Integer.valueOf(given);
-            } catch (NumberFormatException tooLarge) {
-                // The exception is ignored. The usage message after this block reports the number
-                // that is too large.
-            }
-        }
-        throw new TypeConversionException("'" + given + "' is not an int");
-    }
-
-    /**
      * Prints the usage error and names the command that prints the full help. The help itself is
      * not printed here, because its length would hide the error.
      */
     private static int explainUsage(ParameterException wrong, String... arguments) {
         CommandLine line = wrong.getCommandLine();
         PrintWriter err = line.getErr();
-        err.println("reve: " + wrong.getMessage());
-        UnmatchedArgumentException.printSuggestions(wrong, err);
+        err.println("reve: " + UsageMessage.of(wrong));
         err.println("`" + line.getCommandSpec().qualifiedName() + " --help` says more");
         err.flush();
         return ExitCode.USAGE;

@@ -9,17 +9,25 @@ import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
+import reve.core.file.LawReference;
+import reve.core.file.Problem;
+import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.file.WorldFileException;
 import reve.core.file.WorldPack;
+import reve.core.frame.Pacing;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.WorldFolder;
+import reve.pe.PhysicsException;
+import reve.worlds.server.LawPath;
+import reve.worlds.server.Simulation;
 import reve.worlds.server.StoredRun;
 
 import java.io.IOException;
 import java.io.PrintWriter;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -118,6 +126,7 @@ public final class PackCommand implements Callable<Integer> {
                             + " is not");
         }
         PackedFiles packed = PackedFiles.of(spec, world, laws.folder());
+        List<Problem> warnings = check(world, packed.world());
         SortedMap<String, Path> files = packed.files();
         if (Files.exists(world.folder().resolve(PackedFiles.EXPECTED))) {
             files.put(
@@ -125,10 +134,30 @@ public final class PackCommand implements Callable<Integer> {
                     new WorldFolder(world.folder()).find(PackedFiles.EXPECTED));
         }
         write(
-                new Made(packed.world().name(), Optional.empty(), List.of()),
+                new Made(packed.world().name(), Optional.empty(), List.of(), warnings),
                 target(world.file()),
                 files,
                 new TreeMap<>());
+    }
+
+    /**
+     * Builds the world and loads its laws, except those that need {@code --trust}. Prints the
+     * warnings and returns them.
+     *
+     * @throws PhysicsException if the engine refuses a law
+     */
+    private List<Problem> check(WorldArgument world, WorldDescription description)
+            throws IOException {
+        LawPath lawPath = laws.path(spec).forWorld(world.folder());
+        List<LawReference> opened =
+                description.laws().stream()
+                        .filter(law -> !lawPath.needsTrust(law.name()))
+                        .toList();
+        boolean complete = opened.size() == description.laws().size();
+        try (Simulation simulation =
+                new Simulation(description.withLaws(opened), Pacing.FAST, lawPath)) {
+            return Warnings.print(spec, simulation.warnings(complete));
+        }
     }
 
     private void packRecording() throws IOException, WorldFileException, AssetException {
@@ -147,7 +176,11 @@ public final class PackCommand implements Callable<Integer> {
                         worldFile.map(WorldArgument::new),
                         new PackedRecording.Moment(at, frame));
         write(
-                new Made(packed.world().name(), Optional.of(packed.frame()), packed.notes()),
+                new Made(
+                        packed.world().name(),
+                        Optional.of(packed.frame()),
+                        packed.notes(),
+                        List.of()),
                 pack,
                 packed.files(),
                 packed.made());
@@ -158,8 +191,10 @@ public final class PackCommand implements Callable<Integer> {
      *
      * @param frame the frame of a recording or a store
      * @param notes one message for each part of a recorded state that the pack does not contain
+     * @param warnings the warnings of the check of a world file
      */
-    private record Made(String world, Optional<Long> frame, List<String> notes) {}
+    private record Made(
+            String world, Optional<Long> frame, List<String> notes, List<Problem> warnings) {}
 
     private ParameterException wrong(String message) {
         return new ParameterException(spec.commandLine(), message);
@@ -183,10 +218,15 @@ public final class PackCommand implements Callable<Integer> {
         WorldPack.write(pack, files, made);
         var names = new TreeSet<>(files.keySet());
         names.addAll(made.keySet());
-        boolean isNative =
-                names.stream().anyMatch(each -> each.endsWith(".so") || each.endsWith(".py"));
+        List<String> trusted = new ArrayList<>();
+        if (names.stream().anyMatch(each -> each.endsWith(".so"))) {
+            trusted.add("native code");
+        }
+        if (names.stream().anyMatch(each -> each.endsWith(".py"))) {
+            trusted.add("Python");
+        }
         if (json) {
-            printJson(world, pack, names, isNative);
+            printJson(world, pack, names, !trusted.isEmpty());
             return;
         }
         PrintWriter err = spec.commandLine().getErr();
@@ -200,11 +240,15 @@ public final class PackCommand implements Callable<Integer> {
                 world.frame.map(number -> " at frame " + number).orElse(""),
                 names.size(),
                 Files.size(pack),
-                isNative ? "; it brings native code, which needs --trust where it runs" : "");
+                trusted.isEmpty()
+                        ? ""
+                        : "; it contains "
+                                + String.join(" and ", trusted)
+                                + ", which needs --trust where it runs");
         output.flush();
     }
 
-    private void printJson(Made world, Path pack, SortedSet<String> names, boolean isNative)
+    private void printJson(Made world, Path pack, SortedSet<String> names, boolean needsTrust)
             throws IOException {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("pack", pack.toString());
@@ -212,8 +256,9 @@ public final class PackCommand implements Callable<Integer> {
         world.frame.ifPresent(number -> fields.put("frame", number));
         fields.put("files", names);
         fields.put("bytes", Files.size(pack));
-        fields.put("needsTrust", isNative);
+        fields.put("needsTrust", needsTrust);
         fields.put("notes", world.notes);
+        fields.put("warnings", Warnings.fields(world.warnings));
         Json.print(spec, fields);
     }
 

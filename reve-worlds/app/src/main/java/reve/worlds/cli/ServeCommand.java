@@ -18,6 +18,7 @@ import reve.core.file.WorldFileException;
 import reve.core.file.WorldPack;
 import reve.core.frame.Pacing;
 import reve.core.mesh.AssetException;
+import reve.core.text.Rounded;
 import reve.worlds.cluster.ClusterNode;
 import reve.worlds.cluster.NodeSettings;
 import reve.worlds.journal.JournalSink;
@@ -791,7 +792,9 @@ public final class ServeCommand implements Callable<Integer> {
         if (storeEvery.isPresent() && !(storeEvery.get() > 0)) {
             throw new ParameterException(
                     spec.commandLine(),
-                    "--store-every is " + storeEvery.get() + ", expected a time above 0 s");
+                    "--store-every is "
+                            + Rounded.of(storeEvery.get())
+                            + ", expected a time above 0 s");
         }
         PartnerOption.require(spec, "--store-every", storeEvery.isPresent(), "--store FILE", store);
         PartnerOption.require(spec, "--durability", durability.isPresent(), "--store FILE", store);
@@ -802,11 +805,11 @@ public final class ServeCommand implements Callable<Integer> {
             throw new ParameterException(
                     spec.commandLine(),
                     "--watchdog is "
-                            + watchdog
+                            + Rounded.of(watchdog)
                             + ", expected 0 or "
-                            + MIN_WATCHDOG
+                            + Rounded.of(MIN_WATCHDOG)
                             + " to "
-                            + MAX_WATCHDOG
+                            + Rounded.of(MAX_WATCHDOG)
                             + " s");
         }
     }
@@ -832,11 +835,11 @@ public final class ServeCommand implements Callable<Integer> {
             throw new ParameterException(
                     spec.commandLine(),
                     "--deadline is "
-                            + deadline
+                            + Rounded.of(deadline)
                             + ", expected "
-                            + MIN_DEADLINE
+                            + Rounded.of(MIN_DEADLINE)
                             + " to "
-                            + MAX_DEADLINE
+                            + Rounded.of(MAX_DEADLINE)
                             + " s");
         }
         AgentServerConfig config =

@@ -11,6 +11,7 @@ import reve.agent.AgentClient;
 import reve.agent.AgentException;
 import reve.agent.Join;
 import reve.agent.Trust;
+import reve.core.text.Rounded;
 
 import java.io.IOException;
 import java.net.UnknownHostException;
@@ -118,11 +119,11 @@ class ServerTarget {
             throw new ParameterException(
                     spec.commandLine(),
                     "--answer-timeout is "
-                            + timeout
+                            + Rounded.of(timeout)
                             + ", expected "
-                            + MIN_TIMEOUT
+                            + Rounded.of(MIN_TIMEOUT)
                             + " to "
-                            + MAX_TIMEOUT
+                            + Rounded.of(MAX_TIMEOUT)
                             + " s");
         }
         try {

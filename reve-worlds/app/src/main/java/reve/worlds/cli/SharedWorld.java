@@ -72,7 +72,7 @@ final class SharedWorld {
         Optional<byte[]> pack = PostgresStore.pack(url, world);
         if (pack.isEmpty()) {
             throw new NoSuchFileException(
-                    url + " has no world '" + world + "'" + store.get().others());
+                    url + " has no world '" + world + "'" + store.get().others(world));
         }
         return Optional.of(
                 new Found(

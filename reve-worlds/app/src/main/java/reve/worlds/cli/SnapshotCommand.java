@@ -14,6 +14,7 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
 import reve.core.image.CorruptException;
+import reve.core.text.Rounded;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.WorldSnapshot;
@@ -163,12 +164,13 @@ public final class SnapshotCommand implements Callable<Integer> {
             return ExitCode.OK;
         }
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
-        WorldDescription description = world.load(spec.commandLine().getErr());
+        WorldDescription description = world.read();
         Viewpoint viewpoint = Viewpoint.of(spec, camera, Optional.of(description), format());
         long frames = Frames.of(spec, "--at", at.orElse(0.0), description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST, lawPath);
                 Renderer renderer =
                         new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE)) {
+            Outcome outcome = new Outcome(spec, simulation);
             simulation.usePluginListeners();
             Progress progress = new Progress(System.err, frames);
             simulation.onPublish(
@@ -180,8 +182,9 @@ public final class SnapshotCommand implements Callable<Integer> {
                 draw(State.of(simulation, viewpoint), renderer, file);
             }
             progress.done();
+            outcome.addTo(told);
             tell(file);
-            return ExitCode.OK;
+            return outcome.code();
         }
     }
 
@@ -278,12 +281,13 @@ public final class SnapshotCommand implements Callable<Integer> {
             if (at.isPresent() && history.frame() - first < wanted) {
                 throw wrong(
                         "--at is "
-                                + at.get()
+                                + Rounded.of(at.get())
                                 + ", but "
                                 + found.address()
                                 + " ends "
-                                + (double) (history.frame() - first)
-                                        / history.timing().framesPerSecond()
+                                + Rounded.of(
+                                        (double) (history.frame() - first)
+                                                / history.timing().framesPerSecond())
                                 + " s after its first state");
             }
             try (WorldSnapshot snapshot = history.snapshot()) {
@@ -394,7 +398,10 @@ public final class SnapshotCommand implements Callable<Integer> {
                         printer.println(
                                 told.get("depthStep").equals(1.0)
                                         ? path + ", in m"
-                                        : path + ", in steps of " + told.get("depthStep") + " m"));
+                                        : path
+                                                + ", in steps of "
+                                                + Shortened.of(told.get("depthStep"))
+                                                + " m"));
         segmentation.ifPresent(printer::println);
         printer.flush();
     }

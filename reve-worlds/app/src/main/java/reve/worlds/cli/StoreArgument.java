@@ -4,6 +4,7 @@ package reve.worlds.cli;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.ParameterException;
 
+import reve.core.text.Suggestion;
 import reve.worlds.journal.PostgresStore;
 import reve.worlds.journal.PostgresUrl;
 import reve.worlds.journal.StoreAddress;
@@ -55,9 +56,13 @@ record StoreArgument(String given, Optional<PostgresUrl> url, Optional<Path> fil
     }
 
     /** Returns the worlds of the database, as the end of a message about a missing world. */
-    String others() throws IOException {
+    String others(String missing) throws IOException {
         List<String> names = worlds();
-        return names.isEmpty() ? ", it has none" : ", expected one of " + String.join(", ", names);
+        return names.isEmpty()
+                ? ", it has none"
+                : ", expected one of "
+                        + String.join(", ", names)
+                        + Suggestion.of(missing, names);
     }
 
     /** Returns the names of the worlds of the database. */

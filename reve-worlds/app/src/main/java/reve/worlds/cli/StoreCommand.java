@@ -243,7 +243,7 @@ public final class StoreCommand implements Runnable {
                             + ", "
                             + law.library().bytes().length
                             + " bytes, SHA-256 "
-                            + law.library().sha256()
+                            + Shortened.hash(law.library().sha256())
                             + (law.library().parameters().isEmpty()
                                     ? ""
                                     : ", " + parameters(law.library())));
@@ -255,7 +255,7 @@ public final class StoreCommand implements Runnable {
                             + ": "
                             + Visible.line(law.library())
                             + ", SHA-256 "
-                            + law.sha256()
+                            + Shortened.hash(law.sha256())
                             + ": "
                             + law.status()
                             + ": "
@@ -274,7 +274,7 @@ public final class StoreCommand implements Runnable {
 
     private static String parameters(LawLibrary library) {
         return library.parameters().entrySet().stream()
-                .map(each -> Visible.line(each.getKey()) + " = " + each.getValue())
+                .map(each -> Visible.line(each.getKey()) + " = " + Shortened.of(each.getValue()))
                 .collect(Collectors.joining(", "));
     }
 

@@ -6,6 +6,7 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 
 import reve.core.frame.LawSwap;
+import reve.core.text.Rounded;
 import reve.worlds.server.SwapPlan;
 
 import java.util.Optional;
@@ -65,16 +66,16 @@ final class SwapOptions {
             throw new ParameterException(
                     spec.commandLine(),
                     "--shadow-seconds is "
-                            + most
+                            + Rounded.of(most)
                             + ", expected more than 0 and at most "
-                            + MOST_SECONDS
+                            + Rounded.of(MOST_SECONDS)
                             + " s");
         }
         double limit = energy.orElse(SwapPlan.DEFAULT_ENERGY_LIMIT);
         if (!(limit > 0)) {
             throw new ParameterException(
                     spec.commandLine(),
-                    "--shadow-energy is " + limit + ", expected a number above 0");
+                    "--shadow-energy is " + Rounded.of(limit) + ", expected a number above 0");
         }
         return new SwapPlan(how, most, limit);
     }

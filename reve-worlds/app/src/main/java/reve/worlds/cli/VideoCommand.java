@@ -15,6 +15,7 @@ import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
 import reve.core.frame.Timing;
 import reve.core.image.CorruptException;
+import reve.core.text.Rounded;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.WorldSnapshot;
@@ -165,7 +166,7 @@ public final class VideoCommand implements Callable<Integer> {
         void close() throws IOException;
     }
 
-    private record Live(Simulation simulation) implements Source {
+    private record Live(Simulation simulation, Outcome outcome) implements Source {
         @Override
         public boolean advance() {
             simulation.loop().run(1);
@@ -244,8 +245,10 @@ public final class VideoCommand implements Callable<Integer> {
                 FrameSink sink = sink(place, ffmpeg)) {
             Drawn drawn = draw(source, renderer, viewpoint, sink);
             sink.finish();
-            tell(place, drawn);
-            return ExitCode.OK;
+            Optional<Outcome> outcome =
+                    source instanceof Live live ? Optional.of(live.outcome()) : Optional.empty();
+            tell(place, drawn, outcome);
+            return outcome.map(Outcome::code).orElse(ExitCode.OK);
         }
     }
 
@@ -259,19 +262,19 @@ public final class VideoCommand implements Callable<Integer> {
             throw wrong("--fps is " + fps + ", expected 1 to " + most);
         }
         if (!(speed > 0 && speed <= 1e6)) {
-            throw wrong("--speed is " + speed + ", expected above 0 and at most 1e6");
+            throw wrong("--speed is " + Rounded.of(speed) + ", expected above 0 and at most 1000000");
         }
         double length = seconds.orElse(DEFAULT_SECONDS);
         if (!(length > 0 && length / speed * fps <= MOST_PICTURES)) {
             throw wrong(
                     "--seconds is "
-                            + length
+                            + Rounded.of(length)
                             + ", expected a time above 0 with at most "
                             + MOST_PICTURES
                             + " pictures");
         }
         if (!(from >= 0 && from <= 1e9)) {
-            throw wrong("--from is " + from + ", expected 0 to 1e9");
+            throw wrong("--from is " + Rounded.of(from) + ", expected 0 to 1000000000");
         }
     }
 
@@ -324,7 +327,7 @@ public final class VideoCommand implements Callable<Integer> {
     private Optional<WorldDescription> description(boolean isPast, WorldArgument world)
             throws Exception {
         if (!isPast) {
-            return Optional.of(world.load(spec.commandLine().getErr()));
+            return Optional.of(world.read());
         }
         if (cameraWorld.isEmpty()) {
             if (camera.isPresent()) {
@@ -340,9 +343,10 @@ public final class VideoCommand implements Callable<Integer> {
     private Source live(WorldDescription description, WorldArgument world) throws IOException {
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
         Simulation simulation = new Simulation(description, Pacing.FAST, lawPath);
+        Outcome outcome = new Outcome(spec, simulation);
         simulation.usePluginListeners();
         simulation.loop().run(0);
-        return new Live(simulation);
+        return new Live(simulation, outcome);
     }
 
     private Source past(Optional<SharedWorld.Found> found) throws IOException {
@@ -401,7 +405,7 @@ public final class VideoCommand implements Callable<Integer> {
     private Drawn ended(long pictures, double last) {
         if (pictures == 0) {
             throw new CorruptException(
-                    path + " ends before --from " + from + " s: there is nothing to show");
+                    path + " ends before --from " + Rounded.of(from) + " s: there is nothing to show");
         }
         return new Drawn(pictures, last);
     }
@@ -434,7 +438,7 @@ public final class VideoCommand implements Callable<Integer> {
         }
     }
 
-    private void tell(Path place, Drawn drawn) {
+    private void tell(Path place, Drawn drawn, Optional<Outcome> outcome) {
         if (json) {
             Map<String, Object> fields = new LinkedHashMap<>();
             fields.put("file", place.toString());
@@ -443,6 +447,7 @@ public final class VideoCommand implements Callable<Integer> {
             fields.put("time", drawn.time());
             fields.put("width", format.width());
             fields.put("height", format.height());
+            outcome.ifPresent(known -> known.addTo(fields));
             Json.print(spec, fields);
             return;
         }

@@ -13,16 +13,14 @@ import reve.core.text.Suggestion;
 
 import java.io.IOException;
 import java.io.PrintWriter;
-import java.nio.file.DirectoryIteratorException;
-import java.nio.file.DirectoryStream;
+import java.io.UncheckedIOException;
 import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
-import java.util.ArrayList;
-import java.util.Collections;
 import java.util.List;
 import java.util.Optional;
 import java.util.function.Consumer;
+import java.util.stream.Stream;
 
 /**
  * The argument WORLD of most commands. It names a world file, a folder with a world file, or a pack
@@ -68,37 +66,92 @@ final class WorldArgument {
     }
 
     /**
-     * Returns the end of a message about a missing world. It lists the names of worlds in the same
-     * folder.
+     * Returns the end of a message about a missing world. It suggests a world with a similar path,
+     * or lists the worlds of the folder.
      */
     private String others() {
+        if (Files.isDirectory(path)) {
+            return listed(path, worldsIn(path));
+        }
+        Optional<Path> near = similar().or(this::sample).filter(WorldArgument::isWorld);
+        if (near.isPresent()) {
+            return "; did you mean `" + near.get() + "`?";
+        }
         Path parent = path.toAbsolutePath().normalize().getParent();
-        if (parent == null || path.getFileName() == null) {
-            return "";
-        }
-        List<String> names = new ArrayList<>();
-        try (DirectoryStream<Path> all = Files.newDirectoryStream(parent)) {
-            for (Path each : all) {
-                String name = String.valueOf(each.getFileName());
-                if (Files.isRegularFile(each.resolve(WorldFile.NAME))
-                        || name.endsWith(".yaml")
-                        || name.endsWith(WorldPack.ENDING)) {
-                    names.add(name);
-                }
+        return parent == null ? "" : listed(parent, worldsIn(parent));
+    }
+
+    private static String listed(Path folder, List<String> worlds) {
+        String more = worlds.size() > MOST ? " and " + (worlds.size() - MOST) + " more" : "";
+        return worlds.isEmpty()
+                ? ""
+                : "; in "
+                        + folder
+                        + " are "
+                        + String.join(", ", worlds.subList(0, Math.min(MOST, worlds.size())))
+                        + more;
+    }
+
+    /** Returns the path with its first part that does not exist replaced by a similar name. */
+    private Optional<Path> similar() {
+        Path found = path.isAbsolute() ? path.getRoot() : Path.of("");
+        for (int i = 0; i < path.getNameCount(); i++) {
+            Path next = found.resolve(path.getName(i));
+            if (!Files.exists(next)) {
+                Path folder = found;
+                Path rest = path.subpath(i, path.getNameCount());
+                return Suggestion.nearest(path.getName(i).toString(), namesIn(folder))
+                        .map(folder::resolve)
+                        .map(
+                                near ->
+                                        rest.getNameCount() == 1
+                                                ? near
+                                                : near.resolve(
+                                                        rest.subpath(1, rest.getNameCount())));
             }
-        } catch (IOException | DirectoryIteratorException unreadable) {
-            return "";
+            found = next;
         }
-        Collections.sort(names);
-        String near = Suggestion.of(path.getFileName().toString(), names);
-        return !near.isEmpty()
-                ? near
-                : names.isEmpty()
-                        ? ""
-                        : "; in "
-                                + parent
-                                + " are "
-                                + String.join(", ", names.subList(0, Math.min(MOST, names.size())));
+        return Optional.empty();
+    }
+
+    /** Returns the sample world whose name the argument is, or is similar to. */
+    private Optional<Path> sample() {
+        Path samples = Path.of(System.getProperty("reve.root", "."), "worlds");
+        if (path.getNameCount() != 1 || path.isAbsolute()) {
+            return Optional.empty();
+        }
+        List<String> names = worldsIn(samples);
+        String name = path.toString();
+        return (names.contains(name) ? Optional.of(name) : Suggestion.nearest(name, names))
+                .map(samples::resolve)
+                .map(WorldArgument::fromHere);
+    }
+
+    /** Returns a path relative to the working folder if it is in this folder. */
+    private static Path fromHere(Path file) {
+        Path here = Path.of("").toAbsolutePath();
+        Path absolute = file.toAbsolutePath().normalize();
+        return absolute.startsWith(here) ? here.relativize(absolute) : absolute;
+    }
+
+    private static boolean isWorld(Path file) {
+        return Files.isRegularFile(file.resolve(WorldFile.NAME))
+                || Files.isRegularFile(file)
+                        && Stream.of(".yaml", WorldPack.ENDING)
+                                .anyMatch(ending -> file.toString().endsWith(ending));
+    }
+
+    /** Returns the names of the worlds in a folder, in alphabetical order. */
+    private static List<String> worldsIn(Path folder) {
+        return namesIn(folder).stream().filter(name -> isWorld(folder.resolve(name))).toList();
+    }
+
+    private static List<String> namesIn(Path folder) {
+        try (Stream<Path> all = Files.list(folder)) {
+            return all.map(file -> String.valueOf(file.getFileName())).sorted().toList();
+        } catch (IOException | UncheckedIOException unreadable) {
+            return List.of(); // an unreadable folder has no names to suggest
+        }
     }
 
     /** Returns the argument. */

@@ -40,50 +40,68 @@ public record DemoReport(
         return fields;
     }
 
-    /** Prints the report for human readers. */
+    /** Prints the report for human readers, in sentences. */
     public void print(PrintWriter out) {
         out.printf(
                 Locale.ROOT,
-                "%nworld     %s: %d frames, %.1f s of world time at %.2f x real time%n",
-                server.path("world").asString(),
-                server.path("frames").asLong(),
+                "%nThe world %s ran for %.1f s of world time (%d frames), at %.2f x real time.%n",
+                text(server, "world"),
                 server.path("worldSeconds").asDouble(),
+                server.path("frames").asLong(),
                 server.path("realTimeFactor").asDouble());
         out.printf(
                 Locale.ROOT,
-                "laws      %s; %s from %.2f s to %.2f s, dropped in while running%n",
+                "The law %s was added while the world ran, at %.2f s, and removed at %.2f s. At the"
+                        + " end the laws were %s.%n",
+                text(loaded, "library"),
+                loaded.path("time").asDouble(),
+                unloaded.path("time").asDouble(),
                 server.path("laws")
                         .valueStream()
-                        .map(law -> law.path("law").asString())
-                        .collect(Collectors.joining(", ")),
-                loaded.path("library").asString(),
-                loaded.path("time").asDouble(),
-                unloaded.path("time").asDouble());
-        printAgent(out, "Python", curious);
-        printAgent(out, "Java", painter);
-        printPicture(out, "before", before);
-        printPicture(out, "after", after);
-    }
-
-    private static void printAgent(PrintWriter out, String language, JsonNode summary) {
-        out.printf(Locale.ROOT, "agent     %s (%s)%n", summary.path("agent").asString(), language);
-        summary.propertyStream()
-                .filter(field -> !field.getKey().equals("agent"))
-                .forEach(
-                        field ->
-                                out.printf(
-                                        Locale.ROOT,
-                                        "            %s: %s%n",
-                                        field.getKey(),
-                                        field.getValue()));
-    }
-
-    private static void printPicture(PrintWriter out, String when, JsonNode picture) {
+                        .map(law -> text(law, "law"))
+                        .collect(Collectors.joining(", ")));
         out.printf(
                 Locale.ROOT,
-                "picture   %-7s %.2f s: %s%n",
-                when,
+                "The Python agent %s perceived the world %d times and pushed items %d times.%s%n",
+                text(curious, "agent"),
+                curious.path("perceptions").asLong(),
+                curious.path("pushes").asLong(),
+                refused(curious));
+        out.printf(
+                Locale.ROOT,
+                "The Java agent %s perceived the world %d times and painted items %d times%s. The"
+                        + " fastest item moved at %.1f m/s.%s%n",
+                text(painter, "agent"),
+                painter.path("perceptions").asLong(),
+                painter.path("actsAccepted").asLong(),
+                painter.path("painted")
+                        .propertyStream()
+                        .map(each -> each.getKey() + " is now " + each.getValue().asString())
+                        .reduce((all, next) -> all + ", " + next)
+                        .map(colours -> ": " + colours)
+                        .orElse(""),
+                painter.path("fastestMetresPerSecond").asDouble(),
+                refused(painter));
+        printPicture(out, "without", before);
+        printPicture(out, "with", after);
+    }
+
+    private static String text(JsonNode node, String field) {
+        return node.path(field).asString();
+    }
+
+    private static String refused(JsonNode agent) {
+        long count = agent.path("actsRefused").valueStream().mapToLong(JsonNode::asLong).sum();
+        return count == 0 ? "" : " The server refused " + count + " of its actions.";
+    }
+
+    private void printPicture(PrintWriter out, String how, JsonNode picture) {
+        out.printf(
+                Locale.ROOT,
+                "The picture at %.2f s, %s %s, is %s%n",
                 picture.path("time").asDouble(),
-                picture.path("file").asString());
+                how,
+                text(loaded, "library"),
+                text(picture, "file"));
     }
 }

@@ -12,6 +12,7 @@ import java.io.PrintWriter;
 import java.io.StringWriter;
 import java.io.Writer;
 import java.nio.charset.StandardCharsets;
+import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.concurrent.atomic.AtomicBoolean;
@@ -66,6 +67,34 @@ class EventPrinterTest {
                         "removed",
                         "left");
         assertThat(printed(Printed.ACTIONS)).isEqualTo(EVENTS);
+    }
+
+    @Test
+    void numbersAndHashesAreShortInTextAndCompleteInJson() {
+        String hash = "0123456789abcdef".repeat(4);
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("time", 1.8166666666666667);
+        fields.put("sha256", hash);
+        fields.put("parameters", Map.of("c", List.of(0.333333333333, 3600.0)));
+        fields.put("law", "drag");
+        assertThat(line(fields, false))
+                .isEqualTo(
+                        "law-loaded time=1.817 sha256=0123456789ab… parameters={c=[0.3333, 3600]}"
+                                + " law=drag");
+        assertThat(line(fields, true)).contains("1.8166666666666667", hash, "0.333333333333");
+    }
+
+    private static String line(Map<String, Object> fields, boolean json) {
+        var out = new StringWriter();
+        try (var printer =
+                new EventPrinter(
+                        new LinePrinter(out),
+                        new PrintWriter(Writer.nullWriter()),
+                        json,
+                        Printed.ACTIONS)) {
+            printer.happened("law-loaded", fields);
+        }
+        return out.toString().strip();
     }
 
     @Test

@@ -60,6 +60,16 @@ public record LawPath(
         Set<String> excluded,
         Sandboxed sandboxed) {
     private static final Pattern NAME = Pattern.compile("[A-Za-z0-9_-]{1,47}");
+
+    /** An absolute path in a message. */
+    private static final Pattern FOLDER = Pattern.compile("(?<![\\w)])/\\S");
+
+    /**
+     * End of messages to remote operators. The messages omit folders of the server, because remote
+     * operators must not learn them.
+     */
+    static final String SEE_LOG = "; the server's log says why";
+
     private static final String PREFIX = "libvesper_law_";
     private static final String SUFFIX = ".so";
     private static final String WORLDS_OWN = "laws";
@@ -183,7 +193,73 @@ public record LawPath(
                                                 + name
                                                 + "' was not found among "
                                                 + places()
-                                                + suggestion(name)));
+                                                + misplaced(name).orElseGet(() -> suggestion(name))));
+    }
+
+    /**
+     * Returns a remedy if the world comes with a file for a law, but the file is not in the folder
+     * of its laws, or has another ending.
+     */
+    private Optional<String> misplaced(String name) {
+        List<String> files = name.contains(".") ? List.of(name) : filesOf(name);
+        for (String place : List.of("", "law", WORLDS_OWN)) {
+            for (String file : regularFiles(world.map(own -> own.resolve(place)))) {
+                String found = Visible.line(place.isEmpty() ? file : place + "/" + file);
+                if (files.contains(file)) {
+                    return Optional.of(
+                            "; the world has the file "
+                                    + found
+                                    + ": move it into the folder "
+                                    + WORLDS_OWN
+                                    + "/ beside the world file");
+                }
+                if (file.equals(name + ".txt")) {
+                    return Optional.of(
+                            "; the world has the file "
+                                    + found
+                                    + ": if it is a law as text, rename it to "
+                                    + WORLDS_OWN
+                                    + "/"
+                                    + name
+                                    + PreparedLibrary.TEXT_ENDING);
+                }
+            }
+        }
+        return Optional.empty();
+    }
+
+    private static List<String> regularFiles(Optional<Path> folder) {
+        if (folder.isEmpty() || !Files.isDirectory(folder.get(), LinkOption.NOFOLLOW_LINKS)) {
+            return List.of();
+        }
+        try (Stream<Path> files = Files.list(folder.get())) {
+            return files.filter(file -> Files.isRegularFile(file, LinkOption.NOFOLLOW_LINKS))
+                    .map(file -> file.getFileName().toString())
+                    .sorted()
+                    .toList();
+        } catch (IOException | UncheckedIOException unreadable) {
+            return List.of(); // an unreadable folder has no file to suggest
+        }
+    }
+
+    /**
+     * Returns why a law cannot be opened, for a client. The message names laws and files, but no
+     * folder of the server.
+     */
+    String reasonForClients(String name, PhysicsException refused) {
+        if (refused.status() == Status.NOT_FOUND) {
+            return "no law is called \"" + name + "\"" + suggestion(name);
+        }
+        String message = String.valueOf(refused.getMessage());
+        for (Path place : operatorsPlaces().keySet()) {
+            message = message.replace(shown(place.toAbsolutePath()) + "/", "");
+        }
+        if (world.isPresent()) {
+            message = message.replace(shown(world.get().toAbsolutePath()) + "/", "");
+        }
+        return FOLDER.matcher(message).find()
+                ? "the library \"" + name + "\" is refused: " + refused.status() + SEE_LOG
+                : message;
     }
 
     /** Returns the names of the laws that ship. */

@@ -26,7 +26,7 @@ import java.util.stream.IntStream;
  * @param wallSeconds elapsed time [s]
  * @param stateHash hash, at the end, of all columns that laws can access
  * @param items number of items, without the one that holds the world's constants
- * @param bodies rows of kind {@code body} that laws may move
+ * @param bodies rows of kind {@code body} with physics; laws may read and write them
  * @param laws the laws that are loaded at the end, with their cost
  * @param lawTimes times of these laws in the last frames, in the same order
  * @param libraries all law libraries that were ever loaded, in order of loading
@@ -115,7 +115,7 @@ public record RunReport(
                 worldSeconds,
                 wallSeconds,
                 realTimeFactor());
-        out.printf(Locale.ROOT, "items: %d, of which laws move %d%n", items, bodies);
+        out.printf(Locale.ROOT, "items: %d, of which %d are bodies with physics%n", items, bodies);
         for (PhysicsLaw law : laws) {
             out.printf(
                     Locale.ROOT,
@@ -127,15 +127,19 @@ public record RunReport(
                     law.nanoseconds() * 1e-6);
         }
         for (WorldEvent fault : faults) {
-            Object file = fault.fields().getOrDefault("file", "");
-            out.printf(
-                    Locale.ROOT,
-                    "fault in frame %d: %s%s%n",
-                    fault.frame(),
-                    file.equals("") ? "" : file + ": ",
-                    fault.fields().get("message"));
+            out.println(line(fault));
         }
         out.printf(Locale.ROOT, "state hash: %s%n", hash());
+    }
+
+    /** Returns a fault as a line for human readers. */
+    public static String line(WorldEvent fault) {
+        Object file = fault.fields().getOrDefault("file", "");
+        return "fault in frame "
+                + fault.frame()
+                + ": "
+                + (file.equals("") ? "" : file + ": ")
+                + fault.fields().get("message");
     }
 
     /** Prints one line for each part of a frame, with its busy time per frame and per body. */

@@ -48,12 +48,6 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("reve.control");
 
     /**
-     * End of messages to remote operators. The messages omit file names of the server, because
-     * remote operators must not learn them.
-     */
-    private static final String SEE_LOG = "; the server's log says why";
-
-    /**
      * Permitted names of laws. They exclude paths, because a remote operator must not choose which
      * files the server runs.
      */
@@ -123,8 +117,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
             LOG.debug("the law library {}", library, failed);
             throw new ActionRefused(
                     "law-refused",
-                    "the library \"" + library + "\" is refused: " + failed.status() + SEE_LOG,
-                    failed);
+                    simulation.reasonForClients(library, failed), failed);
         }
     }
 
@@ -176,7 +169,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
                                     () ->
                                             new ActionRefused(
                                                     "law-refused",
-                                                    "no library \"" + library + "\" is loaded"));
+                                                    simulation.physics().laws().notLoaded(library)));
             simulation.physics().laws().unload(frame, id);
         };
     }
@@ -380,7 +373,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 LOG.warn("the world cannot be saved as {}: {}", target, Reason.of(failed));
                 LOG.debug("the file {}", target, failed);
                 throw new ActionRefused(
-                        "save-refused", "the world cannot be saved as " + file + SEE_LOG, failed);
+                        "save-refused", "the world cannot be saved as " + file + LawPath.SEE_LOG, failed);
             }
         }
 

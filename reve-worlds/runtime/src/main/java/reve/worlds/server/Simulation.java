@@ -50,7 +50,6 @@ import reve.worlds.journal.WorldHeader;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
 import java.util.ArrayList;
-import java.util.Collection;
 import java.util.HashSet;
 import java.util.List;
 import java.util.Map;
@@ -244,20 +243,11 @@ public final class Simulation implements AutoCloseable {
         Status status = Status.INVALID_ARGUMENT;
         List<String> problems;
         try {
-            if (law.text().isPresent()) {
-                loadText(law, law.text().get());
-                return;
-            }
-            LawPath.Found found = lawPath.find(law.name());
-            lawPath.hidden(law.name(), found).ifPresent(LOG::warn);
-            try (PreparedLibrary prepared = lawPath.prepare(engine, law.name(), found)) {
-                int id = physics.laws().load(0, prepared, law.parameters(), found.file());
-                if (found.origin() == LawPath.Origin.FOLDER
-                        || found.origin() == LawPath.Origin.UNTRUSTED) {
-                    physics.laws().leaveToFolder(id);
-                }
-                problems = List.copyOf(LawParameters.wrongUnits(law, engine.laws(id)).values());
-            }
+            int id =
+                    law.text().isPresent()
+                            ? loadText(law, law.text().get())
+                            : loadFound(law, lawPath.find(law.name()));
+            problems = List.copyOf(LawParameters.wrongUnits(law, engine.laws(id)).values());
             budget(law);
         } catch (PhysicsException refused) {
             status = refused.status();
@@ -268,20 +258,25 @@ public final class Simulation implements AutoCloseable {
         }
     }
 
-    /** Loads a law that the world file contains. */
-    private void loadText(LawReference law, String text) {
+    /** Loads a law from a file, and returns the id of its library. */
+    private int loadFound(LawReference law, LawPath.Found found) {
+        lawPath.hidden(law.name(), found).ifPresent(LOG::warn);
+        try (PreparedLibrary prepared = lawPath.prepare(engine, law.name(), found)) {
+            int id = physics.laws().load(0, prepared, law.parameters(), found.file());
+            if (found.origin() == LawPath.Origin.FOLDER
+                    || found.origin() == LawPath.Origin.UNTRUSTED) {
+                physics.laws().leaveToFolder(id);
+            }
+            return id;
+        }
+    }
+
+    /** Loads a law that the world file contains, and returns the id of its library. */
+    private int loadText(LawReference law, String text) {
         byte[] bytes = text.getBytes(StandardCharsets.UTF_8);
         try (PreparedLibrary prepared = engine.prepareText(law.name() + ".law", bytes)) {
-            int id =
-                    physics.laws()
-                            .load(0, prepared, law.parameters(), Path.of(law.name() + ".law"));
-            Collection<String> wrong = LawParameters.wrongUnits(law, engine.laws(id)).values();
-            if (!wrong.isEmpty()) {
-                throw new PhysicsException(Status.INVALID_ARGUMENT, String.join("\n", wrong));
-            }
-            budget(law);
-        } catch (PhysicsException refused) {
-            throw new PhysicsException(refused.status(), law.place() + ": " + refused.getMessage());
+            return physics.laws()
+                    .load(0, prepared, law.parameters(), Path.of(law.name() + ".law"));
         }
     }
 
@@ -323,6 +318,11 @@ public final class Simulation implements AutoCloseable {
      */
     PreparedLibrary prepare(String law) {
         return lawPath.prepare(engine, law, lawPath.find(law));
+    }
+
+    /** Returns why {@link #prepare} refused a law, without the folders of the server. */
+    String reasonForClients(String law, PhysicsException refused) {
+        return lawPath.reasonForClients(law, refused);
     }
 
     /** Returns the names of the libraries that {@link #prepare} finds, in alphabetical order. */

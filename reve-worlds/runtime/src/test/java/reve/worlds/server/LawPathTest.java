@@ -9,6 +9,7 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
 import reve.pe.PhysicsException;
+import reve.pe.Status;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -52,6 +53,46 @@ class LawPathTest {
         assertThatThrownBy(() -> path.find("wicked"))
                 .isInstanceOf(PhysicsException.class)
                 .hasMessageEndingWith("; known are drag, honest");
+    }
+
+    @Test
+    void aLawThatLiesElsewhereInTheWorldsFolderIsNamed() throws IOException {
+        Files.createFile(folder.resolve("mine.law"));
+        Files.createFile(Files.createDirectory(folder.resolve("law")).resolve("other.py"));
+        Files.createFile(Files.createDirectory(folder.resolve("laws")).resolve("text.txt"));
+        LawPath path = pathOfWorld(folder);
+        for (String name : new String[] {"mine", "mine.law"}) {
+            assertThatThrownBy(() -> path.find(name))
+                    .hasMessageEndingWith(
+                            "; the world has the file mine.law: move it into the folder laws/"
+                                    + " beside the world file");
+        }
+        assertThatThrownBy(() -> path.find("other"))
+                .hasMessageContaining("; the world has the file law/other.py: move it into ");
+        assertThatThrownBy(() -> path.find("text"))
+                .hasMessageEndingWith(
+                        "; the world has the file laws/text.txt: if it is a law as text, rename it"
+                                + " to laws/text.law");
+    }
+
+    @Test
+    void theReasonForAClientNamesNoFolder() throws IOException {
+        Path own = Files.createDirectory(folder.resolve("my laws"));
+        LawPath path = new LawPath(shipped, Optional.of(own), Optional.of(folder), false);
+        assertThat(reason(path, Status.NOT_FOUND, own + " has no drga"))
+                .isEqualTo("no law is called \"drga\"; did you mean `drag`?");
+        assertThat(reason(path, Status.LIBRARY_LOAD_FAILED, own + "/drga.so: file too short"))
+                .isEqualTo("drga.so: file too short");
+        assertThat(reason(path, Status.LIBRARY_LOAD_FAILED, folder + "/laws/drga.so: no N/m"))
+                .isEqualTo("laws/drga.so: no N/m");
+        assertThat(reason(path, Status.LIBRARY_LOAD_FAILED, "drga.so needs /home/eve/x.so"))
+                .isEqualTo(
+                        "the library \"drga\" is refused: LIBRARY_LOAD_FAILED; the server's log"
+                                + " says why");
+    }
+
+    private static String reason(LawPath path, Status status, String message) {
+        return path.reasonForClients("drga", new PhysicsException(status, message));
     }
 
     @Test

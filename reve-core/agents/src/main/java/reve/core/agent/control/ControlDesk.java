@@ -181,11 +181,7 @@ public final class ControlDesk {
                                                             load.text().get(),
                                                             load.parameters(),
                                                             load.swap())
-                                            : port.control()
-                                                    .loadLaw(
-                                                            load.library(),
-                                                            load.parameters(),
-                                                            load.swap()));
+                                            : loadLaw(requester, load));
             case ClientMessage.UnloadLaw unload ->
                     change(
                             requester,
@@ -230,6 +226,22 @@ public final class ControlDesk {
             case ClientMessage.Search search -> reports.search(requester, search);
             case ClientMessage.Perceived perceived -> reports.perceived(requester, perceived);
             case ClientMessage.Audit audit -> reports.audit(requester, audit);
+        }
+    }
+
+    /** Hides why a library cannot be opened from a client whose token does not permit it. */
+    private WorldControl.Change loadLaw(Requester requester, ClientMessage.LoadLaw load)
+            throws ActionRefused {
+        try {
+            return port.control().loadLaw(load.library(), load.parameters(), load.swap());
+        } catch (ActionRefused refused) {
+            if (requester.refusalOfLaw(load.library()).isEmpty()) {
+                throw refused;
+            }
+            throw new ActionRefused(
+                    refused.code(),
+                    "the library \"" + load.library() + "\" is refused; the server's log says why",
+                    refused);
         }
     }
 

@@ -6,6 +6,7 @@ import reve.core.agent.embodiment.Rewound;
 import reve.core.agent.port.WorldControl;
 import reve.core.agent.port.WorldPort;
 import reve.core.agent.protocol.Text;
+import reve.core.text.Suggestion;
 import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
 import reve.core.world.World;
@@ -98,7 +99,11 @@ final class Images {
                     "no-such-image",
                     "no image is called "
                             + Text.quote(name)
-                            + (kept.isEmpty() ? "; none is kept" : "; kept are " + kept.keySet()));
+                            + (kept.isEmpty()
+                                    ? "; none is kept: keep one with the command snapshot"
+                                    : "; kept are "
+                                            + String.join(", ", kept.keySet())
+                                            + Suggestion.of(name, kept.keySet())));
         }
         return found;
     }
