@@ -38,7 +38,7 @@ TEST(LawCommandTest, CheckPrintsDeclarationsOrProblems) {
 }
 
 // A world may declare the kind and the property; the command knows no world.
-TEST(LawCommandTest, CheckNamesTheCheckOfTheWorldAndTheKindsThatLawsWrite) {
+TEST(LawCommandTest, CheckNamesTheCheckOfTheWorld) {
   const Folder folder;
   const Outcome wrong = RunVesper(
       {"law", "check",
@@ -50,9 +50,6 @@ TEST(LawCommandTest, CheckNamesTheCheckOfTheWorldAndTheKindsThatLawsWrite) {
                 "declares kinds or properties for this law, check the world: reve check WORLD\n"),
             std::string::npos)
       << wrong.errors;
-  EXPECT_NE(wrong.errors.find("body, scenery, spring"), std::string::npos) << wrong.errors;
-  EXPECT_EQ(wrong.errors.find("meshForm"), std::string::npos) << wrong.errors;
-  EXPECT_EQ(wrong.errors.find("substancePair"), std::string::npos) << wrong.errors;
 }
 
 TEST(LawCommandTest, ToCppWritesALawToTheOutputOrAFile) {

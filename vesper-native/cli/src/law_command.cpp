@@ -59,8 +59,8 @@ int CheckLaw(const LawOptions& options) {
     std::cout << options.file << ": right\n";
     if (options.file.ends_with(".law")) DescribeLibrary(options.file);
   } else {
-    std::cerr << Visible(report) << "\n"
-              << "checked without a world, against the standard prototype " << options.prototype
+    std::cerr << Visible(report) << "checked without a world, against the standard prototype "
+              << options.prototype
               << "; if a world declares kinds or properties for this law, check the world: reve"
                  " check WORLD\n";
   }

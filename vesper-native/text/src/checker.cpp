@@ -268,17 +268,9 @@ uint32_t Checker::KindOf(const Name& name, bool plural) const {
   for (uint32_t i = 0; i < kinds.size(); ++i) {
     if (!plural && name.word == Plural(i)) hint = "write each " + kinds[i];
   }
-  // Laws can only read the kinds of the engine's own tables, such as those of meshes.
-  const auto is_only_read = [&](uint32_t kind) {
-    uint32_t read = 0, others = 0;
-    for (const PropertySpec& spec : prototype_.properties()) {
-      if (spec.kind == kind) ++(spec.law_access == VESPER_READ ? read : others);
-    }
-    return read > 0 && others == 0;
-  };
   std::string known;
   for (uint32_t i = 0; i < kinds.size(); ++i) {
-    if (i == world_kind_ || is_only_read(i)) continue;
+    if (i == world_kind_) continue;
     known += (known.empty() ? "" : ", ") + (plural ? Plural(i) : kinds[i]);
   }
   if (hint.empty()) hint = "kinds of this world are " + known;

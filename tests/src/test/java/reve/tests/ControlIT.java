@@ -140,8 +140,7 @@ class ControlIT {
         return Map.of("library", "fall.law", "text", "law fall\n  " + block + "\n");
     }
 
-    private static String reason(AgentClient boss, String command, Map<String, Object> fields)
-            throws IOException {
+    private static String reason(AgentClient boss, String command, Map<String, Object> fields) {
         return boss.command(command, fields).reason().orElseThrow();
     }
 

@@ -31,7 +31,6 @@ class FaultsOfPicturesIT {
                         """
                         reve: 1
                         name: blow
-                        constants: {gravity: [0, -9.81, 0]}
                         laws:
                           - newton_motion
                           - text: |
@@ -41,7 +40,7 @@ class FaultsOfPicturesIT {
                         items:
                           - name: rock
                             physical: {shape: sphere, radius: 0.5}
-                            physics: {mass: 1 kg, velocity: [1, 0, 0]}
+                            physics: {mass: 1 kg, charge: 1, velocity: [1, 0, 0]}
                         """);
         world = file.toString();
     }
@@ -49,7 +48,7 @@ class FaultsOfPicturesIT {
     private void hasReportedTheFault(Outcome outcome, Path written) {
         assertThat(outcome.code()).as(outcome.err()).isEqualTo(1);
         assertThat(outcome.messages())
-                .contains("blow.yaml:3:", "gravity has no effect")
+                .contains("blow.yaml:11:", "no law of this world reads the charge of rock")
                 .contains("reve: fault in frame ", "explode.law:3:");
         assertThat(written).isNotEmptyFile();
     }
@@ -62,7 +61,7 @@ class FaultsOfPicturesIT {
         Path before = folder.resolve("b.png");
         Outcome begin = Reve.run("snapshot", world, "--out", before.toString());
         assertThat(begin.code()).as(begin.err()).isZero();
-        assertThat(begin.messages()).contains("gravity has no effect").doesNotContain("fault");
+        assertThat(begin.messages()).contains("reads the charge").doesNotContain("fault");
     }
 
     @Test
@@ -87,14 +86,7 @@ class FaultsOfPicturesIT {
     void anOntologyIsWrittenAndTheFaultIsReported() throws Exception {
         Path ontology = folder.resolve("a.jsonld");
         Outcome outcome =
-                Reve.run(
-                        "export",
-                        world,
-                        "--at",
-                        "1",
-                        "--json-ld",
-                        ontology.toString(),
-                        "--json");
+                Reve.run("export", world, "--at", "1", "--json-ld", ontology.toString(), "--json");
         hasReportedTheFault(outcome, ontology);
         JsonNode result = new JsonMapper().readTree(outcome.out());
         assertThat(result.path("faults").path(0).path("library").asString()).isEqualTo("explode");

@@ -85,7 +85,7 @@ class PackIT {
                 name: warned
                 constants: {gravity: [0, -9.81, 0]}
                 laws: [newton_motion]
-                items: [{name: one, physics: {mass: 1}}]
+                items: [{name: one, physics: {mass: 1, velocity: [1, 0, 0]}}]
                 """);
         Outcome packed = reve("pack", world.toString(), "--out", file("a.reve"), "--json");
         assertThat(packed.code()).as(packed.err()).isZero();

@@ -328,7 +328,11 @@ class StoreIT {
                 .contains(
                         listed.path("laws").path(0).path("library").asString() + ": native, ",
                         ", SHA-256 "
-                                + listed.path("laws").path(0).path("sha256").asString().substring(0, 12)
+                                + listed.path("laws")
+                                        .path(0)
+                                        .path("sha256")
+                                        .asString()
+                                        .substring(0, 12)
                                 + "…",
                         "to continue without a law: ./reve serve WORLD --store "
                                 + store

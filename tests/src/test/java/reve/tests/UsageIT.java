@@ -398,8 +398,7 @@ class UsageIT {
     void aWrongPathOfAWorldIsRefusedWithAWorldThatMayBeMeant() throws Exception {
         Path near = Files.createDirectories(folder.resolve("worlds/near"));
         Files.writeString(near.resolve("world.yaml"), "reve: 1\nname: near\nitems: []\n");
-        Files.writeString(
-                folder.resolve("worlds/far.yaml"), "reve: 1\nname: far\nitems: []\n");
+        Files.writeString(folder.resolve("worlds/far.yaml"), "reve: 1\nname: far\nitems: []\n");
         Map<String, String> messages =
                 Map.of(
                         "worlds/naer", "did you mean `" + folder + "/worlds/near`?\n",

@@ -232,8 +232,8 @@ public final class Laws {
     }
 
     /**
-     * Returns a message about a library that is not loaded. It suggests a similar name, or lists the
-     * names of the loaded libraries.
+     * Returns a message about a library that is not loaded. It suggests a similar name, or lists
+     * the names of the loaded libraries.
      */
     public String notLoaded(String library) {
         List<String> names = libraries().stream().map(LawLibrary::name).toList();

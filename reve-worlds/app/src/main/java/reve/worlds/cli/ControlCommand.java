@@ -181,7 +181,8 @@ public final class ControlCommand implements Callable<Integer> {
                                         + " one, `./reve control run` ends the pause"));
                 spec.commandLine().getErr().flush();
             }
-            ActResult result = waits ? answerWhilePaused(client, fields) : client.command(command, fields);
+            ActResult result =
+                    waits ? answerWhilePaused(client, fields) : client.command(command, fields);
             tell(result);
             return result.accepted() ? ExitCode.OK : ExitCode.FAILURE;
         } catch (AgentException refused) {

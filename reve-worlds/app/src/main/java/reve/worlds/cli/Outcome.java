@@ -31,8 +31,7 @@ final class Outcome {
     /** Adds the warnings and the faults to the fields for JSON. Called between frames. */
     void addTo(Map<String, Object> fields) {
         fields.put(
-                "faults",
-                simulation.events().faults().stream().map(WorldEvent::fields).toList());
+                "faults", simulation.events().faults().stream().map(WorldEvent::fields).toList());
         fields.put("warnings", Warnings.fields(warnings));
     }
 

@@ -150,9 +150,7 @@ public final class PackCommand implements Callable<Integer> {
             throws IOException {
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
         List<LawReference> opened =
-                description.laws().stream()
-                        .filter(law -> !lawPath.needsTrust(law.name()))
-                        .toList();
+                description.laws().stream().filter(law -> !lawPath.needsTrust(law.name())).toList();
         boolean complete = opened.size() == description.laws().size();
         try (Simulation simulation =
                 new Simulation(description.withLaws(opened), Pacing.FAST, lawPath)) {

@@ -60,9 +60,7 @@ record StoreArgument(String given, Optional<PostgresUrl> url, Optional<Path> fil
         List<String> names = worlds();
         return names.isEmpty()
                 ? ", it has none"
-                : ", expected one of "
-                        + String.join(", ", names)
-                        + Suggestion.of(missing, names);
+                : ", expected one of " + String.join(", ", names) + Suggestion.of(missing, names);
     }
 
     /** Returns the names of the worlds of the database. */

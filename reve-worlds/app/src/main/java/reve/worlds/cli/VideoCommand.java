@@ -262,7 +262,8 @@ public final class VideoCommand implements Callable<Integer> {
             throw wrong("--fps is " + fps + ", expected 1 to " + most);
         }
         if (!(speed > 0 && speed <= 1e6)) {
-            throw wrong("--speed is " + Rounded.of(speed) + ", expected above 0 and at most 1000000");
+            throw wrong(
+                    "--speed is " + Rounded.of(speed) + ", expected above 0 and at most 1000000");
         }
         double length = seconds.orElse(DEFAULT_SECONDS);
         if (!(length > 0 && length / speed * fps <= MOST_PICTURES)) {
@@ -405,7 +406,10 @@ public final class VideoCommand implements Callable<Integer> {
     private Drawn ended(long pictures, double last) {
         if (pictures == 0) {
             throw new CorruptException(
-                    path + " ends before --from " + Rounded.of(from) + " s: there is nothing to show");
+                    path
+                            + " ends before --from "
+                            + Rounded.of(from)
+                            + " s: there is nothing to show");
         }
         return new Drawn(pictures, last);
     }

@@ -193,7 +193,8 @@ public record LawPath(
                                                 + name
                                                 + "' was not found among "
                                                 + places()
-                                                + misplaced(name).orElseGet(() -> suggestion(name))));
+                                                + misplaced(name)
+                                                        .orElseGet(() -> suggestion(name))));
     }
 
     /**

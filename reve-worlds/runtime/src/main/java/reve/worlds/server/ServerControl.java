@@ -116,8 +116,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
                     failed.getMessage());
             LOG.debug("the law library {}", library, failed);
             throw new ActionRefused(
-                    "law-refused",
-                    simulation.reasonForClients(library, failed), failed);
+                    "law-refused", simulation.reasonForClients(library, failed), failed);
         }
     }
 
@@ -169,7 +168,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
                                     () ->
                                             new ActionRefused(
                                                     "law-refused",
-                                                    simulation.physics().laws().notLoaded(library)));
+                                                    simulation
+                                                            .physics()
+                                                            .laws()
+                                                            .notLoaded(library)));
             simulation.physics().laws().unload(frame, id);
         };
     }
@@ -373,7 +375,9 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 LOG.warn("the world cannot be saved as {}: {}", target, Reason.of(failed));
                 LOG.debug("the file {}", target, failed);
                 throw new ActionRefused(
-                        "save-refused", "the world cannot be saved as " + file + LawPath.SEE_LOG, failed);
+                        "save-refused",
+                        "the world cannot be saved as " + file + LawPath.SEE_LOG,
+                        failed);
             }
         }
 

@@ -275,8 +275,7 @@ public final class Simulation implements AutoCloseable {
     private int loadText(LawReference law, String text) {
         byte[] bytes = text.getBytes(StandardCharsets.UTF_8);
         try (PreparedLibrary prepared = engine.prepareText(law.name() + ".law", bytes)) {
-            return physics.laws()
-                    .load(0, prepared, law.parameters(), Path.of(law.name() + ".law"));
+            return physics.laws().load(0, prepared, law.parameters(), Path.of(law.name() + ".law"));
         }
     }
 
