@@ -128,7 +128,7 @@ class CommandLineIT {
         assertThat(again.code()).isEqualTo(1);
         assertThat(again.err()).contains("is there already; nothing was written");
         Outcome near = Reve.run("check", folder.resolve("my wrld").toString());
-        assertThat(near.err()).contains("did you mean `my world`?");
+        assertThat(near.err()).contains("did you mean `" + world + "`?");
         assertThat(Reve.run("check", folder.resolve("pendulum").toString()).err())
                 .contains("in " + folder + " are my world");
     }

@@ -48,7 +48,7 @@ class FaultsOfPicturesIT {
     private void hasReportedTheFault(Outcome outcome, Path written) {
         assertThat(outcome.code()).as(outcome.err()).isEqualTo(1);
         assertThat(outcome.messages())
-                .contains("blow.yaml:11:", "no law of this world reads the charge of rock")
+                .contains("blow.yaml:12:", "no law of this world reads the charge of rock")
                 .contains("reve: fault in frame ", "explode.law:3:");
         assertThat(written).isNotEmptyFile();
     }
