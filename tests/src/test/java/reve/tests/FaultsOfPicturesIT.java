@@ -49,7 +49,7 @@ class FaultsOfPicturesIT {
         assertThat(outcome.code()).as(outcome.err()).isEqualTo(1);
         assertThat(outcome.messages())
                 .contains("blow.yaml:12:", "no law of this world reads the charge of rock")
-                .contains("reve: fault in frame ", "explode.law:3:");
+                .contains("reve: fault in frame ", "law explode: property externalForce");
         assertThat(written).isNotEmptyFile();
     }
 
