@@ -191,7 +191,7 @@ class McapTest(unittest.TestCase):
             self.assertEqual(picture.format, "png")
             times.append(message.log_time // 10**9)
             taken = self.folder / "taken.png"
-            reve(*f"snapshot {self.folder} --at {times[-1]} --size 160x120 --out {taken}".split())
+            reve(*f"picture {self.folder} --at {times[-1]} --size 160x120 --out {taken}".split())
             self.assertEqual(picture.data, taken.read_bytes())
         self.assertEqual(times, [0, 1, 2, 3])
 

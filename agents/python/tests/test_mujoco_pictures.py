@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares pictures of `./reve snapshot` with those of an independent renderer, MuJoCo's.
+"""Compares pictures of `./reve picture` with those of an independent renderer, MuJoCo's.
 
 Both draw the same spheres and boxes from the same viewpoint, with OSMesa. The outline of each item
 and the depths inside it must agree. Skipped if the packages mujoco and numpy are not installed.
@@ -132,7 +132,7 @@ def draw_with_reve(folder):
     import numpy
 
     (folder / "world.json").write_text(world())
-    command = [ROOT / "reve", "snapshot", folder / "world.json", "--size", f"{WIDTH}x{HEIGHT}"]
+    command = [ROOT / "reve", "picture", folder / "world.json", "--size", f"{WIDTH}x{HEIGHT}"]
     command += ["--depth", folder / "d.npy", "--segmentation", folder / "i.npy"]
     done = subprocess.run(
         [*command, "--out", folder / "picture.png"], capture_output=True, text=True

@@ -47,19 +47,19 @@ class CommandLineIT {
         assertThat(help.code()).isZero();
         assertThat(help.out())
                 .contains(
-                        "serve", "run", "snapshot", "check", "demo", "build", "test", "Exit codes");
-        for (String command : new String[] {"serve", "run", "snapshot", "check", "demo"}) {
+                        "serve", "run", "picture", "check", "demo", "build", "test", "Exit codes");
+        for (String command : new String[] {"serve", "run", "picture", "check", "demo"}) {
             assertThat(Reve.run(command, "--help").code()).as(command).isZero();
         }
     }
 
     @Test
     void wrongUsageIsExitCode2AndSaysWhatIsWrongAndWhereToReadMore() throws Exception {
-        Outcome unknown = Reve.runAsProcess("snapshots");
+        Outcome unknown = Reve.runAsProcess("pictures");
         assertThat(unknown.code()).isEqualTo(2);
         assertThat(unknown.err())
-                .contains("snapshots")
-                .contains("did you mean `snapshot`?")
+                .contains("pictures")
+                .contains("did you mean `picture`?")
                 .endsWith("`./reve --help` says more\n");
         assertThat(unknown.err().lines()).hasSizeLessThanOrEqualTo(4);
         assertThat(Reve.run("run", SPRING_ORBIT, "--seconds", "-1").code()).isEqualTo(2);
@@ -71,7 +71,7 @@ class CommandLineIT {
         assertThat(waiting.err()).contains("--waiting is 'never', expected off or 0.001 to 86400");
         Outcome size =
                 Reve.run(
-                        "snapshot",
+                        "picture",
                         SPRING_ORBIT,
                         "--out",
                         folder.resolve("x.png").toString(),
@@ -79,9 +79,9 @@ class CommandLineIT {
                         "huge");
         assertThat(size.code()).isEqualTo(2);
         assertThat(size.err().lines()).hasSize(2);
-        assertThat(size.err()).contains("'huge' is no size", "`./reve snapshot --help` says more");
+        assertThat(size.err()).contains("'huge' is no size", "`./reve picture --help` says more");
         Outcome jpeg =
-                Reve.run("snapshot", SPRING_ORBIT, "--out", folder.resolve("x.jpg").toString());
+                Reve.run("picture", SPRING_ORBIT, "--out", folder.resolve("x.jpg").toString());
         assertThat(jpeg.code()).isEqualTo(2);
         assertThat(jpeg.err()).contains("x.jpg: pictures are PNG");
         assertThat(folder.resolve("x.jpg")).doesNotExist();
@@ -148,7 +148,7 @@ class CommandLineIT {
     @Test
     void foldersThatServeIsToldAreMadeButNotWhatTheyAreIn() throws Exception {
         Path folders = folder.resolve("new");
-        String[] options = {"--snapshots", "--saves"};
+        String[] options = {"--pictures", "--saves"};
         for (String option : options) {
             Outcome outcome = serveWith(option, folders.resolve("within"));
             assertThat(outcome.code()).as(option).isEqualTo(2);
@@ -243,7 +243,7 @@ class CommandLineIT {
         Path picture = folder.resolve("orbit.png");
         Outcome outcome =
                 Reve.runAsProcess(
-                        "snapshot",
+                        "picture",
                         SPRING_ORBIT,
                         "--at",
                         "1",
@@ -273,12 +273,12 @@ class CommandLineIT {
                         "--seconds",
                         "6",
                         "--json",
-                        "--snapshots",
+                        "--pictures",
                         pictures.toString(),
-                        "--snapshot-at",
+                        "--picture-at",
                         "0,1,2,3,4,5,5.1");
         assertThat(outcome.code()).isZero();
-        assertThat(outcome.out()).doesNotContain("snapshot-failed");
+        assertThat(outcome.out()).doesNotContain("picture-failed");
         try (var files = Files.list(pictures)) {
             assertThat(files.map(file -> file.getFileName().toString()).sorted())
                     .containsExactly(

@@ -208,7 +208,7 @@ class ControlIT {
         long frame = serve(boss -> result.set(boss.command("picture", Map.of()))).frames();
         Event taken =
                 events.stream()
-                        .filter(event -> event.type().equals("snapshot"))
+                        .filter(event -> event.type().equals("picture"))
                         .findFirst()
                         .orElseThrow();
         Path file = Path.of((String) taken.fields().get("file"));

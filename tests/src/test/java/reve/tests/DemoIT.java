@@ -55,6 +55,6 @@ class DemoIT {
         Outcome outcome = Reve.run("demo", "--out", folder.toString());
 
         assertThat(outcome.code()).isEqualTo(1);
-        assertThat(outcome.err()).contains("snapshot failed", inTheWay.toString());
+        assertThat(outcome.err()).contains("picture failed", inTheWay.toString());
     }
 }

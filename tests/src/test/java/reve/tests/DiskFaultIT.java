@@ -374,7 +374,7 @@ class DiskFaultIT {
         assertThat(overPack.code()).isEqualTo(2);
         assertThat(overPack.err()).contains("--save " + pack + ": exists and is not a world file");
         assertThat(pack).hasBinaryContent(packed);
-        Outcome drawn = Reve.run("snapshot", WORLD, "--out", store.toString());
+        Outcome drawn = Reve.run("picture", WORLD, "--out", store.toString());
         assertThat(drawn.code()).isEqualTo(2);
         assertThat(drawn.err()).contains("--out " + store + ": exists and is not a PNG picture");
         assertThat(Files.readAllBytes(store)).isEqualTo(before);
@@ -423,7 +423,7 @@ class DiskFaultIT {
 
         refused("run", "--record", pipe, "is a pipe, expected a file");
         refused("run", "--save", pipe, "is a device or a pipe, expected a file");
-        refused("snapshot", "--out", pipe, "is a device or a pipe, expected a file");
+        refused("picture", "--out", pipe, "is a device or a pipe, expected a file");
 
         assertThat(Files.readAttributes(pipe, BasicFileAttributes.class).isOther()).isTrue();
     }

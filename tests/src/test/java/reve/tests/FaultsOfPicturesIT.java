@@ -57,9 +57,9 @@ class FaultsOfPicturesIT {
     void aSnapshotIsWrittenAndTheFaultIsReported() throws Exception {
         Path picture = folder.resolve("a.png");
         hasReportedTheFault(
-                Reve.run("snapshot", world, "--at", "1", "--out", picture.toString()), picture);
+                Reve.run("picture", world, "--at", "1", "--out", picture.toString()), picture);
         Path before = folder.resolve("b.png");
-        Outcome begin = Reve.run("snapshot", world, "--out", before.toString());
+        Outcome begin = Reve.run("picture", world, "--out", before.toString());
         assertThat(begin.code()).as(begin.err()).isZero();
         assertThat(begin.messages()).contains("reads the charge").doesNotContain("fault");
     }

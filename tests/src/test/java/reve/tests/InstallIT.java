@@ -62,7 +62,7 @@ class InstallIT {
         assertThat(run.out()).contains("spring-orbit: 60 frames", "state hash");
         assertThat(run("check", world).code()).isZero();
         Path picture = home.resolve("orbit.png");
-        assertThat(run("snapshot", world, "--out", picture.toString()).code()).isZero();
+        assertThat(run("picture", world, "--out", picture.toString()).code()).isZero();
         assertThat(picture).isNotEmptyFile();
         String hash = serve(world);
         new Shell(home).run(page.titled("backup.sh").text() + "chmod -R a+rwX backup\n");

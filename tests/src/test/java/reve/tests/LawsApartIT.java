@@ -86,7 +86,7 @@ class LawsApartIT {
         assertThat(reve(List.of("check", world, "--apart")).out())
                 .contains("valid, 1 items, 2 laws\n");
         Path picture = folder.resolve("p.png");
-        assertThat(reve(List.of("snapshot", world, "--out", picture.toString()), "--apart").code())
+        assertThat(reve(List.of("picture", world, "--out", picture.toString()), "--apart").code())
                 .isZero();
         Outcome inProcess = reve(run, "--apart", "--engine", "in-process");
         assertThat(inProcess.code()).isEqualTo(2);

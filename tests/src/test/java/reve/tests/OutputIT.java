@@ -38,7 +38,7 @@ class OutputIT {
                 List.of("run", WORLD, "--seconds", "0.1", "--json"),
                 List.of("replay", log),
                 List.of("store", "check", store),
-                List.of("snapshot", WORLD, "--out", folder.resolve("a.png").toString()),
+                List.of("picture", WORLD, "--out", folder.resolve("a.png").toString()),
                 List.of("token", "new", "ada", "--file", folder.resolve("tokens").toString()),
                 List.of("serve", WORLD, "--port", "0", "--seconds", "0.1", "--json"));
     }

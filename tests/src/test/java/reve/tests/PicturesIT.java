@@ -25,7 +25,7 @@ import java.util.List;
 
 import javax.imageio.ImageIO;
 
-/** The cameras and layers of {@code snapshot}, compared with the geometry of their scene. */
+/** The cameras and layers of {@code picture}, compared with the geometry of their scene. */
 @Tag("slow")
 class PicturesIT {
     private static final int WIDTH = 301;
@@ -63,8 +63,8 @@ class PicturesIT {
                         """);
     }
 
-    private JsonNode snapshot(String... options) throws Exception {
-        List<String> command = new ArrayList<>(List.of("snapshot", world.toString(), "--json"));
+    private JsonNode picture(String... options) throws Exception {
+        List<String> command = new ArrayList<>(List.of("picture", world.toString(), "--json"));
         command.addAll(List.of("--out", folder.resolve("picture.png").toString()));
         command.addAll(List.of("--size", WIDTH + "x" + HEIGHT));
         command.addAll(List.of(options));
@@ -127,11 +127,11 @@ class PicturesIT {
 
     @Test
     void aNamedCameraTakesThePictureOfTheWorldsCameraAtTheSamePlace() throws Exception {
-        snapshot("--at", "0.5");
+        picture("--at", "0.5");
         byte[] usual = Files.readAllBytes(folder.resolve("picture.png"));
-        snapshot("--at", "0.5", "--camera", "same");
+        picture("--at", "0.5", "--camera", "same");
         assertThat(Files.readAllBytes(folder.resolve("picture.png"))).isEqualTo(usual);
-        snapshot("--at", "0.5", "--camera", "watch");
+        picture("--at", "0.5", "--camera", "watch");
         assertThat(Files.readAllBytes(folder.resolve("picture.png"))).isNotEqualTo(usual);
     }
 
@@ -149,7 +149,7 @@ class PicturesIT {
                     "--depth",
                     folder.resolve("depth.npy").toString()
                 };
-                JsonNode told = snapshot(options);
+                JsonNode told = picture(options);
                 double[] centre = centre(numpy("items.npy", "<u4"), id(told, "ball"));
                 assertThat(centre[0]).as("%s at %s s", camera, time).isCloseTo(150, within(1.0));
                 assertThat(centre[1]).as("%s at %s s", camera, time).isCloseTo(100, within(1.0));
@@ -166,7 +166,7 @@ class PicturesIT {
         double[] sizes = new double[2];
         for (int i = 0; i < 2; i++) {
             JsonNode told =
-                    snapshot(
+                    picture(
                             "--at",
                             i == 0 ? "0" : "0.7",
                             "--camera",
@@ -183,7 +183,7 @@ class PicturesIT {
     void aPathIsAtItsKeysAndTheDepthPngHasTheDistance() throws Exception {
         for (String[] known : new String[][] {{"0", "8"}, {"0.5", "6"}, {"1", "4"}, {"2", "4"}}) {
             JsonNode told =
-                    snapshot(
+                    picture(
                             "--at",
                             known[0],
                             "--camera",
@@ -202,7 +202,7 @@ class PicturesIT {
     @Test
     void theColoursOfASegmentationAreThoseOfTheItemsThatItNames() throws Exception {
         JsonNode told =
-                snapshot(
+                picture(
                         "--segmentation",
                         folder.resolve("items.png").toString(),
                         "--at",
@@ -221,10 +221,10 @@ class PicturesIT {
 
     @Test
     void labelsStandAboveTheItems() throws Exception {
-        snapshot("--at", "0");
+        picture("--at", "0");
         BufferedImage bare = picture();
         JsonNode told =
-                snapshot(
+                picture(
                         "--at",
                         "0",
                         "--labels",
@@ -262,7 +262,7 @@ class PicturesIT {
                   - {name: right, physical: {shape: box, size: [0.1, 0.1, 0.1], location: [0.5547, 1, -0.83205]}}
                 """);
         JsonNode told =
-                snapshot("--scale-bar", "--segmentation", folder.resolve("items.npy").toString());
+                picture("--scale-bar", "--segmentation", folder.resolve("items.npy").toString());
         ByteBuffer items = numpy("items.npy", "<u4");
         double[] left = centre(items, id(told, "left"));
         double[] right = centre(items, id(told, "right"));
@@ -287,12 +287,12 @@ class PicturesIT {
 
     @Test
     void aContactSheetShowsEqualTimes() throws Exception {
-        JsonNode told = snapshot("--at", "1", "--sheet", "3x2");
+        JsonNode told = picture("--at", "1", "--sheet", "3x2");
         assertThat(told.path("times").toString()).isEqualTo("[0.0,0.2,0.4,0.6,0.8,1.0]");
         BufferedImage all = picture();
         assertThat(all.getWidth()).isEqualTo(3 * WIDTH);
         assertThat(all.getHeight()).isEqualTo(2 * HEIGHT);
-        snapshot("--at", "0.8");
+        picture("--at", "0.8");
         BufferedImage fifth = picture();
         for (int y = 0; y < HEIGHT / 2; y++) { // the caption is below
             for (int x = 0; x < WIDTH; x++) {
@@ -304,13 +304,13 @@ class PicturesIT {
     @Test
     void wrongOptionsAreExplained() throws Exception {
         String out = folder.resolve("x.png").toString();
-        assertThat(Reve.run("snapshot", world.toString(), "--out", out, "--camera", "chasse").err())
+        assertThat(Reve.run("picture", world.toString(), "--out", out, "--camera", "chasse").err())
                 .contains("no camera `chasse`; did you mean `chase`?; it has same, chase, rider");
-        assertThat(Reve.run("snapshot", world.toString(), "--out", out, "--depth", "d.exr").err())
+        assertThat(Reve.run("picture", world.toString(), "--out", out, "--depth", "d.exr").err())
                 .contains("--depth d.exr: expected a name that ends in .png or .npy");
-        assertThat(Reve.run("snapshot", world.toString(), "--out", out, "--sheet", "3").err())
+        assertThat(Reve.run("picture", world.toString(), "--out", out, "--sheet", "3").err())
                 .contains("'3' is no grid, expected e.g. 3x2");
-        assertThat(Reve.run("snapshot", world.toString(), "--out", out, "--sheet", "3x2").err())
+        assertThat(Reve.run("picture", world.toString(), "--out", out, "--sheet", "3x2").err())
                 .contains("expected --at above 0");
     }
 }

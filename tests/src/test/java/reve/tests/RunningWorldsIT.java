@@ -187,7 +187,7 @@ class RunningWorldsIT {
                                 "--json",
                                 "--saves",
                                 folder.resolve("saved").toString(),
-                                "--snapshots",
+                                "--pictures",
                                 folder.toString());
                 AgentClient boss =
                         Agents.join(

@@ -480,7 +480,7 @@ class SharedStoreIT {
 
     private JsonNode picture(String url, String name, String... more) throws Exception {
         List<String> command =
-                new ArrayList<>(List.of("snapshot", NAME, "--store", url, "--size", "96x64"));
+                new ArrayList<>(List.of("picture", NAME, "--store", url, "--size", "96x64"));
         command.addAll(List.of("--out", folder.resolve(name + ".png").toString()));
         command.addAll(List.of(more));
         return json(command.toArray(String[]::new));
@@ -513,7 +513,7 @@ class SharedStoreIT {
         assertThat(file.code()).isEqualTo(2);
         assertThat(file.err()).contains("--store is my.db, expected postgresql://USER@HOST:PORT/");
         String out = folder.resolve("refused.png").toString();
-        String[] snapshot = {"snapshot", NAME, "--store", url, "--out", out};
+        String[] snapshot = {"picture", NAME, "--store", url, "--out", out};
         Outcome late = Reve.run(with(snapshot, "--at", "1e6"));
         assertThat(late.code()).isEqualTo(2);
         assertThat(late.err()).contains("--at is 1000000, but ", " s after its first state");

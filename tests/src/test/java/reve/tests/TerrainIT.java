@@ -118,7 +118,7 @@ class TerrainIT {
         Path picture = folder.resolve("picture.png");
         Outcome outcome =
                 Reve.run(
-                        "snapshot",
+                        "picture",
                         world.toString(),
                         "--size",
                         "320x240",

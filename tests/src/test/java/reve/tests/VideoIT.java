@@ -24,7 +24,7 @@ import javax.imageio.ImageReader;
 import javax.imageio.metadata.IIOMetadataNode;
 import javax.imageio.stream.ImageInputStream;
 
-/** Videos show the pictures that {@code snapshot} takes at the same times. */
+/** Videos show the pictures that {@code picture} takes at the same times. */
 @Tag("slow")
 class VideoIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
@@ -43,10 +43,10 @@ class VideoIT {
         return outcome;
     }
 
-    private BufferedImage snapshot(String at) throws Exception {
+    private BufferedImage picture(String at) throws Exception {
         Path picture = folder.resolve("snapshot.png");
         String[] command = {
-            "snapshot",
+            "picture",
             WORLD,
             "--at",
             at,
@@ -130,7 +130,7 @@ class VideoIT {
         for (String[] known : new String[][] {{"0", "1"}, {"2", "1.25"}, {"7", "1.875"}}) {
             BufferedImage frame =
                     ImageIO.read(folder.resolve("frames/00000" + known[0] + ".png").toFile());
-            assertThat(difference(frame, snapshot(known[1]))).as(known[1]).isZero();
+            assertThat(difference(frame, picture(known[1]))).as(known[1]).isZero();
         }
         video(WORLD, "frames", "--seconds", "1", "--fps", "2");
         assertThat(files("frames")).containsExactly("000000.png", "000001.png");
@@ -190,7 +190,7 @@ class VideoIT {
                 }
                 if (i % 15 == 0) {
                     // 255 colours: a few levels of 256 on average
-                    assertThat(difference(canvas, snapshot(i == 0 ? "0" : "0.5"))).isLessThan(4);
+                    assertThat(difference(canvas, picture(i == 0 ? "0" : "0.5"))).isLessThan(4);
                 }
             }
             graphics.dispose();
@@ -255,7 +255,7 @@ class VideoIT {
             assertThat(ffmpeg.code()).as(ffmpeg.err()).isZero();
             assertThat(files("of-" + name)).hasSize(10);
             BufferedImage sixth = ImageIO.read(decoded.resolve("06.png").toFile());
-            assertThat(difference(sixth, snapshot("0.5"))).as(name).isLessThan(4);
+            assertThat(difference(sixth, picture("0.5"))).as(name).isLessThan(4);
         }
         video(WORLD, "orbit.webp", "--seconds", "0.4", "--fps", "10");
         byte[] webp = Files.readAllBytes(folder.resolve("orbit.webp"));

@@ -189,7 +189,7 @@ class WorldTrustIT {
         for (List<String> command :
                 List.of(
                         List.of("run", world),
-                        List.of("snapshot", world, "--out", picture),
+                        List.of("picture", world, "--out", picture),
                         List.of("serve", world, "--port", "0", "--seconds", "0.1", "--fast"))) {
             Outcome outcome = reve(command);
             assertThat(outcome.code()).as(outcome.out()).isEqualTo(4);
@@ -292,7 +292,7 @@ class WorldTrustIT {
                 List.of(
                         List.of("check", world),
                         List.of("run", world),
-                        List.of("snapshot", world, "--out", folder.resolve("p.png").toString()),
+                        List.of("picture", world, "--out", folder.resolve("p.png").toString()),
                         List.of("serve", world, "--port", "0", "--seconds", "0.1"),
                         List.of("replay", folder.resolve("r.log").toString()))) {
             Outcome outcome = reve(command, "--laws", none.toString());

@@ -337,8 +337,8 @@ class WorldFileProblemsTest {
                 "ready",
                 "standby",
                 "cluster",
-                "snapshot",
-                "snapshot-failed",
+                "picture",
+                "picture-failed",
                 "saved",
                 "rewound",
                 "stalled",
@@ -367,7 +367,7 @@ class WorldFileProblemsTest {
                                 + event
                                 + " is the server's own; choose a name other than joined, left, "
                                 + "acted, law-loaded, law-unloaded, law-shadow, fault, over-budget, "
-                                + "missed, waiting, ready, standby, cluster, snapshot, snapshot-failed, "
+                                + "missed, waiting, ready, standby, cluster, picture, picture-failed, "
                                 + "saved, rewound, "
                                 + "stalled, recovered, late, away, back, end, detached, "
                                 + "removed, spoke, heard, world-asleep, watching and level-changed");

@@ -103,7 +103,7 @@ public final class ImportCommand implements Callable<Integer> {
                 robot.files().keySet().stream().filter(name -> name.endsWith(".obj")).count());
         robot.notes().forEach(note -> print.println("  " + note));
         print.println("look at it with");
-        print.println("  " + Product.command() + " snapshot " + out + " --out robot.png");
+        print.println("  " + Product.command() + " picture " + out + " --out robot.png");
         print.println("  " + Product.command() + " serve " + out + " --web 0");
         print.flush();
         return ExitCode.OK;

@@ -57,7 +57,7 @@ public final class Main {
                     RunCommand.class,
                     ExperimentCommand.class,
                     ReplayCommand.class,
-                    SnapshotCommand.class,
+                    PictureCommand.class,
                     VideoCommand.class,
                     ExportCommand.class,
                     CheckCommand.class,

@@ -87,7 +87,7 @@ public final class NewCommand {
         out.println(
                 "  "
                         + reve
-                        + " snapshot "
+                        + " picture "
                         + quoted(folder)
                         + " --at 2 --out "
                         + quoted(folder.resolve("world.png")));

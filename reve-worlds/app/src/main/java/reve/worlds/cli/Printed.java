@@ -33,7 +33,7 @@ enum Printed {
                     "standby",
                     "cluster",
                     "fault",
-                    "snapshot-failed",
+                    "picture-failed",
                     "stalled",
                     "recovered");
     private static final Set<String> NOW_AND_THEN =
@@ -48,7 +48,7 @@ enum Printed {
                     "law-unloaded",
                     "law-shadow",
                     "over-budget",
-                    "snapshot",
+                    "picture",
                     "saved",
                     "rewound",
                     "world-asleep",

@@ -131,18 +131,18 @@ public final class ServeCommand implements Callable<Integer> {
     private boolean untilInputEnds;
 
     @Option(
-            names = "--snapshots",
+            names = "--pictures",
             paramLabel = "DIR",
             defaultValue = ".",
             description = "Folder for pictures (default: the current folder).")
-    private Path snapshots = Path.of(".");
+    private Path pictures = Path.of(".");
 
     @Option(
-            names = "--snapshot-at",
+            names = "--picture-at",
             paramLabel = "S",
             split = ",",
             description = "World times to take pictures at [s], for example 0,2.5,5.")
-    private List<Double> snapshotAt = new ArrayList<>();
+    private List<Double> pictureAt = new ArrayList<>();
 
     @Option(
             names = "--store",
@@ -379,7 +379,7 @@ public final class ServeCommand implements Callable<Integer> {
         foreign.put("--seconds", seconds.isPresent());
         foreign.put("--until-input-ends", untilInputEnds);
         foreign.put("--record", record.file().isPresent());
-        foreign.put("--snapshot-at", !snapshotAt.isEmpty());
+        foreign.put("--picture-at", !pictureAt.isEmpty());
         foreign.forEach(
                 (option, isGiven) -> {
                     if (isGiven) {
@@ -722,7 +722,7 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private void makeFolders() {
-        makeFolder("--snapshots", Optional.of(snapshots));
+        makeFolder("--pictures", Optional.of(pictures));
         makeFolder("--saves", saves);
         if (paths.size() > 1) {
             makeFolder("--record", record.file());
@@ -746,8 +746,8 @@ public final class ServeCommand implements Callable<Integer> {
         makeFolder("--saves", saves);
         makeFolder("--saves", ownSaves);
         List<Long> pictureFrames = new ArrayList<>();
-        for (double time : snapshotAt) {
-            pictureFrames.add(Frames.of(spec, "--snapshot-at", time, description.timing()));
+        for (double time : pictureAt) {
+            pictureFrames.add(Frames.of(spec, "--picture-at", time, description.timing()));
         }
         return new WorldPlan(
                 description,
@@ -759,7 +759,7 @@ public final class ServeCommand implements Callable<Integer> {
                         ownSaves,
                         storeEvery.orElse((double) STORE_EVERY),
                         durability.orElse(SqliteStore.Durability.NORMAL)),
-                new Pictures(snapshots, pictureFrames),
+                new Pictures(pictures, pictureFrames),
                 lawPath.forWorld(folder),
                 swaps.plan(spec));
     }

@@ -187,7 +187,7 @@ public final class ClusterDemo {
                                 database.url(),
                                 "--port",
                                 "0",
-                                "--snapshots",
+                                "--pictures",
                                 folder.toString(),
                                 "--json"));
         arguments.addAll(more);
@@ -247,7 +247,7 @@ public final class ClusterDemo {
         }
         long frame = taken.frame().orElseThrow();
         JsonNode picture =
-                owner.process().await("snapshot", event -> event.path("frame").asLong() == frame);
+                owner.process().await("picture", event -> event.path("frame").asLong() == frame);
         return new ClusterDemoReport.Picture(frame, picture.path("file").asString());
     }
 

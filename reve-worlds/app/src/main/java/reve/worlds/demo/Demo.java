@@ -61,7 +61,7 @@ public final class Demo {
                     "server ready on port " + port + "; starting a Python and a Java agent");
             try (JsonProcess curious = startPythonAgent(port);
                     JsonProcess painter = startJavaAgent(port)) {
-                JsonNode before = server.await("snapshot", line -> true);
+                JsonNode before = server.await("picture", line -> true);
                 progress.println(
                         "first picture taken; dropping " + library.getFileName() + " into " + laws);
                 Files.copy(library, dropped);
@@ -70,7 +70,7 @@ public final class Demo {
                         "the law acts since frame "
                                 + loaded.get("frame")
                                 + "; waiting for the second picture");
-                JsonNode after = server.await("snapshot", line -> !line.equals(before));
+                JsonNode after = server.await("picture", line -> !line.equals(before));
                 Files.delete(dropped);
                 JsonNode unloaded = server.await("law-unloaded", Demo::isDroppedLaw);
                 progress.println("law taken out again at frame " + unloaded.get("frame"));
@@ -103,9 +103,9 @@ public final class Demo {
                         "0",
                         "--laws",
                         laws.toString(),
-                        "--snapshots",
+                        "--pictures",
                         folder.toString(),
-                        "--snapshot-at",
+                        "--picture-at",
                         PICTURES_AT,
                         "--seconds",
                         SERVER_SECONDS,

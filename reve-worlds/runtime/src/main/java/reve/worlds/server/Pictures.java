@@ -104,7 +104,7 @@ public final class Pictures implements AutoCloseable {
     private void draw(Scene scene, Path file, Map<String, Object> fields, ServerEvents events) {
         try {
             renderer.render(scene, file);
-            events.happened("snapshot", fields);
+            events.happened("picture", fields);
         } catch (RuntimeException failed) {
             tellFailure(failed, fields, events);
         }
@@ -113,7 +113,7 @@ public final class Pictures implements AutoCloseable {
     private static void tellFailure(
             RuntimeException failed, Map<String, Object> fields, ServerEvents events) {
         fields.put("message", String.valueOf(failed.getMessage()));
-        events.happened("snapshot-failed", fields);
+        events.happened("picture-failed", fields);
     }
 
     /** Finishes the pictures in progress, then ends the renderer. Idempotent. */

@@ -12,7 +12,7 @@ public interface ServerEvents {
     /**
      * Receives an event.
      *
-     * @param event {@code ready}, {@code snapshot}, {@code end}, or the type of a world event
+     * @param event {@code ready}, {@code picture}, {@code end}, or the type of a world event
      * @param fields text, numbers, booleans, or lists of these, by name, in order; the caller does
      *     not change them afterwards
      */

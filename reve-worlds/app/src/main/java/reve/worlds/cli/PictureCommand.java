@@ -45,13 +45,13 @@ import java.util.concurrent.Callable;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
-/** The command {@code snapshot}: runs a world up to a time and takes a picture of it. */
+/** The command {@code picture}: runs a world up to a time and takes a picture of it. */
 @Command(
-        name = "snapshot",
+        name = "picture",
         description =
                 "Runs a world, or repeats a world of a database, up to a time and writes a picture"
                         + " of it, off-screen.")
-public final class SnapshotCommand implements Callable<Integer> {
+public final class PictureCommand implements Callable<Integer> {
     private static final Pattern GRID = Pattern.compile("([1-9]\\d?)x([1-9]\\d?)");
     private static final ImageFormat SHEET_FORMAT = ImageFormat.of(480, 320);
     private static final long MOST_PIXELS = 1L << 26;
