@@ -48,6 +48,13 @@ std::string CppOf(const LawOptions& options, const std::string& text) {
   return cpp;
 }
 
+void PrintProblems(const LawOptions& options, const std::string& report) {
+  std::cerr << Visible(report) << "checked without a world, against the standard prototype "
+            << options.prototype
+            << "; if a world declares kinds or properties for this law, check the world: reve check"
+               " WORLD\n";
+}
+
 }  // namespace
 
 int CheckLaw(const LawOptions& options) {
@@ -59,10 +66,7 @@ int CheckLaw(const LawOptions& options) {
     std::cout << options.file << ": right\n";
     if (options.file.ends_with(".law")) DescribeLibrary(options.file);
   } else {
-    std::cerr << Visible(report) << "checked without a world, against the standard prototype "
-              << options.prototype
-              << "; if a world declares kinds or properties for this law, check the world: reve"
-                 " check WORLD\n";
+    PrintProblems(options, report);
   }
   return report.empty() ? kDone : kFailed;
 }
@@ -70,7 +74,7 @@ int CheckLaw(const LawOptions& options) {
 int LawToCpp(const LawOptions& options) {
   const std::string text = ReadFile(options.file);
   if (const std::string report = ReportOn(options, text); !report.empty()) {
-    std::cerr << Visible(report);
+    PrintProblems(options, report);
     return kFailed;
   }
   const std::string cpp = CppOf(options, text);

@@ -176,7 +176,7 @@ class ClusterUpgradeIT {
                         "the node 10.0.0.2:2551 runs REVE 99.0, which speaks version 9 between"
                                 + " nodes and understands 8 to 9; this program is REVE "
                                 + Product.version()
-                                + ", which speaks version 1 ",
+                                + ", which speaks version 2 ",
                         "Start a version that fits, or end all other nodes first");
         assertThat(postgres.query("versions", "SELECT version FROM reve.node"))
                 .containsExactly("99.0");

@@ -350,8 +350,12 @@ public final class ServeCommand implements Callable<Integer> {
                             ClusterNode.start(
                                     settings, host, name -> planInCluster(name, lawPath), events)) {
                 interrupt.stopWith(node::stop, LEAVING);
+                if (!added.isEmpty()) {
+                    node.beginAdding();
+                }
                 node.awaitUp();
                 addWorlds(settings.database(), added);
+                node.endAdding();
                 wasRemoved = node.await().isPresent();
             }
             ServerReport report = host.report();

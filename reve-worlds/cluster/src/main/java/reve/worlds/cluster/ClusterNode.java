@@ -129,6 +129,12 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
     /** The time at which the last reading of the database began [ns]. */
     private volatile long readNanos = System.nanoTime() - AWAY_NANOSECONDS;
 
+    /** Whether worlds of the command line are being added to the database. */
+    private volatile boolean isAdding;
+
+    /** The time at which worlds of the command line were added [ns]. */
+    private volatile long addedNanos = readNanos;
+
     /** Addresses for agents of the worlds of other nodes, by name; for the agent server. */
     private volatile Map<String, String> elsewhere = Map.of();
 
@@ -646,7 +652,21 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
 
     @Override
     public boolean isComplete() {
-        return hasRead && !stops;
+        return hasRead && !stops && !isAdding && readNanos - addedNanos >= 0;
+    }
+
+    /**
+     * Reports that worlds are being added to the database. Until this node has read their names, it
+     * tells clients that ask for unknown worlds to try again.
+     */
+    public void beginAdding() {
+        isAdding = true;
+    }
+
+    /** Reports that the database has the worlds. */
+    public void endAdding() {
+        addedNanos = System.nanoTime();
+        isAdding = false;
     }
 
     @Override
