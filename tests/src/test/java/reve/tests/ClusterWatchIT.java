@@ -183,6 +183,8 @@ class ClusterWatchIT {
 
             control.perceiveEvery(1);
             observer.perceiveEvery(1);
+            control.nextPerception(); // a paused world begins no stream of perceptions
+            observer.nextPerception();
             long paused = control.command("pause", Map.of()).frame().orElseThrow();
             Perception original = next(control, paused);
             Perception copy = next(observer, paused);

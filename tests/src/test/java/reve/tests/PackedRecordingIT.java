@@ -143,7 +143,8 @@ class PackedRecordingIT {
         Outcome made =
                 Reve.run("pack", log.toString(), "--trust", "--frame", "6", "--out", "" + pack);
         assertThat(made.code()).as(made.err()).isZero();
-        assertThat(made.out()).contains("windy at frame 6, ", "native code and Python, which needs --trust");
+        assertThat(made.out())
+                .contains("windy at frame 6, ", "native code and Python, which needs --trust");
         assertThat(names(pack)).contains("laws/libvesper_law_evil.so", "laws/spin.py");
         try (ZipFile zip = new ZipFile(pack.toFile());
                 InputStream in = zip.getInputStream(zip.getEntry("laws/libvesper_law_evil.so"))) {

@@ -51,7 +51,8 @@ class TutorialIT {
         assertThat(painted).containsPattern("seat .*'low': True").contains("painted\nrefused: ");
 
         add("physics.diff");
-        assertThat(shell.run(page.titled("run.sh").text())).contains("2 are bodies with physics", "600 frames");
+        assertThat(shell.run(page.titled("run.sh").text()))
+                .contains("2 are bodies with physics", "600 frames");
 
         add("push.diff");
         double seconds = thereAndBack();

@@ -221,7 +221,9 @@ class RewindTest {
         keep("two");
         JsonNode refused = rewind("three");
         assertThat(refused.get("code").stringValue()).isEqualTo("no-such-image");
-        assertThat(refused.get("reason").stringValue()).contains("three").contains("kept are one, two");
+        assertThat(refused.get("reason").stringValue())
+                .contains("three")
+                .contains("kept are one, two");
     }
 
     /** A room whose world runs in a thread of its own until it is closed. */
