@@ -693,7 +693,7 @@ public final class ClusterNode implements HostCluster, AutoCloseable {
     public Optional<String> watched(String world) {
         return host.watch(world, () -> plans.of(world), this::connect)
                 ? Optional.empty()
-                : Optional.of("ask the operator, to whom this node has reported the reason");
+                : Optional.of("ask the operator; this node has reported the reason");
     }
 
     /** Opens the stream of frames of a world of another node. */
