@@ -62,18 +62,18 @@ public record DemoReport(
                         .collect(Collectors.joining(", ")));
         out.printf(
                 Locale.ROOT,
-                "The Python agent %s perceived the world %d times and pushed items %d times.%s%n",
+                "The Python agent %s perceived the world %s and pushed items %s.%s%n",
                 text(curious, "agent"),
-                curious.path("perceptions").asLong(),
-                curious.path("pushes").asLong(),
+                times(curious.path("perceptions").asLong()),
+                times(curious.path("pushes").asLong()),
                 refused(curious));
         out.printf(
                 Locale.ROOT,
-                "The Java agent %s perceived the world %d times and painted items %d times%s. The"
+                "The Java agent %s perceived the world %s and painted items %s%s. The"
                         + " fastest item moved at %.1f m/s.%s%n",
                 text(painter, "agent"),
-                painter.path("perceptions").asLong(),
-                painter.path("actsAccepted").asLong(),
+                times(painter.path("perceptions").asLong()),
+                times(painter.path("actsAccepted").asLong()),
                 painter.path("painted")
                         .propertyStream()
                         .map(each -> each.getKey() + " is now " + each.getValue().asString())
@@ -88,6 +88,10 @@ public record DemoReport(
 
     private static String text(JsonNode node, String field) {
         return node.path(field).asString();
+    }
+
+    private static String times(long count) {
+        return count == 1 ? "once" : count + " times";
     }
 
     private static String refused(JsonNode agent) {

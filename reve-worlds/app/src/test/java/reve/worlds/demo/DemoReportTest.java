@@ -31,7 +31,7 @@ class DemoReportTest {
                         json("{\"time\": 5.0, \"file\": \"two.png\"}"),
                         json(
                                 """
-                                {"agent": "curious", "perceptions": 51, "pushes": 5,
+                                {"agent": "curious", "perceptions": 51, "pushes": 1,
                                  "actsRefused": {"too-fast": 2, "late": 1}}
                                 """),
                         json(
@@ -50,8 +50,8 @@ class DemoReportTest {
                                 + " time.",
                         "The law gravity_field was added while the world ran, at 2.03 s, and"
                                 + " removed at 5.02 s. At the end the laws were a, b.",
-                        "The Python agent curious perceived the world 51 times and pushed items 5"
-                                + " times. The server refused 3 of its actions.",
+                        "The Python agent curious perceived the world 51 times and pushed items once."
+                                + " The server refused 3 of its actions.",
                         "The Java agent painter perceived the world 50 times and painted items 8"
                                 + " times: red is now #ff4000. The fastest item moved at 3.8 m/s.",
                         "The picture at 2.00 s, without gravity_field, is one.png",
